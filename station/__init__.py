@@ -1,3 +1,3 @@
-"""Control station: ros_control in Python, a simulated robot behind it, a web API before it."""
+"""Control station: ros_control in Python, with a simulated robot and a web API."""
 
 __version__ = "0.1.0"

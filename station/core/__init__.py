@@ -1,0 +1,1 @@
+"""ros_control itself: the standard library and NumPy, nothing else."""
