@@ -157,9 +157,14 @@ class ControllerBase:
             self.update(time, period)
 
     def start_request(self, time: float) -> bool:
-        """Call `starting`; return False only before initialisation (CM-3, CM-4)."""
+        """Call `starting`; return False only before initialisation (CM-3, CM-4).
+
+        A set-point that arrived before is void: it was meant for another situation.
+        """
         if self.state is ControllerState.CONSTRUCTED:
             return False
+        if self.set_points is not None:
+            self.set_points.clear()
         self.starting(time)
         self.state = ControllerState.RUNNING
         return True

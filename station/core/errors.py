@@ -15,7 +15,9 @@ StationError
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
+├── GainsChangedError             the gains are not the ones the caller has read
 ├── StaleEpochError               the command belongs to an older epoch
+├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
 ```
@@ -137,10 +139,22 @@ class InvalidGainError(StationError, ValueError):
     code = "invalid_gain"
 
 
+class GainsChangedError(StationError):
+    """The gains were changed by somebody else since they were read."""
+
+    code = "gains_changed"
+
+
 class StaleEpochError(StationError):
     """The command was issued before the last stop, reset or recovery."""
 
     code = "stale_epoch"
+
+
+class StoppedError(StationError):
+    """The station is stopped, or released but not armed again."""
+
+    code = "stopped"
 
 
 class LoopError(StationError, RuntimeError):

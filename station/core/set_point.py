@@ -22,6 +22,19 @@ class SetPointElement:
     maximum: float = float("inf")
 
 
+@dataclass(frozen=True, slots=True)
+class SetPoint:
+    """What a controller takes as set-point, and what it got last.
+
+    Attributes:
+        elements: Name, unit and range of each number.
+        values: The last set-point picked up; None before the first.
+    """
+
+    elements: tuple[SetPointElement, ...]
+    values: tuple[float, ...] | None
+
+
 class SetPointPort:
     """Takes set-points from any thread; the control thread picks the newest one up.
 

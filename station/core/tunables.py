@@ -60,3 +60,35 @@ def _problem(schema: Mapping[str, Tunable], name: str, value: float) -> str:
         unit = f" {tunable.unit}" if tunable.unit else ""
         return f"is {value}; allowed is {tunable.minimum} to {tunable.maximum}{unit}"
     return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """The run-time parameters of a controller.
+
+    Attributes:
+        values: Present value by name.
+        schema: Unit and range by name.
+        revision: Counts changes; equal revisions mean equal values.
+    """
+
+    values: dict[str, float]
+    schema: dict[str, Tunable]
+    revision: int
+
+
+@dataclass(frozen=True, slots=True)
+class GainsChange:
+    """An applied set of gains.
+
+    Attributes:
+        values: All values as they are now.
+        previous: All values as they were.
+        revision: Revision of the new values.
+        cycle: The cycle from which on they hold.
+    """
+
+    values: dict[str, float]
+    previous: dict[str, float]
+    revision: int
+    cycle: int

@@ -1,0 +1,280 @@
+"""The loop: read, update, write, at a fixed rate in a thread, or step by step.
+
+Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
+never made up for: the next cycle gets the longer `period`, which is the scheduled time
+since the last cycle and so a multiple of the nominal period.
+"""
+
+import threading
+import traceback
+from collections import deque
+from collections.abc import Callable
+from typing import TypeVar
+
+from station.core.clock import Clock
+from station.core.controller_manager import ControllerManager
+from station.core.errors import LoopError
+from station.core.interfaces import JointStateGroup, JointStateInterface
+from station.core.loop_report import LoopMeter, LoopReport, LoopState
+from station.core.robot_hw import RobotHW
+from station.core.scheduling import request_realtime_priority
+from station.core.snapshot import Snapshot, SnapshotRing
+from station.core.stop_latch import StopLatch
+
+T = TypeVar("T")
+OPERATIONS_PER_CYCLE = 4
+"""How many posted operations one cycle carries out; the rest wait for the next."""
+
+
+class _Operation:
+    """Something to do between two cycles, and its outcome for who waits for it."""
+
+    def __init__(self, action: Callable[[], object]) -> None:
+        self.action = action
+        self.result: object = None
+        self.error: BaseException | None = None
+        self.abandoned = False
+        # Released by the control thread, which never waits for it.
+        self.done = threading.Lock()
+        self.done.acquire()
+
+    def run(self) -> None:
+        if not self.abandoned:
+            try:
+                self.result = self.action()
+            except Exception as error:  # noqa: BLE001 - handed to the caller
+                self.error = error
+        self.done.release()
+
+
+class ControlLoop:
+    """Runs a robot and its controllers.
+
+    Either `start` and `stop` a thread, or call `step` for a deterministic run with
+    the same code. One thread at a time: `step` is refused while the thread runs.
+
+    Args:
+        hw: The robot, initialised.
+        manager: Its controllers.
+        clock: Wall time.
+        period: Nominal period [s], > 0.
+        real_time_factor: Station time over wall time of the thread, > 0.
+        snapshots: Where every cycle leaves its snapshot.
+
+    Attributes:
+        epoch: Number that commands must not be older than.
+        stop_latch: The latched stop; the loop carries it out.
+    """
+
+    def __init__(
+        self,
+        hw: RobotHW,
+        manager: ControllerManager,
+        *,
+        clock: Clock,
+        period: float = 0.001,
+        real_time_factor: float = 1.0,
+        snapshots: SnapshotRing | None = None,
+    ) -> None:
+        self.hw = hw
+        self.manager = manager
+        self.clock = clock
+        self.period = period
+        self.real_time_factor = real_time_factor
+        self.snapshots = snapshots or SnapshotRing()
+        self.stop_latch = StopLatch()
+        self.epoch = 1
+        self.time = 0.0
+        self.cycle = 0
+        interface = hw.get(JointStateInterface)
+        self._joints = JointStateGroup(interface.handles() if interface else [])
+        self._meter = LoopMeter(clock)
+        self._operations: deque[_Operation] = deque()
+        self._thread: threading.Thread | None = None
+        self._stopping = False
+        self._state = LoopState.STOPPED
+        self._failure = ""
+        self._scheduler = ""
+        manager.pump = self.step
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints in the snapshots, in their order."""
+        return list(self._joints.names)
+
+    @property
+    def state(self) -> LoopState:
+        """Whether the thread runs, was stopped, or died."""
+        return self._state
+
+    def start(self) -> None:
+        """Run in a thread of its own until `stop`.
+
+        Raises:
+            LoopError: It runs already.
+        """
+        if self._thread is not None:
+            raise LoopError("The control loop runs already.", remedy="Stop it first.")
+        self._stopping = False
+        self._failure = ""
+        self._meter.reset()
+        self._state = LoopState.RUNNING
+        self.manager.pump = None
+        self._thread = threading.Thread(target=self._run, name="control", daemon=True)
+        self._thread.start()
+
+    def stop(self, timeout: float = 2.0) -> None:
+        """End the thread after the current cycle; does nothing when there is none.
+
+        Raises:
+            LoopError: The cycle did not end within `timeout` [s].
+        """
+        thread = self._thread
+        if thread is None:
+            return
+        self._stopping = True
+        thread.join(timeout)
+        if thread.is_alive():
+            raise LoopError(
+                f"The control thread did not end within {timeout} s.",
+                remedy="A cycle hangs in the hardware or in a controller.",
+            )
+        self._thread = None
+        self.manager.pump = self.step
+        if self._state is LoopState.RUNNING:
+            self._state = LoopState.STOPPED
+
+    def step(self, cycles: int = 1) -> None:
+        """Run `cycles` cycles now, without waiting for the clock.
+
+        Raises:
+            LoopError: The thread runs.
+        """
+        if self._thread is not None:
+            raise LoopError(
+                "Cannot step: the control loop runs in its thread.",
+                remedy="Stop the loop first.",
+            )
+        for _ in range(cycles):
+            self._cycle(self.period)
+
+    def run_in_cycle(self, action: Callable[[], T], timeout: float = 1.0) -> T:
+        """Run `action` in the control thread between two cycles; return its result.
+
+        At once when no thread runs, or when called from the control thread.
+
+        Args:
+            action: Short, and must not wait for anything.
+            timeout: How long to wait for it [s wall time].
+
+        Raises:
+            LoopError: The loop died, or did not get to it in time; it will not be
+                run later.
+        """
+        thread = self._thread
+        if thread is None or thread is threading.current_thread():
+            return action()
+        if self._state is LoopState.FAILED:
+            raise LoopError(
+                f"The control loop died: {self.failure_summary()}",
+                remedy="Restart the station; GET /loop has the whole traceback.",
+                details={"failure": self._failure},
+            )
+        operation = _Operation(action)
+        self._operations.append(operation)
+        if not operation.done.acquire(timeout=timeout):
+            operation.abandoned = True
+            raise LoopError(
+                f"The control loop did not answer within {timeout} s.",
+                remedy="Look at /loop: it is overloaded, or it has died.",
+                details={"state": self._state.value, "failure": self._failure},
+            )
+        if operation.error is not None:
+            raise operation.error
+        return operation.result  # type: ignore[return-value]  # of this action
+
+    def report(self) -> LoopReport:
+        """Return how the loop is doing. Any thread."""
+        return self._meter.report(
+            state=self._state,
+            failure=self._failure,
+            period=self.period,
+            real_time_factor=self.real_time_factor,
+            scheduler=self._scheduler,
+        )
+
+    def reset_statistics(self) -> None:
+        """Start the statistics anew."""
+        self.run_in_cycle(self._meter.reset)
+
+    def next_epoch(self) -> int:
+        """Make everything commanded so far void; control thread or between cycles."""
+        self.epoch += 1
+        self.manager.void_commands()
+        return self.epoch
+
+    def carry_out_stop(self) -> None:
+        """Stop every controller now; control thread, or when no thread runs."""
+        self.next_epoch()
+        self.manager.stop_all(self.time)
+        self.stop_latch.carried_out(self.cycle)
+
+    def age(self) -> float:
+        """Return how long ago the last cycle ended [s wall time]."""
+        return self._meter.age()
+
+    def failure_summary(self) -> str:
+        """Return the last line of what ended the thread; empty if nothing did."""
+        return self._failure.strip().rpartition("\n")[2]
+
+    def _run(self) -> None:
+        self._scheduler = request_realtime_priority()
+        try:
+            self._run_until_stopped()
+        except Exception:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
+            self._failure = traceback.format_exc()
+            self._state = LoopState.FAILED
+
+    def _run_until_stopped(self) -> None:
+        wall_period = self.period / self.real_time_factor
+        deadline = self.clock.now() + wall_period
+        while not self._stopping:
+            self.clock.sleep_until(deadline)
+            lateness = self.clock.now() - deadline
+            skipped = int(lateness / wall_period)
+            self._meter.woke(lateness, skipped)
+            self._cycle((1 + skipped) * self.period)
+            deadline += (1 + skipped) * wall_period
+
+    def _cycle(self, period: float) -> None:
+        meter = self._meter
+        self.time += period
+        self.cycle += 1
+        if self._operations:
+            self._run_operations()
+        if self.stop_latch.pending:
+            self.carry_out_stop()
+        meter.begin()
+        self.hw.read(self.time, period)
+        meter.read_done()
+        self.manager.update(self.time, period)
+        meter.update_done()
+        self.hw.write(self.time, period)
+        meter.write_done()
+        self.snapshots.push(
+            Snapshot(
+                self.cycle,
+                self.epoch,
+                self.time,
+                period,
+                self.hw.mode(),
+                self._joints.get_positions(),
+                self._joints.get_velocities(),
+                self._joints.get_efforts(),
+                self.manager.samples(),
+            )
+        )
+
+    def _run_operations(self) -> None:
+        for _ in range(min(len(self._operations), OPERATIONS_PER_CYCLE)):
+            self._operations.popleft().run()

@@ -1,0 +1,356 @@
+"""The facade: what everybody outside of the control thread may ask and do.
+
+Every method is safe to call from any thread, may block for a moment, and either does
+the whole thing or raises an error of `station.core.errors` and changes nothing.
+"""
+
+import threading
+import uuid
+from collections.abc import Mapping
+
+from station.core.control_loop import ControlLoop
+from station.core.controller import ControllerSample
+from station.core.controller_manager import ControllerManager, ControllerStatus
+from station.core.errors import (
+    ControllerExistsError,
+    ControllerStateError,
+    GainsChangedError,
+    InvalidCommandError,
+    LoopError,
+    ParameterError,
+    StaleEpochError,
+)
+from station.core.loop_report import LoopReport, LoopState
+from station.core.parameters import Parameters
+from station.core.set_point import SetPoint, SetPointPort
+from station.core.snapshot import Snapshot, SnapshotRing
+from station.core.station_status import StationStatus
+from station.core.stop_latch import StopState
+from station.core.switching import SwitchRequest, SwitchResult
+from station.core.tunables import Gains, GainsChange, check_tunables
+
+FRESH = 0.25
+"""A last cycle older than this means that the loop hangs [s]."""
+
+
+class Station:
+    """One robot, its controllers and its loop, for any number of threads.
+
+    Args:
+        loop: The loop; started and stopped by its owner.
+        manager: The loop's controller manager.
+        parameters: The root of the parameter tree; controllers live under their name.
+        robot_type: Type of the robot for the status.
+
+    Attributes:
+        boot_id: Random name of this run.
+    """
+
+    def __init__(
+        self,
+        loop: ControlLoop,
+        manager: ControllerManager,
+        parameters: Parameters,
+        robot_type: str = "",
+    ) -> None:
+        self.boot_id = uuid.uuid4().hex
+        self.loop = loop
+        self.manager = manager
+        self.parameters = parameters
+        self._robot_type = robot_type
+        self._change_lock = threading.Lock()
+        self._revisions: dict[str, int] = {}
+
+    @property
+    def epoch(self) -> int:
+        """The epoch that commands must belong to."""
+        return self.loop.epoch
+
+    @property
+    def snapshots(self) -> SnapshotRing:
+        """The ring with one snapshot per cycle."""
+        return self.loop.snapshots
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints in the snapshots, in their order."""
+        return self.loop.joint_names
+
+    def latest(self) -> Snapshot:
+        """Return the newest snapshot.
+
+        Raises:
+            LoopError: No cycle has run yet.
+        """
+        snapshot = self.snapshots.latest()
+        if snapshot is None:
+            raise LoopError("No cycle has run yet.", remedy="Start the control loop.")
+        return snapshot
+
+    def status(self) -> StationStatus:
+        """Return the station at a glance."""
+        snapshot = self.snapshots.latest()
+        latch = self.loop.stop_latch
+        return StationStatus(
+            boot_id=self.boot_id,
+            epoch=self.loop.epoch,
+            time=self.loop.time,
+            cycle=self.loop.cycle,
+            robot_type=self._robot_type,
+            robot_mode=snapshot.mode if snapshot else "unknown",
+            stop_state=latch.state,
+            stop_reason=latch.reason,
+            loop=self.loop.report(),
+        )
+
+    def ready(self) -> str:
+        """Return why the station is not ready; empty when it is."""
+        if self.loop.state is LoopState.FAILED:
+            return f"The control loop died: {self.loop.failure_summary()}"
+        if self.loop.state is not LoopState.RUNNING:
+            return "The control loop is not running."
+        age = self.loop.age()
+        if age > FRESH:
+            return f"The last cycle is {age:.2f} s old; the loop hangs."
+        return ""
+
+    def loop_report(self) -> LoopReport:
+        """Return how the loop is doing."""
+        return self.loop.report()
+
+    def reset_loop_statistics(self) -> None:
+        """Start the loop's statistics anew."""
+        self.loop.reset_statistics()
+
+    def controllers(self) -> list[ControllerStatus]:
+        """Return all loaded controllers in the order of loading."""
+        return self.manager.list_controllers()
+
+    def controller(self, name: str) -> ControllerStatus:
+        """Return one loaded controller.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        self.manager.get_controller(name)
+        return next(s for s in self.manager.list_controllers() if s.name == name)
+
+    def controller_types(self) -> list[tuple[str, str]]:
+        """Return (type, base class) of everything that can be loaded."""
+        return self.manager.list_controller_types()
+
+    def load_controller(
+        self,
+        name: str,
+        controller_type: str | None = None,
+        params: Mapping[str, object] | None = None,
+    ) -> ControllerStatus:
+        """Load a controller; doing the same twice is the same as once.
+
+        Args:
+            name: Name to load it under.
+            controller_type: `package/Class` or `module:Class`; what the parameters
+                under `name` say when left out.
+            params: Its parameters; those in the parameter tree when left out.
+
+        Raises:
+            ControllerExistsError: Something else is loaded under that name.
+            ControllerTypeNotFoundError: Nobody knows that type.
+            ControllerLoadError: It cannot be initialised; nothing stays loaded.
+            ParameterError: A parameter is missing or impossible.
+        """
+        with self._change_lock:
+            before = self.parameters.get(name)
+            wanted = self._wanted_parameters(name, controller_type, params, before)
+            if any(s.name == name for s in self.manager.list_controllers()):
+                if wanted == before:
+                    return self.controller(name)
+                raise ControllerExistsError(
+                    f"Controller '{name}' is loaded already, with other parameters.",
+                    remedy="Unload it first, or choose another name.",
+                    details={"controller": name},
+                )
+            self.parameters.set(name, wanted)
+            try:
+                self.manager.load_controller(name)
+            except BaseException:
+                self._restore(name, before)
+                raise
+            self._revisions[name] = self._revisions.get(name, 0) + 1
+            return self.controller(name)
+
+    def unload_controller(self, name: str) -> None:
+        """Unload a controller that is not running.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is running.
+        """
+        with self._change_lock:
+            self.manager.unload_controller(name)
+
+    def switch_controllers(self, request: SwitchRequest) -> SwitchResult:
+        """Start and stop controllers, all in one cycle.
+
+        Raises:
+            StoppedError: The station is stopped and something is to be started.
+            SwitchRefusedError: It is not possible; nothing changed.
+            SwitchTimeoutError: The hardware did not get there in time.
+        """
+        if request.start and not request.dry_run:
+            self.loop.stop_latch.check()
+        return self.manager.switch_controller(request)
+
+    def gains(self, name: str) -> Gains:
+        """Return the run-time parameters of a controller.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        controller = self.manager.get_controller(name)
+        revision = self._revisions.get(name, 0)
+        return Gains(controller.gains(), dict(controller.gain_schema()), revision)
+
+    def set_gains(
+        self, name: str, changes: Mapping[str, float], revision: int | None = None
+    ) -> GainsChange:
+        """Change run-time parameters, all of them between the same two cycles.
+
+        Args:
+            name: The controller.
+            changes: New values by name; the others stay.
+            revision: Revision the caller has read; any when None.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            GainsChangedError: `revision` is not the present one.
+            InvalidGainError: A name or value is not allowed; nothing changed.
+        """
+        with self._change_lock:
+            controller = self.manager.get_controller(name)
+            present = self._revisions.get(name, 0)
+            if revision is not None and revision != present:
+                raise GainsChangedError(
+                    f"The gains of '{name}' changed since revision {revision}; they "
+                    f"are at {present}.",
+                    remedy="Read them again and repeat the change.",
+                    details={"revision": present},
+                )
+            previous = controller.gains()
+            values = check_tunables(controller.gain_schema(), previous, changes)
+            controller.check_gains(values)
+            cycle = self.loop.run_in_cycle(
+                lambda: controller.apply_gains(values) or self.loop.cycle
+            )
+            self._revisions[name] = present + 1
+            return GainsChange(values, previous, present + 1, cycle)
+
+    def set_point(self, name: str) -> SetPoint:
+        """Return what the controller takes as set-point.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            InvalidCommandError: It takes no set-points.
+        """
+        port = self._port(name)
+        last = port.last
+        return SetPoint(tuple(port.elements), None if last is None else tuple(last))
+
+    def set_command(
+        self, name: str, values: list[float], epoch: int | None = None
+    ) -> int:
+        """Give a running controller a new set-point; return the epoch it counts for.
+
+        Args:
+            name: The controller.
+            values: One number per element of its set-point.
+            epoch: The epoch in which the caller decided; the present one when None.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is not running.
+            InvalidCommandError: It takes no set-points, or `values` is malformed.
+            StaleEpochError: `epoch` is over.
+            StoppedError: The station is stopped.
+        """
+        port = self._port(name)
+        controller = self.manager.get_controller(name)
+        port.check(values)
+        self.loop.stop_latch.check()
+        if not controller.is_running():
+            raise ControllerStateError(
+                f"Controller '{name}' is {controller.state.value}; it takes set-points "
+                "while it is running.",
+                remedy=f'Start it: POST /controllers/switch {{"start": ["{name}"]}}.',
+                details={"controller": name, "state": controller.state.value},
+            )
+        present = self.loop.epoch
+        if epoch is not None and epoch != present:
+            raise StaleEpochError(
+                f"The command belongs to epoch {epoch}; the station is in {present}.",
+                remedy="Look at the state again, then command with the new epoch.",
+                details={"epoch": present},
+            )
+        port.post(values)
+        return present
+
+    def controller_sample(self, name: str) -> ControllerSample | None:
+        """Return what a controller did last; None before its first update.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        return self.manager.get_controller(name).sample
+
+    def stop(self, reason: str) -> None:
+        """Stop every controller in the next cycle and let nothing move until armed."""
+        self.loop.stop_latch.engage(reason)
+        if self.loop.state is LoopState.STOPPED:
+            self.loop.carry_out_stop()
+
+    def release_stop(self, *, arm: bool) -> StopState:
+        """Release the latched stop, or with `arm` allow motion again.
+
+        Raises:
+            StoppedError: `arm` without a release before.
+        """
+        latch = self.loop.stop_latch
+        if arm:
+            latch.arm()
+        else:
+            latch.release()
+        return latch.state
+
+    def _port(self, name: str) -> SetPointPort:
+        port = self.manager.get_controller(name).set_points
+        if port is None:
+            raise InvalidCommandError(
+                f"Controller '{name}' takes no set-points.",
+                remedy="Command a controller of a *_controllers package.",
+                details={"controller": name},
+            )
+        return port
+
+    def _wanted_parameters(
+        self,
+        name: str,
+        controller_type: str | None,
+        params: Mapping[str, object] | None,
+        before: object,
+    ) -> dict[str, object]:
+        known = before if isinstance(before, dict) else {}
+        wanted = dict(known if params is None else params)
+        chosen = controller_type or wanted.get("type") or known.get("type")
+        if not isinstance(chosen, str):
+            raise ParameterError(
+                f"Controller '{name}' has no type.",
+                remedy="Name one of GET /controller-types in the field 'type'.",
+                details={"parameter": f"{name}/type"},
+            )
+        return {**wanted, "type": chosen}
+
+    def _restore(self, name: str, before: object) -> None:
+        if before is None:
+            self.parameters.tree.delete(self.parameters.resolve(name))
+        else:
+            self.parameters.set(name, before)

@@ -1,0 +1,78 @@
+"""A stop that latches: engaged in an instant, released in two deliberate steps."""
+
+from enum import Enum
+
+from station.core.errors import StoppedError
+
+
+class StopState(Enum):
+    """Where the latched stop is."""
+
+    ARMED = "armed"
+    """Motion is possible."""
+    STOPPED = "stopped"
+    """All controllers were stopped; nothing may move."""
+    RELEASED = "released"
+    """The cause is gone; motion must still be armed."""
+
+
+class StopLatch:
+    """The software stop of the station. Not a safety device.
+
+    `engage` only sets a flag, so it cannot fail or wait; the control loop sees the
+    flag at its next cycle and stops every controller. Any thread may call it.
+
+    Attributes:
+        pending: Engaged, and not yet carried out by the loop.
+        reason: Why it was engaged last, for people.
+        cycle: The cycle in which the last stop was carried out; 0 if none was.
+    """
+
+    def __init__(self) -> None:
+        self.state = StopState.ARMED
+        self.pending = False
+        self.reason = ""
+        self.cycle = 0
+
+    def engage(self, reason: str) -> None:
+        """Stop everything; again when it is stopped already changes nothing else."""
+        self.reason = reason
+        self.state = StopState.STOPPED
+        self.pending = True
+
+    def carried_out(self, cycle: int) -> None:
+        """Note that the loop has stopped everything in `cycle` (control thread)."""
+        self.pending = False
+        self.cycle = cycle
+
+    def release(self) -> None:
+        """First step: say that the cause is gone. Nothing moves yet."""
+        if self.state is StopState.STOPPED and not self.pending:
+            self.state = StopState.RELEASED
+
+    def arm(self) -> None:
+        """Second step: allow motion again. Nothing resumes by itself.
+
+        Raises:
+            StoppedError: The stop was not released first.
+        """
+        if self.state is StopState.STOPPED:
+            raise StoppedError(
+                f"The station is stopped ({self.reason}); release it before arming.",
+                remedy="POST /stop/release, then POST it again with arm: true.",
+            )
+        self.state = StopState.ARMED
+
+    def check(self) -> None:
+        """Refuse motion unless the station is armed.
+
+        Raises:
+            StoppedError: It is stopped, or released but not armed.
+        """
+        if self.state is not StopState.ARMED:
+            raise StoppedError(
+                f"The station is {self.state.value} ({self.reason}); nothing may move.",
+                remedy="Release the stop, then arm it: POST /stop/release twice, the "
+                "second time with arm: true.",
+                details={"stop_state": self.state.value, "reason": self.reason},
+            )
