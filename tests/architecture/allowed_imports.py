@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class AllowedImportsContract(Contract):
     """Keep the direct imports of one package within a list.
 
-    The package itself and the standard library are always allowed. A package that does
-    not exist keeps the contract. Options: `package`, and `allowed`, whose entries are
+    The package itself, the root package (which holds the version) and the standard
+    library are always allowed. A package that does not exist keeps the contract. Options: `package`, and `allowed`, whose entries are
     third-party packages or packages of the station.
     """
 
@@ -40,12 +40,13 @@ class AllowedImportsContract(Contract):
             `importer -> imported (line)` for each import that is not allowed.
         """
         del verbose
+        root = self.package.partition(".")[0]
         allowed = {self.package, *self.allowed}
         violations = [
             f"{importer} -> {imported} (line {_line(graph, importer, imported)})"
             for importer in _modules_of(graph, self.package)
             for imported in sorted(graph.find_modules_directly_imported_by(importer))
-            if not _is_allowed(imported, allowed)
+            if imported != root and not _is_allowed(imported, allowed)
         ]
         return ContractCheck(kept=not violations, metadata={"violations": violations})
 

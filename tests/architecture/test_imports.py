@@ -26,7 +26,7 @@ VIOLATIONS = {
 # What the contracts are there to permit.
 PERMITTED = {
     "station/__main__.py": "import station.cli",
-    "station/api/app.py": "import fastapi, station.api.schemas, station.core.clock",
+    "station/api/app.py": "import fastapi, station, station.api.schemas, station.core.clock",
     "station/api/schemas.py": "import pydantic",
     "station/app.py": "import station.api.app, station.hw.mock, station.config",
     "station/cli.py": "import station.app, station.client.sync",
@@ -68,10 +68,14 @@ def run_python(code: str, *, directory: Path) -> subprocess.CompletedProcess[str
 def check_contracts(
     directory: Path, *, only: tuple[str, ...] = ()
 ) -> subprocess.CompletedProcess[str]:
-    config = ROOT / "pyproject.toml"
+    options = {
+        "config_filename": str(ROOT / "pyproject.toml"),
+        "limit_to_contracts": only,
+        "no_cache": True,
+    }
     return run_python(
-        "import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports("
-        f"config_filename={str(config)!r}, no_cache=True, limit_to_contracts={only!r}))",
+        "import sys; from importlinter.cli import lint_imports; "
+        f"sys.exit(lint_imports(**{options!r}))",
         directory=directory,
     )
 

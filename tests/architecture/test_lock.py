@@ -106,7 +106,9 @@ def test_packages_come_from_the_public_index_alone(third_party):
 def test_no_local_path_or_private_index_in(name):
     text = (ROOT / name).read_text()
 
-    assert not re.findall(r"file:|--(?:extra-)?index-url|--find-links|://[^/\s]*@", text)
+    assert not re.findall(
+        r"file:|--(?:extra-)?index-url|--find-links|://[^/\s]*@", text
+    )
 
 
 def test_lock_is_what_uv_would_write(tmp_path):
