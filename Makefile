@@ -1,0 +1,51 @@
+# The station's one-word commands. Each prepares .venv first when it has to.
+#
+#   make run    the station; ARGS="--rate 500" are handed on to `station run`
+#   make test   all that CI runs      make check   without the slow and browser tests
+#   make setup  only prepares .venv   make lock    after a change of dependencies
+#   make bench  the benchmarks, if any make clean   removes all that can be made again
+
+.DEFAULT_GOAL := help
+.PHONY: help setup run test check static lock bench clean
+
+ARGS ?=
+PYTEST_ARGS ?=
+READY := .venv/.ready
+
+help:
+	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
+
+setup: $(READY)
+
+$(READY): pyproject.toml requirements.lock tools/setup.sh tools/fetch_pip.py
+	@sh tools/setup.sh
+	@touch $@
+
+run: $(READY)
+	@exec .venv/bin/station run $(ARGS)
+
+static: $(READY)
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/mypy
+	.venv/bin/lint-imports --no-logo
+
+check: static
+	.venv/bin/python -m pytest -m "not slow and not browser" $(PYTEST_ARGS)
+
+test: static
+	@sh tools/browser.sh
+	.venv/bin/python -m pytest $(PYTEST_ARGS)
+
+lock: $(READY)
+	.venv/bin/uv lock --no-config $(ARGS)
+	.venv/bin/uv export --quiet --no-config --locked --no-emit-project --output-file requirements.lock
+
+ifneq ($(wildcard benchmarks/bench_*.py),)
+bench: $(READY)
+	@set -e; for script in benchmarks/bench_*.py; do echo "$$script"; .venv/bin/python "$$script"; done
+endif
+
+clean:
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis artifacts build dist
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,144 @@
+"""The direction of imports holds, and the check that says so can fail."""
+
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# Every contract of pyproject.toml, each with an import that must break it.
+VIOLATIONS = {
+    "layers": ("station/core/clock.py", "import station.hw.mock"),
+    "core-layers": ("station/core/errors.py", "import station.core.clock"),
+    "controller-families": ("station/controllers/a.py", "import station.controllers.b"),
+    "core-is-ros-control-alone": ("station/core/clock.py", "import mujoco"),
+    "controllers-see-core-alone": ("station/controllers/a.py", "import pydantic"),
+    "schemas-stand-alone": ("station/api/schemas.py", "import station.core.errors"),
+    "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
+    "api-serves": ("station/api/app.py", "import viser"),
+    "ui-is-a-client": ("station/ui/scene.py", "import station.core.clock"),
+}
+
+# What the contracts are there to permit.
+PERMITTED = {
+    "station/__main__.py": "import station.cli",
+    "station/api/app.py": "import fastapi, station, station.api.schemas, station.core.clock",
+    "station/api/schemas.py": "import pydantic",
+    "station/app.py": "import station.api.app, station.hw.mock, station.config",
+    "station/cli.py": "import station.app, station.client.sync",
+    "station/client/sync.py": "import httpx, json, station.api.schemas",
+    "station/config.py": "import pydantic, station.core.errors",
+    "station/controllers/a.py": "import numpy, station.core.clock",
+    "station/controllers/b.py": "import station.core.clock",
+    "station/core/clock.py": "import time, station.core.errors",
+    "station/core/errors.py": "import enum",
+    "station/hw/mock.py": "import mujoco, station.core.clock",
+    "station/ui/scene.py": "import viser, station.client.sync",
+}
+
+# Packages that must stay light when a user imports them, and what they must not load.
+LIGHT = {
+    "station.core": {"fastapi", "mujoco", "pydantic", "uvicorn", "viser"},
+    "station.controllers": {"fastapi", "mujoco", "pydantic", "uvicorn", "viser"},
+    "station.client": {"fastapi", "mujoco", "uvicorn", "viser"},
+}
+
+
+def contract_ids() -> list[str]:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    return [c["id"] for c in settings["tool"]["importlinter"]["contracts"]]
+
+
+def run_python(code: str, *, directory: Path) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(directory), str(ROOT)])
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=directory,
+        env={**os.environ, "PYTHONPATH": path, "COLUMNS": "200", "NO_COLOR": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def check_contracts(
+    directory: Path, *, only: tuple[str, ...] = ()
+) -> subprocess.CompletedProcess[str]:
+    options = {
+        "config_filename": str(ROOT / "pyproject.toml"),
+        "limit_to_contracts": only,
+        "no_cache": True,
+    }
+    return run_python(
+        "import sys; from importlinter.cli import lint_imports; "
+        f"sys.exit(lint_imports(**{options!r}))",
+        directory=directory,
+    )
+
+
+def write_example(directory: Path, files: dict[str, str]) -> None:
+    """Write a small package `station` whose modules hold one line each."""
+    for name, line in files.items():
+        module = directory / name
+        module.parent.mkdir(parents=True, exist_ok=True)
+        module.write_text(f"{line}\n")
+    for package in {(directory / name).parent for name in files}:
+        (package / "__init__.py").touch()
+
+
+def test_contracts_hold():
+    result = check_contracts(ROOT)
+
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert f"{len(contract_ids())} kept, 0 broken" in result.stdout
+
+
+def test_contracts_permit_the_drawn_architecture(tmp_path):
+    write_example(tmp_path, PERMITTED)
+
+    result = check_contracts(tmp_path)
+
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_every_contract_has_a_violation_to_try():
+    assert set(VIOLATIONS) == set(contract_ids())
+
+
+@pytest.mark.parametrize("contract", VIOLATIONS)
+def test_contract_breaks_on_a_violation(contract, tmp_path):
+    name, line = VIOLATIONS[contract]
+    write_example(tmp_path, {**PERMITTED, name: line})
+
+    result = check_contracts(tmp_path, only=(contract,))
+
+    assert result.returncode == 1, result.stdout + result.stderr
+    assert "0 kept, 1 broken" in result.stdout
+
+
+def test_layers_break_on_a_package_that_nobody_ranked(tmp_path):
+    write_example(tmp_path, {**PERMITTED, "station/newcomer/thing.py": ""})
+
+    result = check_contracts(tmp_path, only=("layers",))
+
+    assert result.returncode == 1, result.stdout + result.stderr
+    assert "newcomer" in result.stdout
+
+
+@pytest.mark.parametrize("package", LIGHT)
+def test_package_stays_light_when_imported(package):
+    path = ROOT / Path(*package.split(".")) / "__init__.py"
+    if not path.exists():
+        pytest.skip(f"{package} is not there")
+
+    result = run_python(
+        f"import sys, {package}; print(*sorted(set(sys.modules) & {LIGHT[package]!r}))",
+        directory=ROOT,
+    )
+
+    assert result.returncode == 0, result.stderr
+    assert not result.stdout.strip(), f"importing {package} also loads {result.stdout}"

@@ -1,0 +1,39 @@
+"""What every test runs under."""
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+from tests.thread_guard import leaked_threads
+
+TESTS = Path(__file__).parent
+
+# Reproducible examples, and no time limit for one on a busy machine.
+hypothesis.settings.register_profile("station", deadline=None, derandomize=True)
+hypothesis.settings.load_profile("station")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark tests by their folder: a browser and whole processes are never quick."""
+    for item in items:
+        folder = item.path.relative_to(TESTS).parts[0]
+        if folder == "browser":
+            item.add_marker(pytest.mark.browser)
+        if folder in {"browser", "system"}:
+            item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture(autouse=True)
+def no_leaked_threads() -> Iterator[None]:
+    """Fail the test that leaves a thread behind.
+
+    Set up before the test's own fixtures and torn down after them. Threads of module
+    and session fixtures are there before, so they are nobody's leak.
+    """
+    before = threading.enumerate()
+    yield
+    leaked = leaked_threads(before)
+    assert not leaked, f"the test left threads running: {leaked}"
