@@ -1,0 +1,59 @@
+"""Joint limits: what a joint may do, and the handles that see to it.
+
+The handles act in `RobotHW.write`, after the controllers. Formulas and sources stand in
+`position_joint_limits`, `velocity_joint_limits` and `effort_joint_limits`.
+"""
+
+from station.core.limits.effort_joint_limits import (
+    EffortJointSaturationHandle,
+    EffortJointSoftLimitsHandle,
+)
+from station.core.limits.joint_limits import (
+    JointLimits,
+    JointLimitsError,
+    SoftJointLimits,
+)
+from station.core.limits.joint_limits_handle import (
+    Clamp,
+    ClampReason,
+    JointLimitsHandle,
+)
+from station.core.limits.joint_limits_interface import (
+    EffortJointSaturationInterface,
+    EffortJointSoftLimitsInterface,
+    JointLimitsInterface,
+    PositionJointSaturationInterface,
+    PositionJointSoftLimitsInterface,
+    VelocityJointSaturationInterface,
+    VelocityJointSoftLimitsInterface,
+)
+from station.core.limits.position_joint_limits import (
+    PositionJointSaturationHandle,
+    PositionJointSoftLimitsHandle,
+)
+from station.core.limits.velocity_joint_limits import (
+    VelocityJointSaturationHandle,
+    VelocityJointSoftLimitsHandle,
+)
+
+__all__ = [
+    "Clamp",
+    "ClampReason",
+    "EffortJointSaturationHandle",
+    "EffortJointSaturationInterface",
+    "EffortJointSoftLimitsHandle",
+    "EffortJointSoftLimitsInterface",
+    "JointLimits",
+    "JointLimitsError",
+    "JointLimitsHandle",
+    "JointLimitsInterface",
+    "PositionJointSaturationHandle",
+    "PositionJointSaturationInterface",
+    "PositionJointSoftLimitsHandle",
+    "PositionJointSoftLimitsInterface",
+    "SoftJointLimits",
+    "VelocityJointSaturationHandle",
+    "VelocityJointSaturationInterface",
+    "VelocityJointSoftLimitsHandle",
+    "VelocityJointSoftLimitsInterface",
+]

@@ -1,0 +1,258 @@
+"""Turn an error into a command: proportional, integral and derivative part.
+
+With `error = target - measured value`:
+
+| quantity         | formula                                                          |
+|------------------|------------------------------------------------------------------|
+| `error_dot`      | `(error - last error) / period`; the last error is 0 at first    |
+|                  | and after `reset`; in the first cycle after `reset_to` the given |
+|                  | rate is used                                                     |
+| integral         | `i_error += period * error`                                      |
+| with antiwindup  | `i_error` is kept between `i_min / i` and `i_max / i` if i != 0  |
+| i term           | `i * i_error`; without antiwindup kept from `i_min` to `i_max`   |
+| command          | `p * error + i term + d * error_dot`                             |
+
+Source: control_toolbox@de05a5c src/pid.cpp, Pid.
+"""
+
+from dataclasses import dataclass
+from math import isfinite, isnan
+
+from station.core.errors import InvalidGainError
+from station.core.parameters import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class PidGains:
+    """Hold one consistent set of gains.
+
+    Attributes:
+        p: Proportional gain [command unit / error unit].
+        i: Integral gain [command unit / (error unit * s)].
+        d: Derivative gain [command unit * s / error unit].
+        i_max: Largest integral part of the command; inf for no bound.
+        i_min: Smallest integral part of the command; -inf for no bound.
+        antiwindup: True bounds the integral itself, so that it cannot grow while the
+            integral part is cut off; False bounds only the integral part.
+
+    Raises:
+        InvalidGainError: A gain is not finite, or the bounds are NaN or inverted.
+
+    Source:
+        control_toolbox@de05a5c pid.h, Pid::Gains; differs: inverted bounds and gains
+        that are not numbers are refused, they are undefined behaviour in the original.
+    """
+
+    p: float = 0.0
+    i: float = 0.0
+    d: float = 0.0
+    i_max: float = 0.0
+    i_min: float = -0.0
+    antiwindup: bool = False
+
+    def __post_init__(self) -> None:
+        for name, gain in (("p", self.p), ("i", self.i), ("d", self.d)):
+            if not isfinite(gain):
+                raise InvalidGainError(
+                    f"PID gain {name} is {gain}; allowed are finite numbers.",
+                    remedy=f"Give a finite number for {name}.",
+                )
+        if isnan(self.i_min) or isnan(self.i_max) or self.i_min > self.i_max:
+            raise InvalidGainError(
+                f"PID integral bounds are {self.i_min} to {self.i_max}; "
+                "the lower one must not exceed the upper one.",
+                remedy="Correct i_clamp, or i_clamp_min and i_clamp_max.",
+            )
+
+    @classmethod
+    def from_parameters(cls, params: Parameters) -> "PidGains":
+        """Read gains from a namespace of parameters.
+
+        `p` is required; `i`, `d` and `i_clamp` are 0 and `antiwindup` is false when
+        absent. `i_clamp_min` and `i_clamp_max` each replace one side of `i_clamp`;
+        the signs of all three do not matter.
+
+        Args:
+            params: The namespace of the gains, or the one that holds it under the
+                name `pid` or `gains`.
+
+        Returns:
+            The gains.
+
+        Raises:
+            ParameterError: `p` is missing, or a value has the wrong type.
+
+        Source:
+            control_toolbox@de05a5c src/pid.cpp, Pid::init; differs: a value of the
+            wrong type is refused, not replaced by its default; `publish_state` has no
+            effect.
+        """
+        where = params
+        for name in ("pid", "gains"):
+            if not where.has("p") and where.has(name):
+                where = where.namespace(name)
+        clamp = abs(where.get_float("i_clamp", 0.0))
+        return cls(
+            p=where.get_float("p"),
+            i=where.get_float("i", 0.0),
+            d=where.get_float("d", 0.0),
+            i_max=abs(where.get_float("i_clamp_max", clamp)),
+            i_min=-abs(where.get_float("i_clamp_min", clamp)),
+            antiwindup=where.get_bool("antiwindup", default=False),
+        )
+
+
+class Pid:
+    """Compute a command from an error once per cycle.
+
+    The control thread computes and resets; any thread may set the gains: they are one
+    immutable object that is exchanged as a whole, and a cycle uses one set throughout.
+    """
+
+    def __init__(self, gains: PidGains | None = None) -> None:
+        """Start with no error and no integral.
+
+        Args:
+            gains: First gains; all zero when absent.
+        """
+        self._gains: PidGains = gains if gains is not None else PidGains()
+        self._p_error: float = 0.0
+        self._i_error: float = 0.0
+        self._d_error: float = 0.0
+        self._p_error_last: float = 0.0
+        self._has_p_error_last: bool = True
+        self._command: float = 0.0
+
+    @classmethod
+    def from_parameters(cls, params: Parameters) -> "Pid":
+        """Return a controller with the gains of a namespace of parameters.
+
+        Args:
+            params: See `PidGains.from_parameters`.
+
+        Returns:
+            A controller with no error and no integral.
+
+        Raises:
+            ParameterError: See `PidGains.from_parameters`.
+        """
+        return cls(PidGains.from_parameters(params))
+
+    @property
+    def gains(self) -> PidGains:
+        """Return the gains in force."""
+        return self._gains
+
+    def set_gains(self, gains: PidGains) -> None:
+        """Replace all gains at once; errors and integral stay. Any thread.
+
+        Args:
+            gains: Gains from the next computation on.
+        """
+        self._gains = gains
+
+    def copy(self) -> "Pid":
+        """Return a controller with the same gains, and no error and no integral."""
+        return Pid(self._gains)
+
+    def compute_command(self, error: float, period: float) -> float:
+        """Return the command for an error whose rate is found from the last one.
+
+        Args:
+            error: Target minus measured value.
+            period: Time since the last computation [s]; 0 gives the command 0 and
+                changes nothing, as an error that is not finite does.
+
+        Returns:
+            The command, 0 where none can be computed.
+        """
+        if period == 0.0 or not isfinite(error):
+            return 0.0
+        error_dot = self._d_error
+        if period > 0.0:
+            if self._has_p_error_last:
+                error_dot = (error - self._p_error_last) / period
+            self._p_error_last = error
+            self._has_p_error_last = True
+        return self.compute_command_with_rate(error, error_dot, period)
+
+    def compute_command_with_rate(
+        self, error: float, error_dot: float, period: float
+    ) -> float:
+        """Return the command for an error and its measured rate.
+
+        Args:
+            error: Target minus measured value.
+            error_dot: Rate of the error [1/s].
+            period: Time since the last computation [s]; 0 gives the command 0, as an
+                error or a rate that is not finite does; the errors are kept though.
+
+        Returns:
+            The command, 0 where none can be computed.
+        """
+        gains = self._gains
+        self._p_error = error
+        self._d_error = error_dot
+        if period == 0.0 or not isfinite(error) or not isfinite(error_dot):
+            return 0.0
+        i_gain = gains.i
+        i_error = self._i_error + period * error
+        if gains.antiwindup and i_gain != 0.0:
+            bound_a = gains.i_min / i_gain
+            bound_b = gains.i_max / i_gain
+            i_error = _clamp_integral(i_error, bound_a, bound_b)
+        self._i_error = i_error
+        i_term = i_gain * i_error
+        if not gains.antiwindup:
+            if i_term < gains.i_min:
+                i_term = gains.i_min
+            elif gains.i_max < i_term:
+                i_term = gains.i_max
+        self._command = gains.p * error + i_term + gains.d * error_dot
+        return self._command
+
+    def get_current_command(self) -> float:
+        """Return the command computed or set last."""
+        return self._command
+
+    def set_current_command(self, command: float) -> None:
+        """Note a command that was computed elsewhere.
+
+        Args:
+            command: What `get_current_command` shall return.
+        """
+        self._command = command
+
+    def get_current_pid_errors(self) -> tuple[float, float, float]:
+        """Return error, integral of the error [s], and rate of the error [1/s]."""
+        return (self._p_error, self._i_error, self._d_error)
+
+    def reset(self) -> None:
+        """Forget all errors; the next rate is taken from an error of 0."""
+        self._reset(0.0, 0.0, has_p_error_last=True)
+
+    def reset_to(self, d_error: float, i_error: float) -> None:
+        """Forget the last error, and start from a known rate and integral.
+
+        Args:
+            d_error: Rate of the error that the next computation uses [1/s].
+            i_error: Integral of the error [s].
+        """
+        self._reset(d_error, i_error, has_p_error_last=False)
+
+    def _reset(self, d_error: float, i_error: float, *, has_p_error_last: bool) -> None:
+        self._p_error_last = 0.0
+        self._p_error = 0.0
+        self._i_error = i_error
+        self._d_error = d_error
+        self._command = 0.0
+        self._has_p_error_last = has_p_error_last
+
+
+def _clamp_integral(value: float, bound_a: float, bound_b: float) -> float:
+    low, high = (bound_b, bound_a) if bound_b < bound_a else (bound_a, bound_b)
+    if value < low:
+        return low
+    if high < value:
+        return high
+    return value
