@@ -8,6 +8,9 @@ CONTROLLERS: dict[str, str] = {
     "effort_controllers/JointGroupEffortController": (
         "station.controllers.effort_controllers:JointGroupEffortController"
     ),
+    "effort_controllers/JointGroupPositionController": (
+        "station.controllers.effort_controllers:JointGroupPositionController"
+    ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
     ),
