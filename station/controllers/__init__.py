@@ -5,11 +5,20 @@ of the type is loaded.
 """
 
 CONTROLLERS: dict[str, str] = {
+    "effort_controllers/JointEffortController": (
+        "station.controllers.effort_controllers:JointEffortController"
+    ),
     "effort_controllers/JointGroupEffortController": (
         "station.controllers.effort_controllers:JointGroupEffortController"
     ),
     "effort_controllers/JointGroupPositionController": (
         "station.controllers.effort_controllers:JointGroupPositionController"
+    ),
+    "effort_controllers/JointPositionController": (
+        "station.controllers.effort_controllers:JointPositionController"
+    ),
+    "effort_controllers/JointVelocityController": (
+        "station.controllers.effort_controllers:JointVelocityController"
     ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
@@ -17,8 +26,17 @@ CONTROLLERS: dict[str, str] = {
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"
     ),
+    "position_controllers/JointPositionController": (
+        "station.controllers.position_controllers:JointPositionController"
+    ),
     "velocity_controllers/JointGroupVelocityController": (
         "station.controllers.velocity_controllers:JointGroupVelocityController"
+    ),
+    "velocity_controllers/JointPositionController": (
+        "station.controllers.velocity_controllers:JointPositionController"
+    ),
+    "velocity_controllers/JointVelocityController": (
+        "station.controllers.velocity_controllers:JointVelocityController"
     ),
 }
 

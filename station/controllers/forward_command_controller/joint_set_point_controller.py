@@ -4,7 +4,10 @@ from typing import ClassVar, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.joint_names import read_joint_names
+from station.controllers.forward_command_controller.joint_names import (
+    read_joint_name,
+    read_joint_names,
+)
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
 from station.core.controller import Controller
 from station.core.interfaces import JointCommandInterface, JointGroup
@@ -22,7 +25,7 @@ CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 class JointSetPointController(Controller[CommandInterfaceT]):
     """Claims joints and keeps the set-point in force for each of them.
 
-    Subclasses declare the two class attributes and implement `update`, in which they
+    Subclasses declare the class attributes and implement `update`, in which they
     call `newest_set_point` once. When the controller starts, the set-point is rest: the
     present position, or zero for velocities and efforts; what was posted before the
     start is void.
@@ -32,11 +35,13 @@ class JointSetPointController(Controller[CommandInterfaceT]):
 
     Attributes:
         quantity: What the set-points are.
+        is_group: Whether the parameter `joints` names the joints, or `joint` one.
         group: The joints.
         joints: What is known about them, same order.
     """
 
     quantity: ClassVar[JointQuantity]
+    is_group: ClassVar[bool] = True
 
     def __init__(self) -> None:
         super().__init__()
@@ -47,7 +52,8 @@ class JointSetPointController(Controller[CommandInterfaceT]):
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
-        self.joint_names = self.read_joint_names(params)
+        read = read_joint_names if self.is_group else read_joint_name
+        self.joint_names = read(params)
         self.group = JointGroup([interface.get_handle(n) for n in self.joint_names])
         description = self.find_description(params)
         self.joints = [
@@ -56,14 +62,6 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         ]
         self._port = SetPointPort([self._element(joint) for joint in self.joints])
         self.set_points = self._port
-
-    def read_joint_names(self, params: Parameters) -> list[str]:
-        """Return the joints to claim; a group's parameter `joints` by default.
-
-        Raises:
-            ParameterError: The parameter is missing or impossible.
-        """
-        return read_joint_names(params)
 
     def find_description(self, params: Parameters) -> RobotDescription | None:
         """Return the robot description; None when the controller can do without.

@@ -1,10 +1,10 @@
 """Hold positions with one PID per joint, whatever its output commands.
 
 Source: ros_controllers@678b92a effort_controllers/src/
-joint_group_position_controller.cpp, joint_position_controller.cpp.
+joint_group_position_controller.cpp, joint_position_controller.cpp,
+velocity_controllers/src/joint_position_controller.cpp.
 """
 
-from collections.abc import Mapping
 from math import pi
 from typing import ClassVar
 
@@ -13,17 +13,14 @@ from typing_extensions import override
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
 from station.controllers.forward_command_controller.joint_set_point_controller import (
     CommandInterfaceT,
-    JointSetPointController,
 )
-from station.controllers.pid_command_controller.joint_pids import (
-    JointPids,
-    read_joint_pids,
+from station.controllers.pid_command_controller.joint_pid_controller import (
+    JointPidController,
 )
 from station.core.angles import (
     shortest_angular_distance,
     shortest_angular_distance_with_limits,
 )
-from station.core.controller import ControllerSample
 from station.core.parameters import Parameters
 from station.core.robot_description import (
     JointDescription,
@@ -31,17 +28,13 @@ from station.core.robot_description import (
     RobotDescription,
     require_robot_description,
 )
-from station.core.tunables import Tunable
 
 
-class PositionPidController(JointSetPointController[CommandInterfaceT]):
+class PositionPidController(JointPidController[CommandInterfaceT]):
     """Computes a command from the position error of every joint.
 
     A continuous joint turns the short way round, a revolute one the short way that
     stays within its limits. The limits come from the robot description.
-
-    Attributes:
-        command_quantity: What the PIDs compute.
 
     Source:
         JointGroupPositionController; differs: a set-point beyond the limits is refused
@@ -50,25 +43,6 @@ class PositionPidController(JointSetPointController[CommandInterfaceT]):
     """
 
     quantity: ClassVar[JointQuantity] = JointQuantity.POSITION
-    command_quantity: ClassVar[JointQuantity]
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._pids = JointPids(
-            [], [], error=JointQuantity.POSITION, command=JointQuantity.EFFORT
-        )
-        self._turns: list[bool] = []
-
-    @override
-    def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
-        super().init(interface, params)
-        self._turns = [not joint.is_linear() for joint in self.joints]
-        self._pids = JointPids(
-            self.joints,
-            read_joint_pids(params, self.joints),
-            error=JointQuantity.POSITION,
-            command=self.command_quantity,
-        )
 
     @override
     def find_description(self, params: Parameters) -> RobotDescription | None:
@@ -80,39 +54,15 @@ class PositionPidController(JointSetPointController[CommandInterfaceT]):
         return require_robot_description(params)
 
     @override
-    def starting(self, time: float) -> None:
-        super().starting(time)
-        self._pids.reset()
-
-    @override
-    def update(self, time: float, period: float) -> None:
-        set_point = self.newest_set_point()
-        positions = self.group.get_positions()
-        errors = [d - a for d, a in zip(set_point, positions, strict=True)]
+    def errors(self, set_point: list[float], actual: list[float]) -> list[float]:
+        """Return the ways from the positions to the set-point, shape (n,)."""
+        errors = [d - a for d, a in zip(set_point, actual, strict=True)]
         for index, error in enumerate(errors):
-            if not -pi <= error <= pi and self._turns[index]:
+            if not -pi <= error <= pi:
                 errors[index] = position_error(
-                    self.joints[index], positions[index], set_point[index]
+                    self.joints[index], actual[index], set_point[index]
                 )
-        commands = self._pids.compute_commands(errors, period)
-        self.group.set_commands(commands)
-        self.sample = ControllerSample(time, set_point, positions, errors, commands)
-
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return self._pids.gain_schema()
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return self._pids.gains()
-
-    @override
-    def check_gains(self, values: Mapping[str, float]) -> None:
-        self._pids.check_gains(values)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._pids.apply_gains(values)
+        return errors
 
 
 def position_error(joint: JointDescription, measured: float, set_point: float) -> float:
