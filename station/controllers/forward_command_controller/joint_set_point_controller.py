@@ -4,12 +4,17 @@ from typing import ClassVar, TypeVar
 
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_timeout import (
+    TimeoutAction,
+    read_command_timeout,
+)
 from station.controllers.forward_command_controller.joint_names import (
     read_joint_name,
     read_joint_names,
 )
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
 from station.core.controller import Controller
+from station.core.errors import CommandTimeoutError
 from station.core.interfaces import JointCommandInterface, JointGroup
 from station.core.parameters import Parameters
 from station.core.robot_description import (
@@ -30,6 +35,8 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     present position, or zero for velocities and efforts; what was posted before the
     start is void.
 
+    Parameters: `command_timeout` and `command_timeout_action`, see `TimeoutAction`.
+
     Ranges and units of the set-points come from the robot description when there is
     one; without it the joints count as unlimited and turning.
 
@@ -48,6 +55,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         self.group = JointGroup([])
         self.joints: list[JointDescription] = []
         self._port = SetPointPort([])
+        self._timeout_action = TimeoutAction.HOLD
         self._set_point: list[float] = []
 
     @override
@@ -60,7 +68,10 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             JointDescription(name) if description is None else description.joint(name)
             for name in self.joint_names
         ]
-        self._port = SetPointPort([self._element(joint) for joint in self.joints])
+        timeout, self._timeout_action = read_command_timeout(params)
+        self._port = SetPointPort(
+            [self._element(joint) for joint in self.joints], timeout=timeout
+        )
         self.set_points = self._port
 
     def find_description(self, params: Parameters) -> RobotDescription | None:
@@ -80,7 +91,11 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     def newest_set_point(self) -> list[float]:
         """Return the set-point in force, shape (n,); never change the list.
 
-        It is kept within the joints' limits, whoever posted it.
+        It is kept within the joints' limits, whoever posted it. When it is no longer
+        valid, rest takes its place.
+
+        Raises:
+            CommandTimeoutError: It is no longer valid and the action is `stop`.
         """
         newest = self._port.take()
         if newest is not None:
@@ -88,7 +103,20 @@ class JointSetPointController(Controller[CommandInterfaceT]):
                 min(max(value, element.minimum), element.maximum)
                 for value, element in zip(newest, self._port.elements, strict=True)
             ]
+        if self._port.take_expiry():
+            self._set_point = self._timed_out()
         return self._set_point
+
+    def _timed_out(self) -> list[float]:
+        if self._timeout_action is TimeoutAction.STOP:
+            raise CommandTimeoutError(
+                f"No set-point for {', '.join(self.joint_names)} arrived in time.",
+                remedy="Start the controller again and send set-points at a faster "
+                "pace than its timeout.",
+            )
+        rest = self.rest()
+        self._port.last = rest
+        return rest
 
     @override
     def starting(self, time: float) -> None:
