@@ -14,6 +14,7 @@ StationError
 │   └── ResourceConflictError     two controllers want the same resource
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
+├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
 ├── GainsChangedError             the gains are not the ones the caller has read
 ├── StaleEpochError               the command belongs to an older epoch
@@ -131,6 +132,12 @@ class InvalidCommandError(StationError, ValueError):
     """A set-point has the wrong length, is not finite or is out of range."""
 
     code = "invalid_command"
+
+
+class CommandTimeoutError(StationError, TimeoutError):
+    """No new set-point arrived in time, and the controller was told to stop then."""
+
+    code = "command_timeout"
 
 
 class InvalidGainError(StationError, ValueError):

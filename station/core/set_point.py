@@ -1,7 +1,9 @@
 """The one-slot mailbox through which a controller gets its set-points."""
 
 from dataclasses import dataclass
+from math import inf
 
+from station.core.clock import Clock, SystemClock
 from station.core.errors import InvalidCommandError
 
 
@@ -38,14 +40,32 @@ class SetPoint:
 class SetPointPort:
     """Takes set-points from any thread; the control thread picks the newest one up.
 
+    A set-point may be valid for a limited time only, so that the robot does not go on
+    when whoever commands it has fallen silent. The time counts from `post` and on the
+    wall clock: it also passes while the simulation is paused.
+
     Args:
         elements: What the numbers of a set-point are, in order.
+        timeout: How long a set-point is valid [s]; 0 for ever.
+        clock: The clock that measures it.
+
+    Attributes:
+        last: The last set-point picked up; None before the first.
     """
 
-    def __init__(self, elements: list[SetPointElement]) -> None:
+    def __init__(
+        self,
+        elements: list[SetPointElement],
+        *,
+        timeout: float = 0.0,
+        clock: Clock | None = None,
+    ) -> None:
         self.elements = elements
-        self._slot: list[float] | None = None
+        self.timeout = timeout
+        self.clock: Clock = SystemClock() if clock is None else clock
         self.last: list[float] | None = None
+        self._slot: tuple[list[float], float] | None = None
+        self._deadline = inf
 
     def check(self, values: list[float]) -> None:
         """Refuse a malformed set-point.
@@ -71,18 +91,40 @@ class SetPointPort:
                     details={"element": element.name},
                 )
 
-    def post(self, values: list[float]) -> None:
-        """Put a checked set-point into the slot; an older one there is replaced."""
-        self._slot = list(values)
+    def post(self, values: list[float], timeout: float | None = None) -> None:
+        """Put a checked set-point into the slot; an older one there is replaced.
+
+        Args:
+            values: The set-point.
+            timeout: How long it is valid [s], 0 for ever; the port's timeout when None.
+        """
+        limit = self.timeout if timeout is None else timeout
+        deadline = self.clock.now() + limit if limit > 0.0 else inf
+        self._slot = (list(values), deadline)
 
     def take(self) -> list[float] | None:
         """Return the newest set-point and empty the slot (control thread only)."""
-        values = self._slot
-        if values is not None:
-            self._slot = None
-            self.last = values
-        return values
+        newest = self._slot
+        if newest is None:
+            return None
+        self._slot = None
+        self.last, self._deadline = newest
+        return self.last
+
+    def take_expiry(self) -> bool:
+        """Say, once, that the set-point picked up last is no longer valid.
+
+        Call it after `take`, in every cycle (control thread only).
+        """
+        if self._deadline == inf or self.clock.now() <= self._deadline:
+            return False
+        self._deadline = inf
+        return True
 
     def clear(self) -> None:
-        """Void a set-point that has not been picked up (control thread only)."""
+        """Void a set-point that has not been picked up (control thread only).
+
+        Nothing is left that could expire.
+        """
         self._slot = None
+        self._deadline = inf

@@ -1,0 +1,43 @@
+"""The controllers of ros_controls, by the type names of the original packages.
+
+`CONTROLLERS` maps a type to `module:Class`; modules are imported when a controller
+of the type is loaded.
+"""
+
+CONTROLLERS: dict[str, str] = {
+    "effort_controllers/JointEffortController": (
+        "station.controllers.effort_controllers:JointEffortController"
+    ),
+    "effort_controllers/JointGroupEffortController": (
+        "station.controllers.effort_controllers:JointGroupEffortController"
+    ),
+    "effort_controllers/JointGroupPositionController": (
+        "station.controllers.effort_controllers:JointGroupPositionController"
+    ),
+    "effort_controllers/JointPositionController": (
+        "station.controllers.effort_controllers:JointPositionController"
+    ),
+    "effort_controllers/JointVelocityController": (
+        "station.controllers.effort_controllers:JointVelocityController"
+    ),
+    "joint_state_controller/JointStateController": (
+        "station.controllers.joint_state_controller:JointStateController"
+    ),
+    "position_controllers/JointGroupPositionController": (
+        "station.controllers.position_controllers:JointGroupPositionController"
+    ),
+    "position_controllers/JointPositionController": (
+        "station.controllers.position_controllers:JointPositionController"
+    ),
+    "velocity_controllers/JointGroupVelocityController": (
+        "station.controllers.velocity_controllers:JointGroupVelocityController"
+    ),
+    "velocity_controllers/JointPositionController": (
+        "station.controllers.velocity_controllers:JointPositionController"
+    ),
+    "velocity_controllers/JointVelocityController": (
+        "station.controllers.velocity_controllers:JointVelocityController"
+    ),
+}
+
+__all__ = ["CONTROLLERS"]

@@ -1,0 +1,56 @@
+"""What happens when whoever commands a controller falls silent."""
+
+from enum import Enum
+
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters
+
+
+class TimeoutAction(Enum):
+    """What a controller does when its set-point is no longer valid.
+
+    Parameters of the controllers that use it: `command_timeout` [s], how long a
+    set-point is valid, for ever when 0 or absent, and `command_timeout_action`:
+
+    - `off`: nothing; the set-point stays in force.
+    - `hold`, the default: rest, and go on with the next set-point.
+    - `stop`: fail with `CommandTimeoutError`, upon which the manager takes the
+      controller off the robot.
+
+    A set-point that brings its own time limit is followed by `hold`, also with `off`.
+    """
+
+    OFF = "off"
+    HOLD = "hold"
+    STOP = "stop"
+
+
+def read_command_timeout(params: Parameters) -> tuple[float, TimeoutAction]:
+    """Return how long a set-point is valid [s], 0 for ever, and what happens then.
+
+    Args:
+        params: The controller's namespace.
+
+    Raises:
+        ParameterError: `command_timeout` is no number >= 0, or
+            `command_timeout_action` is not one of `TimeoutAction`.
+    """
+    timeout = params.get_float("command_timeout", 0.0)
+    if timeout < 0.0:
+        raise ParameterError(
+            f"Parameter '{params.resolve('command_timeout')}' is {timeout}; it must be "
+            "at least 0 s.",
+            remedy="Give a time in seconds, or 0 for no timeout.",
+            details={"parameter": params.resolve("command_timeout")},
+        )
+    action = params.get_str("command_timeout_action", TimeoutAction.HOLD.value)
+    try:
+        chosen = TimeoutAction(action)
+    except ValueError as error:
+        raise ParameterError(
+            f"Parameter '{params.resolve('command_timeout_action')}' is '{action}'; "
+            f"allowed are {', '.join(each.value for each in TimeoutAction)}.",
+            remedy="Choose one of them.",
+            details={"parameter": params.resolve("command_timeout_action")},
+        ) from error
+    return (0.0 if chosen is TimeoutAction.OFF else timeout), chosen

@@ -1,0 +1,47 @@
+"""What a number about a joint is: a position, a velocity or an effort."""
+
+from enum import Enum
+from typing import assert_never
+
+from station.core.interfaces import JointStateGroup
+from station.core.robot_description import JointDescription
+
+
+class JointQuantity(Enum):
+    """The three quantities that are measured and commanded."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+    EFFORT = "effort"
+
+    def unit(self, joint: JointDescription) -> str:
+        """Return the unit of the quantity at `joint`."""
+        match self:
+            case JointQuantity.POSITION:
+                return "m" if joint.is_linear() else "rad"
+            case JointQuantity.VELOCITY:
+                return "m/s" if joint.is_linear() else "rad/s"
+            case JointQuantity.EFFORT:
+                return "N" if joint.is_linear() else "Nm"
+            case _:
+                assert_never(self)
+
+    def range(self, joint: JointDescription) -> tuple[float, float]:
+        """Return the smallest and the largest value allowed at `joint`."""
+        match self:
+            case JointQuantity.POSITION:
+                return joint.lower, joint.upper
+            case JointQuantity.VELOCITY:
+                return -joint.velocity, joint.velocity
+            case JointQuantity.EFFORT:
+                return -joint.effort, joint.effort
+            case _:
+                assert_never(self)
+
+    def measure(self, group: JointStateGroup) -> list[float]:
+        """Return the measured values of a group, shape (n,), a new list."""
+        if self is JointQuantity.POSITION:
+            return group.get_positions()
+        if self is JointQuantity.VELOCITY:
+            return group.get_velocities()
+        return group.get_efforts()

@@ -1,0 +1,111 @@
+"""Publish the state of the robot's joints at a fixed rate.
+
+Source: ros_controllers@678b92a joint_state_controller/src/joint_state_controller.cpp.
+"""
+
+import logging
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.core.controller import Controller
+from station.core.errors import ParameterError
+from station.core.interfaces import JointStateGroup, JointStateInterface
+from station.core.joint_states import JointStates
+from station.core.parameters import Parameters
+
+_logger = logging.getLogger(__name__)
+
+
+class JointStateController(Controller[JointStateInterface]):
+    """Publishes joint states; commands nothing.
+
+    Parameters: `publish_rate` [Hz], required, nothing is published when it is not
+    positive; `joints`, the joints and their order, all of the robot by default;
+    `extra_joints`, a list of `{name, position, velocity, effort}` with constant
+    values for joints the robot does not report.
+
+    Attributes:
+        joint_states: What was published last, a new object each time; None before
+            the first time. Read it from any thread.
+
+    Source:
+        JointStateController; differs: whole numbers are valid values of extra joints,
+        and publications that were missed are not caught up in a burst.
+    """
+
+    hardware_interface: ClassVar[type] = JointStateInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.joint_states: JointStates | None = None
+        self.publish_rate = 0.0
+        self._group = JointStateGroup([])
+        self._extra_values: dict[str, list[float]] = {}
+        self._last_publish_time: float | None = None
+
+    @override
+    def init(self, interface: JointStateInterface, params: Parameters) -> None:
+        self.publish_rate = params.get_float("publish_rate")
+        names = params.get_str_list("joints", interface.get_names())
+        self._group = JointStateGroup([interface.get_handle(name) for name in names])
+        extra = _read_extra_joints(params, names)
+        self.joint_names = names + list(extra)
+        self._extra_values = {
+            key: [values[key] for values in extra.values()]
+            for key in ("position", "velocity", "effort")
+        }
+
+    @override
+    def starting(self, time: float) -> None:
+        """Let the first cycle publish; a restart keeps the rhythm."""
+        if self._last_publish_time is None and self.publish_rate > 0.0:
+            self._last_publish_time = time - 1.001 / self.publish_rate
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        """Publish when it is due."""
+        if self.publish_rate <= 0.0 or self._last_publish_time is None:
+            return
+        interval = 1.0 / self.publish_rate
+        due = self._last_publish_time + interval
+        if due < time:
+            self._last_publish_time = due if time - due < interval else time
+            self.joint_states = JointStates(
+                stamp=time,
+                name=self.joint_names,
+                position=self._group.get_positions() + self._extra_values["position"],
+                velocity=self._group.get_velocities() + self._extra_values["velocity"],
+                effort=self._group.get_efforts() + self._extra_values["effort"],
+            )
+
+
+def _read_extra_joints(
+    params: Parameters, known: list[str]
+) -> dict[str, dict[str, float]]:
+    """Return position, velocity and effort of the extra joints by name.
+
+    An entry that cannot be used is left out with a warning, as in the original:
+    robots' configurations rely on it.
+    """
+    extra: dict[str, dict[str, float]] = {}
+    entries = params.get("extra_joints", [])
+    if not isinstance(entries, list):
+        _logger.warning("'%s' is no list; ignored", params.resolve("extra_joints"))
+        return extra
+    for entry in entries:
+        values = dict(entry) if isinstance(entry, dict) else {}
+        name = values.pop("name", None)
+        if not isinstance(name, str) or name in known or name in extra:
+            _logger.warning("extra joint %r has no new name; ignored", entry)
+            continue
+        view = Parameters()
+        view.set("", values)
+        try:
+            extra[name] = {
+                key: view.get_float(key, 0.0)
+                for key in ("position", "velocity", "effort")
+            }
+        except ParameterError as error:
+            _logger.warning("extra joint '%s' ignored: %s", name, error)
+    return extra

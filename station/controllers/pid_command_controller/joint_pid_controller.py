@@ -1,0 +1,80 @@
+"""The base of the controllers that close one PID loop around every joint."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.forward_command_controller.joint_quantity import JointQuantity
+from station.controllers.forward_command_controller.joint_set_point_controller import (
+    CommandInterfaceT,
+    JointSetPointController,
+)
+from station.controllers.pid_command_controller.joint_pids import (
+    JointPids,
+    read_joint_pids,
+)
+from station.core.controller import ControllerSample
+from station.core.parameters import Parameters
+from station.core.tunables import Tunable
+
+
+class JointPidController(JointSetPointController[CommandInterfaceT]):
+    """Computes commands from the errors of the quantity it controls.
+
+    Attributes:
+        quantity: What is controlled: set-points, measured values and errors.
+        command_quantity: What the PIDs compute.
+    """
+
+    command_quantity: ClassVar[JointQuantity]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._pids = JointPids(
+            [], [], error=JointQuantity.POSITION, command=JointQuantity.EFFORT
+        )
+
+    @override
+    def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
+        super().init(interface, params)
+        self._pids = JointPids(
+            self.joints,
+            read_joint_pids(params, self.joints),
+            error=self.quantity,
+            command=self.command_quantity,
+        )
+
+    def errors(self, set_point: list[float], actual: list[float]) -> list[float]:
+        """Return what is missing to the set-point, shape (n,); a plain difference."""
+        return [d - a for d, a in zip(set_point, actual, strict=True)]
+
+    @override
+    def starting(self, time: float) -> None:
+        super().starting(time)
+        self._pids.reset()
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        set_point = self.newest_set_point()
+        actual = self.quantity.measure(self.group)
+        errors = self.errors(set_point, actual)
+        commands = self._pids.compute_commands(errors, period)
+        self.group.set_commands(commands)
+        self.sample = ControllerSample(time, set_point, actual, errors, commands)
+
+    @override
+    def gain_schema(self) -> Mapping[str, Tunable]:
+        return self._pids.gain_schema()
+
+    @override
+    def gains(self) -> dict[str, float]:
+        return self._pids.gains()
+
+    @override
+    def check_gains(self, values: Mapping[str, float]) -> None:
+        self._pids.check_gains(values)
+
+    @override
+    def apply_gains(self, values: Mapping[str, float]) -> None:
+        self._pids.apply_gains(values)

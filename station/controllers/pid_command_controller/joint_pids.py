@@ -1,0 +1,177 @@
+"""One PID per joint, and its gains as run-time parameters."""
+
+from collections.abc import Mapping
+
+from station.controllers.forward_command_controller import JointQuantity
+from station.core.errors import InvalidGainError, ParameterError
+from station.core.parameters import Parameters
+from station.core.pid import Pid, PidGains
+from station.core.robot_description import JointDescription
+from station.core.tunables import Tunable
+
+GAIN_MAXIMUM = 10_000.0
+"""Largest `p` and `i` offered for tuning, in the units of the gain."""
+DERIVATIVE_GAIN_MAXIMUM = 1_000.0
+"""Largest `d` offered for tuning, in the unit of the gain."""
+CLAMP_MAXIMUM = 1_000.0
+"""Largest bound of the integral part offered for tuning, in the command's unit."""
+
+_DESCRIPTIONS = {
+    "p": "proportional gain",
+    "i": "integral gain",
+    "d": "derivative gain",
+    "i_clamp_max": "upper bound of the integral part",
+    "i_clamp_min": "lower bound of the integral part",
+}
+
+
+class JointPids:
+    """The PIDs of a controller, in the order of its joints.
+
+    Gains are called `<joint>/p`, `/i`, `/d`, `/i_clamp_max` and `/i_clamp_min`.
+
+    Args:
+        joints: The joints.
+        gains: First gains, same order.
+        error: What the error is a difference of.
+        command: What the PIDs compute.
+    """
+
+    def __init__(
+        self,
+        joints: list[JointDescription],
+        gains: list[PidGains],
+        *,
+        error: JointQuantity,
+        command: JointQuantity,
+    ) -> None:
+        self.names = [joint.name for joint in joints]
+        self.pids = [Pid(each) for each in gains]
+        self._schema: dict[str, Tunable] = {}
+        for joint, each in zip(joints, gains, strict=True):
+            units = _units(command.unit(joint), error.unit(joint))
+            for key, value in _named(each).items():
+                self._schema[f"{joint.name}/{key}"] = _tunable(key, value, units[key])
+
+    def reset(self) -> None:
+        """Forget all errors and integrals."""
+        for pid in self.pids:
+            pid.reset()
+
+    def compute_commands(self, errors: list[float], period: float) -> list[float]:
+        """Return the commands for `errors`, shape (n,) both.
+
+        Args:
+            errors: Set-point minus measured value, in the unit of the error.
+            period: Time since the last cycle [s]; the commands are 0 when it is 0.
+        """
+        return [
+            pid.compute_command(error, period)
+            for pid, error in zip(self.pids, errors, strict=True)
+        ]
+
+    def gain_schema(self) -> Mapping[str, Tunable]:
+        """Return unit and range of every gain."""
+        return self._schema
+
+    def gains(self) -> dict[str, float]:
+        """Return the gains in force."""
+        return {
+            f"{name}/{key}": value
+            for name, pid in zip(self.names, self.pids, strict=True)
+            for key, value in _named(pid.gains).items()
+        }
+
+    def check_gains(self, values: Mapping[str, float]) -> None:
+        """Refuse a complete set of gains that does not fit together.
+
+        Raises:
+            InvalidGainError: A joint's `i_clamp_min` is above its `i_clamp_max`.
+        """
+        for name in self.names:
+            lower = values[f"{name}/i_clamp_min"]
+            upper = values[f"{name}/i_clamp_max"]
+            if lower > upper:
+                raise InvalidGainError(
+                    f"Gain '{name}/i_clamp_min' is {lower}, above "
+                    f"'{name}/i_clamp_max', which is {upper}.",
+                    remedy="Send bounds with i_clamp_min <= i_clamp_max.",
+                )
+
+    def apply_gains(self, values: Mapping[str, float]) -> None:
+        """Take over a complete, checked set; errors and integrals stay."""
+        changed = [
+            PidGains(
+                p=values[f"{name}/p"],
+                i=values[f"{name}/i"],
+                d=values[f"{name}/d"],
+                i_max=values[f"{name}/i_clamp_max"],
+                i_min=values[f"{name}/i_clamp_min"],
+                antiwindup=pid.gains.antiwindup,
+            )
+            for name, pid in zip(self.names, self.pids, strict=True)
+        ]
+        for pid, gains in zip(self.pids, changed, strict=True):
+            pid.set_gains(gains)
+
+
+def read_joint_pids(
+    params: Parameters, joints: list[JointDescription]
+) -> list[PidGains]:
+    """Read the gains of every joint from any of the usual places.
+
+    These are `<joint>/pid`, `<joint>`, `gains/<joint>`, and `pid` for a controller of
+    one joint.
+
+    Args:
+        params: The controller's namespace.
+        joints: The joints, in the order of the result.
+
+    Raises:
+        ParameterError: A joint has no gains, or they are impossible.
+    """
+    return [_read_gains(params, joint.name, len(joints) == 1) for joint in joints]
+
+
+def _read_gains(params: Parameters, joint: str, single: bool) -> PidGains:  # noqa: FBT001
+    places = [f"{joint}/pid", joint, f"gains/{joint}"] + (["pid"] if single else [])
+    for place in places:
+        if params.has(f"{place}/p") or params.has(f"{place}/pid/p"):
+            return PidGains.from_parameters(params.namespace(place))
+    raise ParameterError(
+        f"Parameter '{params.resolve(f'{places[0]}/p')}' is missing.",
+        remedy=f"Give the gains of joint '{joint}' as '{places[0]}: {{p, i, d}}'.",
+        details={"parameter": params.resolve(f"{places[0]}/p")},
+    )
+
+
+def _named(gains: PidGains) -> dict[str, float]:
+    return {
+        "p": gains.p,
+        "i": gains.i,
+        "d": gains.d,
+        "i_clamp_max": gains.i_max,
+        "i_clamp_min": gains.i_min,
+    }
+
+
+def _units(command: str, error: str) -> dict[str, str]:
+    """Return the unit of every gain, e.g. Nm/rad, Nm/(rad s), Nm s/rad."""
+    base, per_second = (error[:-2], True) if error.endswith("/s") else (error, False)
+    proportional = f"{command} s/{base}" if per_second else f"{command}/{base}"
+    integral = f"{command}/{base}" if per_second else f"{command}/({base} s)"
+    derivative = f"{command} s^2/{base}" if per_second else f"{command} s/{base}"
+    units = {"p": proportional, "i": integral, "d": derivative}
+    if command == f"{error}/s":
+        units = {"p": "1/s", "i": "1/s^2", "d": ""}
+    return {**units, "i_clamp_max": command, "i_clamp_min": command}
+
+
+def _tunable(key: str, value: float, unit: str) -> Tunable:
+    """Return the range of a gain; it always includes the configured value."""
+    maximum = {"p": GAIN_MAXIMUM, "i": GAIN_MAXIMUM, "d": DERIVATIVE_GAIN_MAXIMUM}
+    upper = maximum.get(key, CLAMP_MAXIMUM)
+    lower = 0.0
+    if key == "i_clamp_min":
+        lower, upper = -upper, 0.0
+    return Tunable(unit, min(lower, value), max(upper, value), _DESCRIPTIONS[key])

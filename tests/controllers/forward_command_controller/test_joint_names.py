@@ -1,0 +1,34 @@
+"""The parameters `joints` and `joint`."""
+
+import pytest
+
+from station.controllers.forward_command_controller.joint_names import (
+    read_joint_name,
+    read_joint_names,
+)
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters, ParameterTree
+
+
+def _params(**values):
+    return Parameters(ParameterTree({"arm": values}), "arm")
+
+
+def test_a_group_names_its_joints_in_order():
+    assert read_joint_names(_params(joints=["b", "a"])) == ["b", "a"]
+
+
+@pytest.mark.parametrize("values", [{}, {"joints": []}, {"joints": ["a", "a"]}])
+def test_a_group_names_each_joint_once_and_at_least_one(values):
+    with pytest.raises(ParameterError, match="arm/joints"):
+        read_joint_names(_params(**values))
+
+
+def test_a_single_joint_is_a_group_of_one():
+    assert read_joint_name(_params(joint="a")) == ["a"]
+
+
+@pytest.mark.parametrize("values", [{}, {"joint": ["a"]}, {"joint": 3}])
+def test_a_single_joint_is_a_string(values):
+    with pytest.raises(ParameterError, match="arm/joint'"):
+        read_joint_name(_params(**values))

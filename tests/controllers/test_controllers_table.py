@@ -1,0 +1,16 @@
+"""The table of controllers points at classes that exist."""
+
+import importlib
+
+import pytest
+
+from station.controllers import CONTROLLERS
+from station.core.controller import ControllerBase
+
+
+@pytest.mark.parametrize("controller_type", CONTROLLERS)
+def test_every_type_names_a_controller_class(controller_type):
+    module, name = CONTROLLERS[controller_type].split(":")
+    controller_class = getattr(importlib.import_module(module), name)
+    assert issubclass(controller_class, ControllerBase)
+    assert controller_type.split("/")[1] == name

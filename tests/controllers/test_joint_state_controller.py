@@ -1,0 +1,118 @@
+"""JointStateController: the original's tests with a stepped clock, and more."""
+
+import pytest
+
+from station.controllers.joint_state_controller import JointStateController
+from station.core.errors import ParameterError, ResourceNotFoundError
+
+
+def _published(robot, controller, duration, period):
+    """Return the stamps of what is published in `duration` [s]."""
+    stamps = []
+    for _ in range(round(duration / period)):
+        before = controller.joint_states
+        robot.step(controller, period=period)
+        if controller.joint_states is not before:
+            stamps.append(controller.joint_states.stamp)
+    return stamps
+
+
+def test_it_needs_a_publish_rate(robot):
+    with pytest.raises(ParameterError, match="'arm/publish_rate' is missing"):
+        robot.load(JointStateController)
+
+
+def test_it_claims_nothing(robot):
+    controller = robot.load(JointStateController, publish_rate=50)
+    (claimed,) = controller.claims
+    assert claimed.hardware_interface == "hardware_interface::JointStateInterface"
+    assert claimed.resources == ()
+
+
+def test_it_publishes_in_the_first_cycle_and_then_at_the_rate(robot):
+    controller = robot.start(JointStateController, publish_rate=50)
+    stamps = _published(robot, controller, duration=1.0, period=0.001)
+    assert stamps[0] == pytest.approx(100.001)
+    assert 50 <= len(stamps) <= 51
+
+
+@pytest.mark.parametrize("rate", [0, -10])
+def test_a_rate_that_is_not_positive_publishes_nothing(robot, rate):
+    controller = robot.start(JointStateController, publish_rate=rate)
+    assert _published(robot, controller, duration=1.0, period=0.01) == []
+
+
+def test_missed_publications_are_not_caught_up(robot):
+    controller = robot.start(JointStateController, publish_rate=50)
+    _published(robot, controller, duration=0.1, period=0.001)
+    robot.time += 1.0
+    assert len(_published(robot, controller, duration=0.1, period=0.001)) <= 6
+
+
+def test_it_publishes_what_the_robot_reports(robot):
+    controller = robot.start(JointStateController, publish_rate=50)
+    robot.position[:] = [0.1, 0.2, 0.3]
+    robot.velocity[:] = [1.0, 2.0, 3.0]
+    robot.effort[:] = [10.0, 20.0, 30.0]
+    robot.step(controller)
+    states = controller.joint_states
+    assert states.name == ["elbow", "slide", "wheel"]
+    assert states.position == [0.2, 0.1, 0.3]
+    assert states.velocity == [2.0, 1.0, 3.0]
+    assert states.effort == [20.0, 10.0, 30.0]
+
+
+def test_a_published_object_never_changes(robot):
+    controller = robot.start(JointStateController, publish_rate=1000)
+    robot.step(controller)
+    first = controller.joint_states
+    robot.position[0] = 1.0
+    robot.step(controller, count=3)
+    assert first.position == [0.0, 0.0, 0.0]
+
+
+def test_joints_and_their_order_can_be_chosen(robot):
+    controller = robot.start(
+        JointStateController, publish_rate=50, joints=["wheel", "slide"]
+    )
+    robot.position[:] = [0.1, 0.2, 0.3]
+    robot.step(controller)
+    assert controller.joint_states.name == ["wheel", "slide"]
+    assert controller.joint_states.position == [0.3, 0.1]
+
+
+def test_an_unknown_joint_is_refused(robot):
+    with pytest.raises(ResourceNotFoundError, match="'knee'"):
+        robot.load(JointStateController, publish_rate=50, joints=["knee"])
+
+
+def test_extra_joints_have_constant_values(robot):
+    extra = [
+        {"name": "extra1", "position": 10.0, "velocity": 20.0, "effort": 30.0},
+        {"name": "extra2", "position": -10},
+        {"name": "extra3"},
+    ]
+    controller = robot.start(JointStateController, publish_rate=50, extra_joints=extra)
+    robot.step(controller)
+    states = controller.joint_states
+    assert states.name[3:] == ["extra1", "extra2", "extra3"]
+    assert states.position[3:] == [10.0, -10.0, 0.0]
+    assert states.velocity[3:] == [20.0, 0.0, 0.0]
+    assert states.effort[3:] == [30.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [
+        "a string",
+        ["no mapping"],
+        [{"position": 1.0}],
+        [{"name": "elbow"}],
+        [{"name": "extra", "velocity": "fast"}],
+    ],
+)
+def test_unusable_extra_joints_are_left_out_with_a_warning(robot, extra, caplog):
+    controller = robot.start(JointStateController, publish_rate=50, extra_joints=extra)
+    robot.step(controller)
+    assert controller.joint_states.name == ["elbow", "slide", "wheel"]
+    assert "ignored" in caplog.text

@@ -1,0 +1,90 @@
+"""What is read of a URDF, and what is refused."""
+
+from math import inf
+
+import pytest
+
+from station.core.errors import RobotDescriptionError
+from station.core.parameters import Parameters, ParameterTree
+from station.core.robot_description import (
+    JointDescription,
+    JointType,
+    RobotDescription,
+    find_robot_description,
+    require_robot_description,
+)
+
+
+def _joint(attributes, limit=""):
+    return RobotDescription(
+        f"<robot name='r'><joint name='j' {attributes}>{limit}</joint></robot>"
+    ).joint("j")
+
+
+def test_a_revolute_joint_has_its_limits():
+    joint = _joint(
+        "type='revolute'", "<limit lower='-1' upper='2' velocity='3' effort='4'/>"
+    )
+    assert joint == JointDescription("j", JointType.REVOLUTE, -1.0, 2.0, 3.0, 4.0)
+    assert joint.is_limited()
+    assert not joint.is_linear()
+
+
+def test_a_continuous_joint_has_no_position_limits():
+    joint = _joint(
+        "type='continuous'", "<limit lower='-1' upper='1' velocity='3' effort='0'/>"
+    )
+    assert (joint.lower, joint.upper) == (-inf, inf)
+    assert (joint.velocity, joint.effort) == (3.0, inf)
+    assert not joint.is_limited()
+
+
+@pytest.mark.parametrize(
+    ("attributes", "limit", "message"),
+    [
+        ("type='revolute'", "", "has no <limit>"),
+        ("type='wobbly'", "", "has the type 'wobbly'"),
+        ("type='prismatic'", "<limit lower='1' upper='0'/>", "above the upper"),
+        ("type='prismatic'", "<limit lower='x' upper='0'/>", "lower limit 'x'"),
+        ("type='prismatic'", "<limit lower='0' upper='inf'/>", "upper limit 'inf'"),
+        ("type='prismatic'", "<limit velocity='-1'/>", "velocity limit -1.0"),
+    ],
+)
+def test_an_impossible_joint_is_refused(attributes, limit, message):
+    with pytest.raises(RobotDescriptionError, match=message):
+        _joint(attributes, limit)
+
+
+@pytest.mark.parametrize("xml", ["panda.urdf", "<sdf/>", ""])
+def test_what_is_no_urdf_is_refused(xml):
+    with pytest.raises(RobotDescriptionError):
+        RobotDescription(xml)
+
+
+def test_an_unknown_joint_is_refused_with_the_names_of_all():
+    description = RobotDescription("<robot><joint name='a' type='fixed'/></robot>")
+    with pytest.raises(RobotDescriptionError) as caught:
+        description.joint("b")
+    assert caught.value.remedy == "It has: a."
+
+
+def test_the_nearest_description_is_found():
+    tree = ParameterTree({
+        "robot_description": "<robot><joint name='outer' type='fixed'/></robot>",
+        "left": {
+            "robot_description": "<robot><joint name='inner' type='fixed'/></robot>"
+        },
+    })
+    inner = find_robot_description(Parameters(tree, "left/arm"))
+    outer = find_robot_description(Parameters(tree, "right/arm"))
+    assert inner is not None
+    assert outer is not None
+    assert inner.joint_names() == ["inner"]
+    assert outer.joint_names() == ["outer"]
+
+
+def test_a_missing_description_is_none_or_an_error():
+    params = Parameters(ParameterTree(), "arm")
+    assert find_robot_description(params) is None
+    with pytest.raises(RobotDescriptionError, match="'robot_description' is missing"):
+        require_robot_description(params)
