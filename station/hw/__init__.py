@@ -1,0 +1,8 @@
+"""Robots: everything that implements `RobotHW`.
+
+`HARDWARE` is the table of robot types: type as configured, then where its class is. A
+module is imported only when its robot is asked for, so that a missing library of one
+robot does not concern the others.
+"""
+
+HARDWARE: dict[str, str] = {}

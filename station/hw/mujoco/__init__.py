@@ -1,0 +1,1 @@
+"""Any robot that has a URDF, simulated with MuJoCo."""

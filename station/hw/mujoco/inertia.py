@@ -1,0 +1,56 @@
+"""Combine mass properties of links that move as one body."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from station.hw.urdf import Inertial, Pose
+
+
+def is_rigid_body(inertial: Inertial) -> bool:
+    """Tell whether some rigid body of positive volume can have these properties.
+
+    A point mass (inertia 0) cannot, nor can a tensor whose principal moments are not
+    positive or violate the triangle inequality.
+    """
+    moments = np.linalg.eigvalsh(_tensor(inertial))
+    return bool(moments[0] > 0.0 and moments[0] + moments[1] >= moments[2])
+
+
+def combine(parts: list[tuple[Pose, Inertial]]) -> Inertial:
+    """Return the mass properties of bodies that are fixed to each other.
+
+    Args:
+        parts: For each body its link's frame in the common frame, and its properties;
+            at least one.
+
+    Returns:
+        Properties in the common frame; the axes of `origin` are those of that frame.
+    """
+    placed = [(frame.compose(part.origin), part) for frame, part in parts]
+    mass = sum(part.mass for _, part in placed)
+    centre = np.zeros(3)
+    for pose, part in placed:
+        centre += np.array(pose.xyz) * part.mass / mass
+    total = np.zeros((3, 3))
+    for pose, part in placed:
+        rotation = _rotation(pose)
+        offset = np.array(pose.xyz) - centre
+        steiner = offset @ offset * np.eye(3) - np.outer(offset, offset)
+        total += rotation @ _tensor(part) @ rotation.T + part.mass * steiner
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = total.tolist()
+    x, y, z = centre.tolist()
+    return Inertial(mass, Pose((x, y, z)), (ixx, iyy, izz, ixy, ixz, iyz))
+
+
+def _tensor(inertial: Inertial) -> NDArray[np.float64]:
+    """Return the inertia in the axes of its origin [kg m^2], shape (3, 3)."""
+    ixx, iyy, izz, ixy, ixz, iyz = inertial.inertia
+    return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+
+
+def _rotation(pose: Pose) -> NDArray[np.float64]:
+    """Return the rotation matrix of a pose, shape (3, 3)."""
+    matrix = np.empty(9)
+    mujoco.mju_quat2Mat(matrix, np.array(pose.quaternion))
+    return matrix.reshape(3, 3)

@@ -1,0 +1,70 @@
+"""Give MuJoCo the collision meshes of a URDF, whatever their file format."""
+
+from pathlib import Path
+
+import mujoco
+
+from station.core.errors import RobotDescriptionError
+from station.hw.urdf import Shape
+
+_BINARY_STL_HEADER = 84
+_BINARY_STL_TRIANGLE = 50
+
+
+def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
+    """Add a mesh asset; MuJoCo collides it as its convex hull.
+
+    MuJoCo reads binary STL and OBJ itself; other formats (Collada, ASCII STL) are read
+    with trimesh and handed over as vertices and faces.
+
+    Args:
+        spec: The world; changed.
+        name: Name of the new asset.
+        shape: A shape of kind `mesh`.
+
+    Raises:
+        RobotDescriptionError: The file has no triangles or is of an unknown format.
+    """
+    path = shape.mesh
+    if path is None:
+        raise RobotDescriptionError(
+            f"the mesh {name!r} has no file", remedy="name a file in the URDF"
+        )
+    mesh = spec.add_mesh(name=name, scale=shape.size)
+    # The link's inertia comes from the URDF; thin or open meshes are not an error.
+    mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+    if path.suffix.lower() == ".obj" or _is_binary_stl(path):
+        mesh.file = str(path)
+        return
+    vertices, faces = _load_with_trimesh(path)
+    mesh.uservert = vertices
+    mesh.userface = faces
+
+
+def _is_binary_stl(path: Path) -> bool:
+    if path.suffix.lower() != ".stl":
+        return False
+    with path.open("rb") as file:
+        header = file.read(_BINARY_STL_HEADER)
+    triangles = int.from_bytes(header[-4:], "little")
+    size = _BINARY_STL_HEADER + _BINARY_STL_TRIANGLE * triangles
+    return len(header) == _BINARY_STL_HEADER and path.stat().st_size == size
+
+
+def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
+    # Imported on demand: it takes half a second and most robots do not need it.
+    import trimesh
+
+    try:
+        loaded = trimesh.load_scene(path)
+    except (ValueError, KeyError, OSError) as exc:
+        raise RobotDescriptionError(
+            f"cannot read the mesh {path}: {exc}",
+            remedy="convert it to STL or OBJ",
+        ) from exc
+    mesh = loaded.to_mesh()
+    if len(mesh.faces) == 0:
+        raise RobotDescriptionError(
+            f"the mesh {path} has no triangles", remedy="use another file"
+        )
+    return mesh.vertices.ravel().tolist(), mesh.faces.ravel().tolist()

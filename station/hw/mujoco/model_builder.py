@@ -1,0 +1,306 @@
+"""Build a MuJoCo model from robots described by URDFs.
+
+`new_world` makes an empty world, `add_robot` puts a robot into it (any number of
+robots, and more than one of a kind, under different names), and `compile_world` makes
+the model. Nothing in here knows a particular robot.
+
+Names: a body has its link's name; a link that is nothing but a frame becomes a site of
+that name on the link that carries it. A joint's motor has the joint's name.
+
+Motors: force = ctrl + bias with the bias -K q - D dq. K and D are 0 in the compiled
+model, so a motor is a pure force source; `World` changes them while it runs to make a
+servo, whose damping the integrator then treats implicitly. The force is limited to the
+URDF's effort; a joint whose effort limit is 0 is passive and has no motor.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import mujoco
+
+from station.core.errors import RobotDescriptionError
+from station.hw.mujoco.inertia import combine, is_rigid_body
+from station.hw.mujoco.mesh_loader import add_mesh
+from station.hw.urdf import (
+    Inertial,
+    Joint,
+    JointType,
+    Link,
+    Mimic,
+    Pose,
+    Shape,
+    Urdf,
+)
+
+_COLLISION_GROUP = 3
+# Time constant of the constraints that are hard on a real robot (mechanical stops,
+# mimic joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
+_HARD_CONSTRAINT_STEPS = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class RobotOptions:
+    """How a robot stands in the world and what its URDF does not say about it.
+
+    Attributes:
+        base: The root link's pose in the world.
+        armature: Inertia of rotor and gears as seen at each revolute joint [kg m^2],
+            >= 0. Source of the default: mujoco_menagerie franka_emika_panda/panda.xml,
+            the `panda` default class.
+        gravity_compensation: The robot carries its own weight: each link is lifted by
+            the force that gravity exerts on it.
+        disabled_collisions: Pairs of links that are never tested for contact, besides
+            pairs joined by a joint.
+    """
+
+    base: Pose = field(default_factory=Pose)
+    armature: float = 0.1
+    gravity_compensation: bool = True
+    disabled_collisions: tuple[tuple[str, str], ...] = ()
+
+
+def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
+    """Make a world with gravity along -z and, if wanted, a floor at z = 0.
+
+    Args:
+        timestep: Duration of a simulation step, the loop's period [s], > 0.
+        floor: Whether there is a floor.
+    """
+    spec = mujoco.MjSpec()
+    spec.option.timestep = timestep
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # A diverged simulation is reported, not silently started again.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    spec.compiler.degree = False
+    spec.compiler.autolimits = False
+    if floor:
+        spec.worldbody.add_geom(
+            name="floor",
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0.0, 0.0, 0.1],
+        )
+    return spec
+
+
+def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
+    """Put a robot into the world, its root link fixed.
+
+    Args:
+        spec: The world; changed.
+        urdf: The robot. Its names must not be in the world yet; see
+            `Urdf.with_prefix`.
+        options: Place and properties.
+
+    Raises:
+        RobotDescriptionError: MuJoCo refuses something of the robot, e.g. a name that
+            another robot in the world has.
+    """
+    with _refusals_explained():
+        _RobotBuilder(spec, urdf, options).build()
+
+
+def compile_world(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """Make the model.
+
+    Raises:
+        RobotDescriptionError: MuJoCo refuses something that came from a URDF, e.g. an
+            inertia that no rigid body has, or a name used twice.
+    """
+    with _refusals_explained():
+        return spec.compile()
+
+
+@contextmanager
+def _refusals_explained() -> Iterator[None]:
+    try:
+        yield
+    except RobotDescriptionError:
+        raise
+    except ValueError as exc:
+        reason = " ".join(str(exc).split())
+        raise RobotDescriptionError(
+            f"MuJoCo cannot simulate this robot: {reason}",
+            remedy="correct that element of the URDF",
+        ) from exc
+
+
+class _RobotBuilder:
+    """Walk a URDF's tree from the root and add what is found to the world."""
+
+    def __init__(self, spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
+        self._spec = spec
+        self._urdf = urdf
+        self._options = options
+        self._hard = _HARD_CONSTRAINT_STEPS * spec.option.timestep
+        # The body that carries each link; frame-only links share their parent's.
+        self._body_of_link: dict[str, str] = {}
+
+    def build(self) -> None:
+        self._add_link(
+            self._urdf.links[self._urdf.root],
+            parent=self._spec.worldbody,
+            pose=self._options.base,
+            joint=None,
+        )
+        for joint in self._urdf.joints.values():
+            self._add_motor_or_mimic(joint)
+        self._exclude_collisions()
+
+    def _add_link(
+        self, link: Link, *, parent: mujoco.MjsBody, pose: Pose, joint: Joint | None
+    ) -> None:
+        """Add a link that stands at `pose` in `parent`, and everything below it.
+
+        Args:
+            link: The link.
+            parent: Body to add it to.
+            pose: The link's frame in the parent's.
+            joint: The moving joint between them, or None if there is none.
+        """
+        if joint is None and link.is_frame_only:
+            parent.add_site(name=link.name, pos=pose.xyz, quat=pose.quaternion)
+            self._body_of_link[link.name] = parent.name
+            body, origin = parent, pose
+        else:
+            body = parent.add_body(name=link.name, pos=pose.xyz, quat=pose.quaternion)
+            self._fill_body(body, link, moves=joint is not None)
+            if joint is not None:
+                self._add_joint(body, joint)
+            origin = Pose()
+        for below in self._urdf.joints_below(link.name):
+            self._add_link(
+                self._urdf.links[below.child],
+                parent=body,
+                pose=origin.compose(below.origin),
+                joint=None if below.type is JointType.FIXED else below,
+            )
+
+    def _fill_body(self, body: mujoco.MjsBody, link: Link, *, moves: bool) -> None:
+        self._body_of_link[link.name] = body.name
+        body.gravcomp = 1.0 if self._options.gravity_compensation else 0.0
+        body.explicitinertial = True
+        parts = self._inertials_carried_by(link)
+        if parts:
+            inertial = combine(parts)
+            # What cannot move needs no valid inertia, and a broken one stops MuJoCo.
+            if moves or is_rigid_body(inertial):
+                body.mass = inertial.mass
+                body.ipos = inertial.origin.xyz
+                ixx, iyy, izz, ixy, ixz, iyz = inertial.inertia
+                body.fullinertia = [ixx, iyy, izz, ixy, ixz, iyz]
+        for number, shape in enumerate(link.collisions):
+            self._add_shape(body, f"{link.name}_collision_{number}", shape)
+
+    def _inertials_carried_by(self, link: Link) -> list[tuple[Pose, Inertial]]:
+        """Return the link's own inertia and those of point masses fixed to it.
+
+        MuJoCo takes no point mass as a body, so the carrying body takes it over. A
+        link that is such a point mass and fixed itself carries nothing.
+        """
+        own = link.inertial
+        is_fixed = any(
+            joint.child == link.name and joint.type is JointType.FIXED
+            for joint in self._urdf.joints.values()
+        )
+        if own is not None and is_fixed and not is_rigid_body(own):
+            return []
+        parts = [] if own is None else [(Pose(), own)]
+        frontier = [(link.name, Pose())]
+        while frontier:
+            name, pose = frontier.pop()
+            for joint in self._urdf.joints_below(name):
+                inertial = self._urdf.links[joint.child].inertial
+                if joint.type is not JointType.FIXED:
+                    continue
+                if inertial is None or not is_rigid_body(inertial):
+                    child_pose = pose.compose(joint.origin)
+                    frontier.append((joint.child, child_pose))
+                    if inertial is not None:
+                        parts.append((child_pose, inertial))
+        return parts
+
+    def _add_shape(self, body: mujoco.MjsBody, name: str, shape: Shape) -> None:
+        geom = body.add_geom(
+            name=name,
+            pos=shape.origin.xyz,
+            quat=shape.origin.quaternion,
+            group=_COLLISION_GROUP,
+        )
+        match shape.kind:
+            case "box":
+                geom.type = mujoco.mjtGeom.mjGEOM_BOX
+                geom.size = [edge / 2.0 for edge in shape.size]
+            case "sphere":
+                geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
+                geom.size[0] = shape.size[0]
+            case "cylinder":
+                geom.type = mujoco.mjtGeom.mjGEOM_CYLINDER
+                geom.size[:2] = [shape.size[0], shape.size[1] / 2.0]
+            case _:
+                geom.type = mujoco.mjtGeom.mjGEOM_MESH
+                geom.meshname = name
+                add_mesh(self._spec, name, shape)
+
+    def _add_joint(self, body: mujoco.MjsBody, joint: Joint) -> None:
+        slides = joint.type is JointType.PRISMATIC
+        kind = mujoco.mjtJoint
+        added = body.add_joint(
+            name=joint.name,
+            type=kind.mjJNT_SLIDE if slides else kind.mjJNT_HINGE,
+            axis=joint.axis,
+            armature=0.0 if slides else self._options.armature,
+            frictionloss=joint.friction,
+        )
+        added.damping[0] = joint.damping
+        limit = joint.limit
+        if limit is not None and limit.lower is not None and limit.upper is not None:
+            added.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+            added.range = [limit.lower, limit.upper]
+            added.solref_limit[0] = self._hard
+
+    def _add_motor_or_mimic(self, joint: Joint) -> None:
+        if joint.type is JointType.FIXED:
+            return
+        if joint.mimic is not None:
+            self._add_mimic(joint, joint.mimic)
+            return
+        if joint.limit is not None and joint.limit.effort == 0.0:
+            return
+        motor = self._spec.add_actuator(
+            name=joint.name,
+            target=joint.name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        )
+        motor.gainprm[0] = 1.0
+        if joint.limit is not None:
+            motor.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+            motor.forcerange = [-joint.limit.effort, joint.limit.effort]
+
+    def _add_mimic(self, joint: Joint, mimic: Mimic) -> None:
+        equality = self._spec.add_equality(
+            name=f"{joint.name}_mimic",
+            type=mujoco.mjtEq.mjEQ_JOINT,
+            name1=joint.name,
+            name2=mimic.joint,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+        )
+        equality.data[:2] = [mimic.offset, mimic.multiplier]
+        equality.solref[0] = self._hard
+
+    def _exclude_collisions(self) -> None:
+        pairs = {(j.parent, j.child) for j in self._urdf.joints.values()}
+        pairs.update(self._options.disabled_collisions)
+        bodies = {self._body_pair(a, b) for a, b in pairs if self._has(a, b)}
+        for first, second in sorted(bodies):
+            if first != second:
+                self._spec.add_exclude(bodyname1=first, bodyname2=second)
+
+    def _has(self, *links: str) -> bool:
+        return all(link in self._body_of_link for link in links)
+
+    def _body_pair(self, first: str, second: str) -> tuple[str, str]:
+        a, b = sorted((self._body_of_link[first], self._body_of_link[second]))
+        return a, b

@@ -1,0 +1,77 @@
+"""Step MuJoCo without giving other threads a chance to take the interpreter.
+
+MuJoCo's Python binding releases the interpreter lock in `mj_step`; a busy thread then
+takes it and the control loop waits for it to come back, for longer than the step lasts.
+The same C function called through `ctypes.PyDLL` keeps the lock.
+"""
+
+import ctypes
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import mujoco
+
+_MAX_STEPS_COMPARED = 2
+
+
+def make_stepper(
+    model: mujoco.MjModel, data: mujoco.MjData
+) -> tuple[Callable[[], None], bool]:
+    """Return a function that makes one step, and whether it keeps the lock.
+
+    The function advances `data`. The direct call is used only after it has shown that
+    it does bit for bit what the binding does; otherwise the binding is.
+
+    Args:
+        model: The model.
+        data: Its data. Both must outlive the function.
+    """
+    binding = partial(mujoco.mj_step, model, data)
+    function = _find_mj_step()
+    addresses = _addresses(model, data)
+    if function is None or addresses is None or not _agrees(function, model):
+        return binding, False
+    return partial(function, *addresses), True
+
+
+def _find_mj_step() -> Callable[..., None] | None:
+    directory = Path(mujoco.__file__).parent
+    for path in sorted(directory.glob("libmujoco*")):
+        try:
+            library = ctypes.PyDLL(str(path))
+            library.mj_version.restype = ctypes.c_int
+            if library.mj_version() != mujoco.mj_version():
+                continue
+            function = library.mj_step
+        except (OSError, AttributeError):
+            # Not the library, or not one that can be called like this.
+            continue
+        function.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
+        function.restype = None
+        return function
+    return None
+
+
+def _addresses(
+    model: mujoco.MjModel, data: mujoco.MjData
+) -> tuple[ctypes.c_void_p, ctypes.c_void_p] | None:
+    addresses = (getattr(model, "_address", None), getattr(data, "_address", None))
+    if not all(isinstance(address, int) for address in addresses):
+        return None
+    return ctypes.c_void_p(addresses[0]), ctypes.c_void_p(addresses[1])
+
+
+def _agrees(function: Callable[..., None], model: mujoco.MjModel) -> bool:
+    direct, reference = mujoco.MjData(model), mujoco.MjData(model)
+    addresses = _addresses(model, direct)
+    if addresses is None:
+        return False
+    for _ in range(_MAX_STEPS_COMPARED):
+        function(*addresses)
+        mujoco.mj_step(model, reference)
+    return _state(direct) == _state(reference)
+
+
+def _state(data: mujoco.MjData) -> tuple[float, list[float], list[float]]:
+    return float(data.time), data.qpos.tolist(), data.qvel.tolist()

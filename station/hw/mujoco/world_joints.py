@@ -1,0 +1,145 @@
+"""Read and drive some joints of the simulated world, in plain floats."""
+
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from station.core.errors import HardwareInterfaceError
+
+_SINGLE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+
+
+class WorldJoints:
+    """Joints of the world in a chosen order, n of them, each with its own motor.
+
+    Reading returns new lists of n floats; nothing of MuJoCo's memory is handed out.
+    Forces and the like belong to the last step made, positions and velocities to its
+    end. To be used by the thread that steps the world.
+
+    Args:
+        model: The world's model.
+        data: The world's data.
+        names: Joints with one degree of freedom and a motor of the same name.
+
+    Attributes:
+        names: As given.
+        read_positions: Return the positions [rad or m].
+        read_velocities: Return the velocities [rad/s or m/s].
+        read_motor_forces: Return what the motors gave in the last step [Nm or N].
+        read_bias_forces: Return Coriolis, centrifugal and gravity forces [Nm or N].
+        read_compensation: Return the gravity compensation's forces [Nm or N].
+        read_inertia: Return the diagonal of the joint-space inertia matrix, armature
+            included [kg m^2 or kg].
+        damping: Passive damping [Nm s/rad or N s/m].
+        armature: Rotor inertia as seen at the joints [kg m^2 or kg].
+        effort_limits: Largest motor forces [Nm or N]; infinite where unlimited.
+
+    Raises:
+        HardwareInterfaceError: A joint is unknown, or is not such a joint.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str]
+    ) -> None:
+        joints = [_find_joint(model, name) for name in names]
+        positions = [int(model.jnt_qposadr[joint]) for joint in joints]
+        dofs = [int(model.jnt_dofadr[joint]) for joint in joints]
+        motors = [_find_motor(model, name) for name in names]
+        self.names = tuple(names)
+        self.read_positions = _reader(data.qpos, positions)
+        self.read_velocities = _reader(data.qvel, dofs)
+        self.read_motor_forces = _reader(data.actuator_force, motors)
+        self.read_bias_forces = _reader(data.qfrc_bias, dofs)
+        self.read_compensation = _reader(data.qfrc_gravcomp, dofs)
+        self.damping: list[float] = model.dof_damping[dofs].tolist()
+        self.armature: list[float] = model.dof_armature[dofs].tolist()
+        limited = model.actuator_forcelimited[motors]
+        highest = model.actuator_forcerange[motors, 1]
+        self.effort_limits: list[float] = np.where(limited, highest, np.inf).tolist()
+        self._set_controls = _writer(data.ctrl, motors)
+        # Each row of the inertia matrix ends with its diagonal element.
+        diagonal = model.M_rowadr + model.M_rownnz - 1
+        self.read_inertia = _reader(data.M, diagonal[dofs].tolist())
+        self._bias = model.actuator_biasprm
+        self._motors = motors
+
+    def set_controls(self, controls: list[float]) -> None:
+        """Set the motors' controls [Nm or N], shape (n,), for the next steps."""
+        self._set_controls(controls)
+
+    def set_servo(self, stiffness: list[float], damping: list[float]) -> None:
+        """Let motors give control - stiffness * position - damping * velocity.
+
+        The integrator treats the damping implicitly: it is stable however high.
+
+        Args:
+            stiffness: >= 0 [Nm/rad or N/m], shape (n,).
+            damping: >= 0 [Nm s/rad or N s/m], shape (n,). Both 0 makes pure force
+                motors.
+        """
+        for motor, k, d in zip(self._motors, stiffness, damping, strict=True):
+            self._bias[motor, 1] = -k
+            self._bias[motor, 2] = -d
+
+
+def joint_position_address(model: mujoco.MjModel, name: str) -> int:
+    """Return the place of a joint's position in `qpos`.
+
+    Raises:
+        HardwareInterfaceError: The model has no such joint with one degree of freedom.
+    """
+    return int(model.jnt_qposadr[_find_joint(model, name)])
+
+
+def _find_joint(model: mujoco.MjModel, name: str) -> int:
+    joint: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+    if joint < 0 or int(model.jnt_type[joint]) not in _SINGLE_DOF:
+        known = [model.joint(i).name for i in range(model.njnt)]
+        raise HardwareInterfaceError(
+            f"the simulated world has no hinge or slide joint {name!r}",
+            remedy=f"choose among {', '.join(known) or 'none'}",
+            details={"joint": name},
+        )
+    return joint
+
+
+def _find_motor(model: mujoco.MjModel, name: str) -> int:
+    motor: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
+    if motor < 0:
+        raise HardwareInterfaceError(
+            f"joint {name!r} has no motor in the simulated world",
+            remedy="joints that mimic another, or with an effort limit of 0, have none",
+            details={"joint": name},
+        )
+    return motor
+
+
+def _as_slice(indices: list[int]) -> slice | None:
+    """Return the slice that selects `indices`, or None if they are not in a row."""
+    if indices and indices == list(range(indices[0], indices[0] + len(indices))):
+        return slice(indices[0], indices[0] + len(indices))
+    return None
+
+
+def _reader(
+    array: NDArray[np.float64], indices: list[int]
+) -> Callable[[], list[float]]:
+    row = _as_slice(indices)
+    if row is not None:
+        return array[row].tolist  # a view: 0.1 us instead of 1 us a read
+    return lambda: array[indices].tolist()
+
+
+def _writer(
+    array: NDArray[np.float64], indices: list[int]
+) -> Callable[[list[float]], None]:
+    row = _as_slice(indices)
+    view = array if row is None else array[row]
+    selector = indices if row is None else slice(None)
+
+    def write(values: list[float]) -> None:
+        view[selector] = values
+
+    return write

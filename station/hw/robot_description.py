@@ -1,0 +1,198 @@
+"""Find a robot's URDF, its SRDF and the mesh files that the URDF names.
+
+Only the standard library is used here, so that whoever needs a robot's files (the
+simulation, a tool) gets the same answer from the same place.
+"""
+
+import importlib.metadata
+import os
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+from xml.etree import ElementTree
+
+from station.core.errors import RobotDescriptionError
+
+PACKAGE_SCHEME = "example-robot-data:"
+_DISTRIBUTION = "example-robot-data"
+# Where the wheel of that distribution puts its data; relative to its install root.
+_DATA_DIRECTORY = "cmeel.prefix/share/example-robot-data"
+_MAX_BYTES = 4_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription:
+    """A URDF that was found, read, and is well-formed XML.
+
+    Attributes:
+        reference: What was asked for, e.g. `example-robot-data:panda`.
+        urdf_path: The URDF file, absolute.
+        xml: Its text.
+        srdf_path: The SRDF of the same robot, or None if there is none beside it.
+    """
+
+    reference: str
+    urdf_path: Path
+    xml: str
+    srdf_path: Path | None
+
+    def resolve_mesh(self, uri: str) -> Path:
+        """Return the file that a mesh `filename` attribute of this URDF names.
+
+        `package://<name>/…` is looked for in the directories above the URDF, in
+        `ROS_PACKAGE_PATH`, and in the installed example-robot-data.
+
+        Args:
+            uri: `package://…`, `file://…`, an absolute path, or a path relative to
+                the URDF file.
+
+        Returns:
+            An existing file.
+
+        Raises:
+            RobotDescriptionError: No such file, or a scheme that is not understood.
+        """
+        for candidate in self._candidates(uri):
+            if candidate.is_file():
+                return candidate.resolve()
+        raise RobotDescriptionError(
+            f"{self.urdf_path}: the mesh {uri!r} was not found",
+            remedy="put the file there, or add its package's parent directory to "
+            "ROS_PACKAGE_PATH",
+        )
+
+    def _candidates(self, uri: str) -> list[Path]:
+        parts = urlparse(uri)
+        if parts.scheme == "package":
+            relative = Path(parts.netloc, unquote(parts.path).lstrip("/"))
+            return [root / relative for root in _package_roots(self.urdf_path)]
+        if parts.scheme == "file":
+            return [Path(unquote(parts.netloc + parts.path))]
+        if parts.scheme == "":
+            return [self.urdf_path.parent / uri]
+        raise RobotDescriptionError(
+            f"{self.urdf_path}: the mesh {uri!r} has the unknown scheme "
+            f"{parts.scheme!r}",
+            remedy="use package://, file:// or a path",
+        )
+
+
+def load_robot_description(reference: str) -> RobotDescription:
+    """Find and read a robot description.
+
+    Args:
+        reference: `example-robot-data:<robot>` (see `known_robots`) or the path of a
+            URDF file.
+
+    Returns:
+        The description; its meshes are not looked at yet.
+
+    Raises:
+        RobotDescriptionError: Unknown robot, missing or unreadable file, or a file
+            that is not a URDF.
+    """
+    if reference.startswith(PACKAGE_SCHEME):
+        path = _find_known_robot(reference.removeprefix(PACKAGE_SCHEME).strip())
+    else:
+        path = Path(reference).expanduser().absolute()
+    xml = _read(path)
+    return RobotDescription(reference, path, xml, _find_srdf(path))
+
+
+@cache
+def known_robots() -> dict[str, Path]:
+    """Return the URDF file of every robot in the installed example-robot-data.
+
+    A robot is called as its URDF file is (`panda`, `ur5_robot`, `talos_left_arm`); one
+    that ends in `_robot` goes by the short name too (`ur5`).
+
+    Raises:
+        RobotDescriptionError: The distribution is not installed or is incomplete.
+    """
+    robots = _package_directory() / "robots"
+    files = sorted(robots.glob("*/*/*.urdf"))
+    by_name = {path.stem: path for path in files}
+    for path in files:
+        if path.stem.endswith("_robot"):
+            by_name[path.stem.removesuffix("_robot")] = path
+    return by_name
+
+
+@cache
+def _package_directory() -> Path:
+    try:
+        distribution = importlib.metadata.distribution(_DISTRIBUTION)
+    except importlib.metadata.PackageNotFoundError as exc:
+        raise RobotDescriptionError(
+            f"the package {_DISTRIBUTION!r} is not installed",
+            remedy="run `make setup`, or give the path of a URDF",
+        ) from exc
+    directory = Path(str(distribution.locate_file(_DATA_DIRECTORY)))
+    if not (directory / "robots").is_dir():
+        raise RobotDescriptionError(
+            f"{_DISTRIBUTION} {distribution.version} has no directory "
+            f"{directory / 'robots'}",
+            remedy="install that package's wheel again, or give the path of a URDF",
+        )
+    return directory
+
+
+def _find_known_robot(name: str) -> Path:
+    robots = known_robots()
+    if name not in robots:
+        raise RobotDescriptionError(
+            f"{_DISTRIBUTION} has no robot {name!r}",
+            remedy=f"choose one of {', '.join(sorted(robots))}",
+        )
+    return robots[name]
+
+
+def _read(path: Path) -> str:
+    try:
+        size = path.stat().st_size
+        if size > _MAX_BYTES:
+            raise RobotDescriptionError(
+                f"{path} has {size} bytes, more than the {_MAX_BYTES} of any sane URDF",
+                remedy="give the path of a URDF file",
+            )
+        xml = path.read_text(encoding="utf-8")
+        tag = ElementTree.fromstring(xml).tag
+    except OSError as exc:
+        raise RobotDescriptionError(
+            f"cannot read the robot description {path}: {exc.strerror}",
+            remedy=f"give the path of a URDF, or {PACKAGE_SCHEME}<robot>",
+        ) from exc
+    except (ElementTree.ParseError, UnicodeDecodeError) as exc:
+        raise RobotDescriptionError(
+            f"{path} is not XML: {exc}", remedy="give the path of a URDF file"
+        ) from exc
+    if tag != "robot" or path.suffix == ".xacro":
+        raise RobotDescriptionError(
+            f"{path} is not a URDF: its root element is <{tag}>",
+            remedy="the root must be <robot>; expand a xacro file first",
+        )
+    return xml
+
+
+def _find_srdf(urdf_path: Path) -> Path | None:
+    """Return the SRDF with the longest name that the URDF's name begins with."""
+    found: list[Path] = []
+    for directory in (urdf_path.parent, urdf_path.parent.parent / "srdf"):
+        found += [
+            path
+            for path in sorted(directory.glob("*.srdf"))
+            if urdf_path.stem.startswith(path.stem)
+        ]
+    return max(found, key=lambda path: len(path.stem), default=None)
+
+
+def _package_roots(urdf_path: Path) -> list[Path]:
+    roots = list(urdf_path.resolve().parents)
+    roots += [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if p]
+    try:
+        roots.append(_package_directory().parent)
+    except RobotDescriptionError:
+        # A URDF of the user's own needs no example-robot-data.
+        return roots
+    return roots

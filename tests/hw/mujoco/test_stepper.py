@@ -1,0 +1,50 @@
+"""The direct call of MuJoCo's step is used only when it can be trusted."""
+
+import mujoco
+import pytest
+
+from station.hw.mujoco import stepper
+from station.hw.mujoco.stepper import make_stepper
+
+PENDULUM = """
+<mujoco><worldbody><body><joint axis="0 1 0"/><geom size="0.1" pos="1 0 0"/></body>
+</worldbody></mujoco>
+"""
+
+
+def swing(data: mujoco.MjData, step) -> list[float]:
+    for _ in range(50):
+        step()
+    return data.qpos.tolist()
+
+
+def test_direct_call_equals_the_binding_bit_for_bit() -> None:
+    model = mujoco.MjModel.from_xml_string(PENDULUM)
+    direct, reference = mujoco.MjData(model), mujoco.MjData(model)
+    step, keeps_lock = make_stepper(model, direct)
+    assert keeps_lock
+    assert swing(direct, step) == swing(
+        reference, lambda: mujoco.mj_step(model, reference)
+    )
+
+
+@pytest.mark.parametrize("version", [0, 1])
+def test_library_of_another_version_is_not_used(
+    monkeypatch: pytest.MonkeyPatch, version: int
+) -> None:
+    monkeypatch.setattr(stepper.mujoco, "mj_version", lambda: version)
+    model = mujoco.MjModel.from_xml_string(PENDULUM)
+    data = mujoco.MjData(model)
+    step, keeps_lock = make_stepper(model, data)
+    assert not keeps_lock
+    step()
+    assert data.time == model.opt.timestep
+
+
+def test_call_that_steps_otherwise_is_not_used(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(stepper, "_find_mj_step", lambda: lambda *_: None)
+    model = mujoco.MjModel.from_xml_string(PENDULUM)
+    _, keeps_lock = make_stepper(model, mujoco.MjData(model))
+    assert not keeps_lock

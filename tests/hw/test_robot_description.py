@@ -1,0 +1,91 @@
+"""Finding robots and meshes, and refusing what is not there."""
+
+from pathlib import Path
+
+import pytest
+
+from station.core.errors import RobotDescriptionError
+from station.hw.robot_description import known_robots, load_robot_description
+
+SMALL = '<robot name="r"><link name="base"/></robot>'
+
+
+def write_urdf(directory: Path, text: str, name: str = "r.urdf") -> str:
+    path = directory / name
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_panda_is_found_with_its_srdf() -> None:
+    description = load_robot_description("example-robot-data:panda")
+    assert description.urdf_path.name == "panda.urdf"
+    assert description.srdf_path is not None
+    assert description.srdf_path.name == "panda.srdf"
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur5_robot", "kinova", "talos_left_arm"])
+def test_robots_are_known_by_their_file_and_short_names(name: str) -> None:
+    assert name in known_robots()
+
+
+def test_srdf_of_a_partial_robot_is_that_of_the_whole() -> None:
+    description = load_robot_description("example-robot-data:talos_left_arm")
+    assert description.srdf_path is not None
+    assert description.srdf_path.name == "talos.srdf"
+
+
+def test_unknown_robot_is_refused_with_the_known_names() -> None:
+    with pytest.raises(RobotDescriptionError, match="no robot 'pandaa'") as caught:
+        load_robot_description("example-robot-data:pandaa")
+    assert "panda" in caught.value.remedy
+    assert "ur5" in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "is not XML"),
+        ("<robot", "is not XML"),
+        ("<sdf/>", "root element is <sdf>"),
+        ("x" * 5_000_000, "5000000 bytes"),
+    ],
+)
+def test_file_that_is_no_urdf_is_refused(
+    tmp_path: Path, text: str, reason: str
+) -> None:
+    with pytest.raises(RobotDescriptionError, match=reason):
+        load_robot_description(write_urdf(tmp_path, text))
+
+
+def test_missing_file_is_refused_with_its_path(tmp_path: Path) -> None:
+    with pytest.raises(RobotDescriptionError, match=r"none\.urdf: No such file"):
+        load_robot_description(str(tmp_path / "none.urdf"))
+
+
+def test_mesh_of_package_uri_is_found_above_the_urdf(tmp_path: Path) -> None:
+    urdf_directory = tmp_path / "my_robot" / "urdf"
+    urdf_directory.mkdir(parents=True)
+    mesh = tmp_path / "my_robot" / "a mesh.stl"
+    mesh.touch()
+    description = load_robot_description(write_urdf(urdf_directory, SMALL))
+    assert description.resolve_mesh("package://my_robot/a%20mesh.stl") == mesh
+    assert description.resolve_mesh("../a mesh.stl") == mesh
+    assert description.resolve_mesh(f"file://{tmp_path}/my_robot/a%20mesh.stl") == mesh
+
+
+def test_mesh_is_found_through_the_ros_package_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    (elsewhere / "pkg").mkdir(parents=True)
+    (elsewhere / "pkg" / "m.stl").touch()
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{elsewhere}")
+    description = load_robot_description(write_urdf(tmp_path, SMALL))
+    assert description.resolve_mesh("package://pkg/m.stl").name == "m.stl"
+
+
+@pytest.mark.parametrize("uri", ["package://pkg/m.stl", "m.stl", "http://x/m.stl"])
+def test_missing_mesh_is_refused_with_urdf_and_uri(tmp_path: Path, uri: str) -> None:
+    description = load_robot_description(write_urdf(tmp_path, SMALL))
+    with pytest.raises(RobotDescriptionError, match=rf"r\.urdf: the mesh '{uri}'"):
+        description.resolve_mesh(uri)
