@@ -14,9 +14,15 @@ ROOT = Path(__file__).parents[2]
 VIOLATIONS = {
     "layers": ("station/core/clock.py", "import station.hw.mock"),
     "core-layers": ("station/core/errors.py", "import station.core.clock"),
-    "controller-families": ("station/controllers/a.py", "import station.controllers.b"),
+    "controller-families": (
+        "station/controllers/effort_controllers.py",
+        "import station.controllers.position_controllers",
+    ),
     "core-is-ros-control-alone": ("station/core/clock.py", "import mujoco"),
-    "controllers-see-core-alone": ("station/controllers/a.py", "import pydantic"),
+    "controllers-see-core-alone": (
+        "station/controllers/effort_controllers.py",
+        "import pydantic",
+    ),
     "schemas-stand-alone": ("station/api/schemas.py", "import station.core.errors"),
     "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
     "api-serves": ("station/api/app.py", "import viser"),
@@ -32,8 +38,8 @@ PERMITTED = {
     "station/cli.py": "import station.app, station.client.sync",
     "station/client/sync.py": "import httpx, json, station.api.schemas",
     "station/config.py": "import pydantic, station.core.errors",
-    "station/controllers/a.py": "import numpy, station.core.clock",
-    "station/controllers/b.py": "import station.core.clock",
+    "station/controllers/effort_controllers.py": "import numpy, station.core.clock",
+    "station/controllers/position_controllers.py": "import station.core.clock",
     "station/core/clock.py": "import time, station.core.errors",
     "station/core/errors.py": "import enum",
     "station/hw/mock.py": "import mujoco, station.core.clock",
