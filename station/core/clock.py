@@ -1,5 +1,6 @@
 """Time as a dependency: the wall clock for the real loop, a manual one for tests."""
 
+import threading
 import time
 from abc import ABC, abstractmethod
 
@@ -21,6 +22,14 @@ class Clock(ABC):
     def sleep_until(self, deadline: float) -> None:
         """Return when `now() >= deadline` [s]; at once when it has passed."""
 
+    @abstractmethod
+    def wait_for(self, lock: threading.Lock, deadline: float) -> bool:
+        """Acquire `lock`, waiting for it until `deadline` [s] at most.
+
+        Returns:
+            Whether it was acquired.
+        """
+
 
 class SystemClock(Clock):
     """The operating system's monotonic clock."""
@@ -34,6 +43,10 @@ class SystemClock(Clock):
         delay = deadline - time.monotonic()
         if delay > 0.0:
             time.sleep(delay)
+
+    @override
+    def wait_for(self, lock: threading.Lock, deadline: float) -> bool:
+        return lock.acquire(timeout=max(deadline - time.monotonic(), 0.0))
 
 
 class ManualClock(Clock):
@@ -67,3 +80,10 @@ class ManualClock(Clock):
     @override
     def sleep_until(self, deadline: float) -> None:
         self._now = max(self._now, deadline)
+
+    @override
+    def wait_for(self, lock: threading.Lock, deadline: float) -> bool:
+        if lock.acquire(blocking=False):
+            return True
+        self.sleep_until(deadline)
+        return False
