@@ -1,0 +1,200 @@
+"""One controller's way through its life in the control thread, faults contained.
+
+Source: ros_control@0.20.0 controller_interface/controller_base.h; differs: an exception
+or a command that is not finite takes its controller off the robot, in the same cycle
+and alone (CM-80); the first command of a started controller is checked for a jump.
+"""
+
+import traceback
+from collections.abc import Callable, Sequence
+
+from station.core.controller import ControllerState
+from station.core.loaded_controller import LoadedController
+from station.core.robot_hw import ControllerInfo, RobotHW, SwitchState
+
+
+class ControllerLifecycle:
+    """Starts, stops and aborts loaded controllers; for the control thread.
+
+    Args:
+        hw: The robot.
+
+    Attributes:
+        loaded: All loaded controllers in load order; replaced as a whole.
+        start_gate: Called before anything is started; raises a StationError when
+            nothing may be. None when there is no such rule.
+    """
+
+    def __init__(self, hw: RobotHW) -> None:
+        self.hw = hw
+        self.loaded: tuple[LoadedController, ...] = ()
+        self.start_gate: Callable[[], None] | None = None
+
+    def start(
+        self,
+        one: LoadedController,
+        time: float,
+        stopped: tuple[ControllerInfo, ...],
+        jump: dict[str, float],
+    ) -> str:
+        """Start one controller; return why that was not possible, or nothing.
+
+        Resources that nobody commanded until now begin at rest, so that no command of
+        long ago reaches the robot; the others go on from the last command.
+        """
+        controller = one.controller
+        if controller.state is ControllerState.CONSTRUCTED:
+            return "it was never initialised"
+        again = controller.state is ControllerState.RUNNING
+        taken_over = {resource for info in stopped for resource in _resources(info)}
+        for guard in one.guards:
+            if not again and guard.name not in taken_over:
+                guard.write_rest()
+            guard.remember()
+        try:
+            controller.start_request(time)
+            bad = "" if one.is_finite() else one.bad_command()
+            problem = f"starting wrote the {bad}" if bad else one.excessive_jump()
+            trace = ""
+        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+            problem, trace = reason_of("starting", error), traceback.format_exc()
+        if not problem:
+            one.fault = one.traceback = ""
+            one.fresh = True
+        if not trace:
+            jump.update(one.jumps())
+        if problem:
+            self.fail(one, time, problem, trace)
+        return problem
+
+    def _check_first_update(self, one: LoadedController, time: float) -> None:
+        one.fresh = False
+        port = one.controller.set_points
+        if port is not None and port.last is not None:
+            return  # somebody wants it to move already
+        problem = one.excessive_jump()
+        if problem:
+            self.fail(one, time, problem, "")
+            self.fall_back(one, time)
+
+    def stop(self, one: LoadedController, time: float) -> None:
+        """Stop one controller; an exception of its `stopping` is kept as its fault."""
+        try:
+            one.controller.stop_request(time)
+        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+            one.controller.state = ControllerState.STOPPED
+            one.fault = reason_of("stopping", error)
+            one.traceback = traceback.format_exc()
+            one.write_rest()
+
+    def wait(self, one: LoadedController, time: float) -> None:
+        """Tell one controller that the hardware is still switching."""
+        try:
+            one.controller.wait_request(time)
+        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+            self.fail(one, time, reason_of("waiting", error), traceback.format_exc())
+
+    def abort(self, one: LoadedController, time: float) -> None:
+        """Mark one controller as not started; an exception is kept as its fault."""
+        try:
+            one.controller.abort_request(time)
+        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+            one.controller.state = ControllerState.ABORTED
+            one.fault = reason_of("aborting", error)
+            one.traceback = traceback.format_exc()
+
+    def reset(self, one: LoadedController, time: float) -> None:
+        """Stop and start one controller if it runs (CM-78)."""
+        if one.controller.state is ControllerState.RUNNING:
+            self.stop(one, time)
+            self.start(one, time, (one.info,), {})
+
+    def fail(self, one: LoadedController, time: float, reason: str, trace: str) -> None:
+        """Take a failed controller off the robot in this cycle; it becomes aborted."""
+        self.abort(one, time)
+        one.fault, one.traceback, one.fresh = reason, trace, False
+        one.write_rest()
+        self.do_switch([], [one.info])
+
+    def fall_back(self, failed: LoadedController, time: float) -> None:
+        """Start what shall take over from `failed`, in this cycle; else it rests."""
+        replacements = self._replacements(failed)
+        if not replacements:
+            return
+        self.do_switch([one.info for one in replacements], [])
+        for one in replacements:
+            self._start_replacement(one, failed, time)
+
+    def _replacements(self, failed: LoadedController) -> list[LoadedController]:
+        """Return the fallback of `failed` when all of it can run now, else nothing."""
+        if not failed.fallback:
+            return []
+        known = {one.info.name: one for one in self.loaded}
+        wanted = [known[name] for name in failed.fallback if name in known]
+        running = [
+            one.info
+            for one in self.loaded
+            if one.controller.state is ControllerState.RUNNING
+        ]
+        start = [
+            one for one in wanted if one.controller.state is not ControllerState.RUNNING
+        ]
+        try:
+            if self.start_gate is not None:
+                self.start_gate()
+            conflicts = self.hw.check_for_conflict([
+                *running,
+                *(one.info for one in start),
+            ])
+            reason = conflicts[0].reason if conflicts else ""
+        except Exception as error:  # noqa: BLE001 - shown with the fault
+            reason = str(error)
+        if len(wanted) < len(failed.fallback):
+            reason = "not all of it is loaded"
+        if reason:
+            failed.fault += f" (no fallback: {reason})"
+            return []
+        return start
+
+    def _start_replacement(
+        self, one: LoadedController, failed: LoadedController, time: float
+    ) -> None:
+        if not one.ownership.acquire(blocking=False):
+            failed.fault += f" (fallback '{one.info.name}' is being unloaded)"
+            return
+        try:
+            if self.hw.switch_result_for(one.info) is SwitchState.DONE:
+                problem = self.start(one, time, (failed.info,), {})
+            else:
+                problem = "the hardware was not ready at once"
+                self.do_switch([], [one.info])
+        finally:
+            one.ownership.release()
+        if problem:
+            failed.fault += f" (fallback '{one.info.name}' did not start: {problem})"
+
+    def do_switch(
+        self,
+        start: Sequence[ControllerInfo],
+        stop: Sequence[ControllerInfo],
+    ) -> str:
+        """Tell the hardware; return what went wrong, or nothing."""
+        try:
+            self.hw.do_switch(start, stop)
+        except Exception as error:  # noqa: BLE001 - shown in the result
+            return reason_of("do_switch", error)
+        return ""
+
+
+def _resources(info: ControllerInfo) -> list[str]:
+    return [r for claim in info.claimed_resources for r in claim.resources]
+
+
+def reason_of(where: str, error: Exception) -> str:
+    """Return what happened in one line.
+
+    Args:
+        where: The callback that raised.
+        error: What it raised.
+    """
+    return f"{where} raised {type(error).__name__}: {error}"

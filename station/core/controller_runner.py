@@ -1,0 +1,263 @@
+"""The control thread's half of the controller manager: update, switch, contain faults.
+
+Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, update,
+manageSwitch, startControllers, startControllersAsap; differs: nothing a controller does
+ends the update (CM-80); a strict switch in which a controller fails is taken back.
+"""
+
+import threading
+import traceback
+from time import perf_counter
+
+from station.core.controller import ControllerSample, ControllerState
+from station.core.controller_lifecycle import ControllerLifecycle, reason_of
+from station.core.errors import StationError, SwitchRefusedError
+from station.core.loaded_controller import LoadedController
+from station.core.pending_switch import PendingSwitch, SwitchProgress, refused
+from station.core.robot_hw import RobotHW, SwitchState
+from station.core.switching import Strictness
+
+_RUNNING = ControllerState.RUNNING
+
+
+class ControllerRunner(ControllerLifecycle):
+    """Runs the loaded controllers; every method is for the control thread.
+
+    It never waits: callers swap `loaded` and put a switch into `pending`, the control
+    thread looks at both once a cycle.
+
+    Args:
+        hw: The robot.
+
+    Attributes:
+        pending: The switch that is under way; None when there is none.
+        cycle: Number of updates so far.
+        time: Station time of the last update [s].
+        thread: Identity of the thread of the last update.
+        updating: An update is under way.
+    """
+
+    def __init__(self, hw: RobotHW) -> None:
+        super().__init__(hw)
+        self.pending: PendingSwitch | None = None
+        self.cycle = 0
+        self.time = 0.0
+        self.thread = 0
+        self.updating = False
+
+    def update(self, time: float, period: float, *, reset_controllers: bool) -> None:
+        """Update all running controllers, then carry on with a pending switch.
+
+        Args:
+            time: Station time [s].
+            period: Time since the last cycle [s], >= 0.
+            reset_controllers: Stop and start every running controller first (CM-78).
+        """
+        self.thread = threading.get_ident()
+        self.updating = True
+        self.cycle += 1
+        self.time = time
+        try:
+            loaded = self.loaded
+            if reset_controllers:
+                for one in loaded:
+                    self.reset(one, time)
+            for one in loaded:
+                if one.controller.state is _RUNNING:
+                    self._update_one(one, time, period)
+            if self.pending is not None:
+                self._carry_on(self.pending, time, period)
+        finally:
+            self.updating = False
+
+    def _update_one(self, one: LoadedController, time: float, period: float) -> None:
+        begin = perf_counter()
+        try:
+            one.controller.update(time, period)
+            finite = one.is_finite()
+        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+            self.fail(one, time, reason_of("update", error), traceback.format_exc())
+            self.fall_back(one, time)
+            return
+        duration = perf_counter() - begin
+        one.account(duration)
+        if duration > period > 0.0:
+            one.overruns += 1
+            one.last_overrun = time
+        if not finite:
+            self.fail(one, time, f"update wrote the {one.bad_command()}", "")
+            self.fall_back(one, time)
+        elif one.fresh:
+            self._check_first_update(one, time)
+
+    def stop_all(self, time: float) -> None:
+        """Stop every controller, rest the robot, and end a switch that is under way.
+
+        Args:
+            time: Station time [s].
+        """
+        pending = self.pending
+        if pending is not None:
+            if pending.claim.acquire(blocking=False):
+                pending.progress = SwitchProgress.RUNNING
+            for one in pending.start:
+                if one.controller.state is ControllerState.WAITING:
+                    self.abort(one, time)
+            pending.error = SwitchRefusedError(
+                "Everything was stopped before the switch was finished.",
+                remedy="Release the stop, look at the state, and switch again.",
+            )
+            self._finish(pending)
+        running = [one for one in self.loaded if one.controller.state is _RUNNING]
+        for one in running:
+            self.stop(one, time)
+            one.write_rest()
+        if running or pending is not None:
+            self.do_switch([], [one.info for one in running])
+
+    def void_commands(self) -> None:
+        """Void every set-point that has not been picked up."""
+        for one in self.loaded:
+            if one.controller.set_points is not None:
+                one.controller.set_points.clear()
+
+    def samples(self) -> dict[str, ControllerSample]:
+        """Return what each running controller did last, by name."""
+        return {
+            one.info.name: one.controller.sample
+            for one in self.loaded
+            if one.controller.sample is not None and one.controller.state is _RUNNING
+        }
+
+    # One cycle of a switch
+
+    def _carry_on(self, pending: PendingSwitch, time: float, period: float) -> None:
+        if pending.progress is SwitchProgress.POSTED:
+            if not pending.claim.acquire(blocking=False):
+                return  # withdrawn by its caller
+            pending.progress = SwitchProgress.RUNNING
+            if pending.time is None:
+                pending.time = time - period
+            if not self._begin(pending, time):
+                self._finish(pending)
+                return
+        if pending.request.start_asap:
+            finished = self._start_asap(pending, time)
+        else:
+            finished = self._start_together(pending, time)
+        if finished:
+            self._finish(pending)
+
+    def _finish(self, pending: PendingSwitch) -> None:
+        self.pending = None
+        pending.finish(self.cycle)
+
+    def _begin(self, pending: PendingSwitch, time: float) -> bool:
+        """Switch the hardware and stop controllers; return False when refused."""
+        plan = pending.plan
+        try:
+            if self.start_gate is not None and pending.start:
+                self.start_gate()
+        except StationError as error:
+            pending.error = error
+            return False
+        problem = self.do_switch(plan.start, plan.stop)
+        for one in pending.stop:
+            if one.controller.state is _RUNNING:
+                self.stop(one, time)
+        if problem:
+            for one in pending.start:
+                self.abort(one, time)
+                pending.failed[one.info.name] = problem
+        return not problem
+
+    def _start_together(self, pending: PendingSwitch, time: float) -> bool:
+        # Asked twice unless it is done, as upstream does: CM-64, CM-65.
+        hw = self.hw
+        try:
+            if hw.switch_result() is SwitchState.DONE:
+                self._start_all(pending, time)
+                return True
+            failed = hw.switch_result() is SwitchState.ERROR
+            problem = "the hardware could not switch" if failed else ""
+        except Exception as error:  # noqa: BLE001 - shown in the result
+            problem = reason_of("switch_result", error)
+        if not problem and pending.is_late(time):
+            problem = "the hardware was not ready in time"
+        for one in pending.start:
+            if problem:
+                self.abort(one, time)
+                pending.failed[one.info.name] = problem
+            else:
+                self.wait(one, time)
+        return bool(problem)
+
+    def _start_asap(self, pending: PendingSwitch, time: float) -> bool:
+        finished = True
+        for one in pending.start:
+            if one.controller.state is not _RUNNING:
+                self._start_when_ready(pending, one, time)
+            finished = finished and one.controller.state is not ControllerState.WAITING
+        return finished
+
+    def _start_when_ready(
+        self, pending: PendingSwitch, one: LoadedController, time: float
+    ) -> None:
+        # An aborted one is asked again while others wait, and may still start: CM-71.
+        name, info = one.info.name, one.info
+        if one.fault and name in pending.failed:
+            return  # it failed by itself, not by the hardware
+        try:
+            if self.hw.switch_result_for(info) is SwitchState.DONE:
+                problem = self.start(one, time, pending.plan.stop, pending.jump)
+                pending.failed.pop(name, None)
+                if problem:
+                    pending.failed[name] = problem
+                return
+            failed = self.hw.switch_result_for(info) is SwitchState.ERROR
+            problem = "the hardware could not switch" if failed else ""
+        except Exception as error:  # noqa: BLE001 - shown in the result
+            problem = reason_of("switch_result_for", error)
+        if not problem and pending.is_late(time):
+            problem = "the hardware was not ready in time"
+        if problem:
+            self.abort(one, time)
+            pending.failed[name] = problem
+        else:
+            self.wait(one, time)
+
+    def _start_all(self, pending: PendingSwitch, time: float) -> None:
+        strict = pending.request.strictness is Strictness.STRICT
+        begun: list[LoadedController] = []
+        for one in pending.start:
+            problem = self.start(one, time, pending.plan.stop, pending.jump)
+            if not problem:
+                begun.append(one)
+                continue
+            pending.failed[one.info.name] = problem
+            if strict and one.fault:
+                pending.error = refused(one.info.name, problem, pending)
+                self._take_back(pending, begun, time)
+                return
+            self.fall_back(one, time)
+
+    def _take_back(
+        self, pending: PendingSwitch, begun: list[LoadedController], time: float
+    ) -> None:
+        """Stop what was started and start again what was stopped, in this cycle."""
+        plan = pending.plan
+        for one in begun:
+            if one.controller.state is _RUNNING:
+                self.stop(one, time)
+                one.write_rest()
+        names = {info.name for info in plan.stop}
+        before = [one for one in pending.stop if one.info.name in names]
+        self.do_switch(plan.stop, [one.info for one in begun])
+        for one in before:
+            if one.controller.state is _RUNNING:
+                continue  # named twice
+            problem = self.start(one, time, plan.start, {})
+            if problem and pending.error is not None:
+                pending.error.message += (
+                    f" '{one.info.name}' could not be started again: {problem}."
+                )
