@@ -1,0 +1,164 @@
+"""The manager answers, calls and ends like the recorded original."""
+
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from station.core.clock import ManualClock
+from station.core.controller_manager import ControllerManager
+from station.core.errors import StationError
+from station.core.parameters import Parameters
+from station.core.switching import Strictness, SwitchRequest
+from tests.core.deliberate_differences import OPS_WITHOUT_UPDATES
+from tests.core.recorded_robot import RecordedLoader, RecordedRobot
+
+VECTORS = Path(__file__).parents[1] / "data/vectors/controller_manager.json.gz"
+PERIOD = 0.01
+
+with gzip.open(VECTORS) as _file:
+    RECORDED = json.load(_file)
+
+
+class Replay:
+    """Carries out recorded operations and compares what happens."""
+
+    def __init__(self) -> None:
+        self.robot = RecordedRobot()
+        self.loader = RecordedLoader(self.robot)
+        self.parameters = Parameters()
+        self.manager = ControllerManager(
+            self.robot, self.parameters, [self.loader], ManualClock()
+        )
+        self.manager.pump = self.pump
+        self.time = 0.0
+
+    def pump(self) -> None:
+        self.robot.trace.append("-- update --")
+        self.time += PERIOD
+        self.manager.update(self.time, PERIOD)
+
+    def states(self) -> dict[str, str]:
+        return {
+            s.name: "constructed" if s.state.value == "unknown" else s.state.value
+            for s in self.manager.list_controllers()
+        }
+
+    def run(self, op: dict[str, Any]) -> None:
+        """Carry out `op`; assert result, trace and final states."""
+        self.robot.trace.clear()
+        expected = list(op.get("trace", []))
+        self.robot.script_results(expected)
+        try:
+            result = getattr(self, f"do_{op['op']}")(op)
+        except StationError:
+            result = False
+        if op["op"] in OPS_WITHOUT_UPDATES and op["op"] != "reload_libraries":
+            expected = [line for line in expected if line != "-- update --"]
+        if op["op"] == "reload_libraries":
+            expected = _without_last_update(expected)
+        if "result" in op:
+            wanted = op["result"]
+            assert result == (False if str(wanted).startswith("EXC") else wanted)
+        assert self.robot.trace == expected
+        if "states" in op:
+            assert self.states() == op["states"]
+
+    def do_define(self, op: dict[str, Any]) -> None:
+        self.loader.definitions[op["name"]] = op
+        self.parameters.set(f"{op['name']}/type", op["type_param"])
+
+    def do_load(self, op: dict[str, Any]) -> bool:
+        self.manager.load_controller(op["name"])
+        return True
+
+    def do_unload(self, op: dict[str, Any]) -> bool:
+        self.manager.unload_controller(op["name"])
+        return True
+
+    def do_switch(self, op: dict[str, Any]) -> bool:
+        self.manager.switch_controller(
+            SwitchRequest(
+                op["start"],
+                op["stop"],
+                Strictness.from_value(op["strictness"]),
+                start_asap=op.get("start_asap", False),
+                timeout=op.get("timeout", 0.0),
+            )
+        )
+        return True
+
+    def do_update(self, op: dict[str, Any]) -> None:
+        for _ in range(op["n"]):
+            self.robot.trace.append("-- update --")
+            self.time += PERIOD
+            self.manager.update(self.time, PERIOD, op["reset_controllers"])
+
+    def do_reload_libraries(self, op: dict[str, Any]) -> bool:
+        self.manager.reload_controller_libraries(force_kill=op["force_kill"])
+        return True
+
+    def do_list_controllers(self, op: dict[str, Any]) -> None:
+        listed = [
+            {
+                "name": status.name,
+                "type": status.type,
+                "state": status.state.value,
+                "claimed_resources": [
+                    {
+                        "hardware_interface": claim.hardware_interface,
+                        "resources": list(claim.resources),
+                    }
+                    for claim in status.claimed_resources
+                ],
+            }
+            for status in self.manager.list_controllers()
+        ]
+        assert listed == op["controllers"]
+
+    def do_list_controller_types(self, op: dict[str, Any]) -> None:
+        listed = [
+            {"type": name, "base": base}
+            for name, base in self.manager.list_controller_types()
+        ]
+        assert listed == op["types(probe only)"]
+
+
+def _without_last_update(trace: list[str]) -> list[str]:
+    """Drop the cycle in which the original waited for an unload."""
+    if trace.count("-- update --") < 2:
+        return trace
+    last = len(trace) - 1 - trace[::-1].index("-- update --")
+    return trace[:last] + trace[last + 1 :]
+
+
+@pytest.mark.parametrize(
+    "scenario", RECORDED["scenarios"], ids=lambda scenario: scenario["scenario"]
+)
+def test_scenario_agrees_with_the_recording(scenario: dict[str, Any]) -> None:
+    replay = Replay()
+    for op in scenario["ops"]:
+        replay.run(op)
+
+
+def _id(cell: dict[str, Any]) -> str:
+    start, stop = "".join(cell["start"]), "".join(cell["stop"])
+    return f"{cell['strictness']}-{cell['shared_joint']:d}-{start}-{stop}"
+
+
+@pytest.mark.parametrize("cell", RECORDED["matrix"], ids=_id)
+def test_matrix_cell_agrees_with_the_recording(cell: dict[str, Any]) -> None:
+    replay = Replay()
+    effort = "hardware_interface::EffortJointInterface"
+    for number, name in enumerate("ABC", 1):
+        joint = "j1" if cell["shared_joint"] else f"j{number}"
+        op = {"name": name, "init": "ok", "type_param": "probe/Ctl"}
+        replay.do_define({**op, "claims": {effort: [joint]}})
+        replay.do_load(op)
+    strict = {"strictness": 2}
+    replay.do_switch({**strict, "start": ["C"], "stop": []})
+    replay.do_switch({**strict, "start": [], "stop": ["C"]})
+    replay.do_switch({**strict, "start": ["B"], "stop": []})
+    replay.run({**cell, "op": "switch"})
