@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from xml.etree import ElementTree as ET
 
 from station.core.errors import RobotDescriptionError
-from station.core.robot_description import element_text, parse_robot_description
+from station.core.urdf_text import element_text, parse_robot_description
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from importlib.metadata import entry_points
 from typing import TypeVar
 
-from station.core.robot_description import element_text, parse_leading_number
 from station.core.transmissions.differential_transmission import (
     DifferentialTransmission,
 )
@@ -22,6 +21,7 @@ from station.core.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
+from station.core.urdf_text import element_text, parse_leading_number
 
 _Member = TypeVar("_Member", JointInfo, ActuatorInfo)
 TransmissionFactory = Callable[[TransmissionInfo], Transmission]
