@@ -79,12 +79,6 @@ def test_constructors_refuse_what_the_original_refuses(recorded):
         assert caught.value.remedy
 
 
-@pytest.mark.parametrize("sizes", [(1, 2, 2), (2, 3, 2), (2, 2, 0)])
-def test_differential_refuses_other_than_two_values(sizes):
-    with pytest.raises(TransmissionInterfaceError, match="must have size 2"):
-        DifferentialTransmission(*([1.0] * size for size in sizes))
-
-
 @settings(derandomize=True)
 @given(simple | differential | four_bar_linkage, pairs)
 def test_round_trips_are_identities(transmission, pair):

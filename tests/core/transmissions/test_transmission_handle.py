@@ -8,12 +8,9 @@ from pathlib import Path
 import pytest
 
 from station.core import transmissions
-from station.core.errors import ResourceNotFoundError
 from station.core.transmissions import (
     ActuatorData,
-    ActuatorToJointEffortHandle,
     ActuatorToJointStateHandle,
-    ActuatorToJointStateInterface,
     DifferentialTransmission,
     JointData,
     JointToActuatorStateHandle,
@@ -74,12 +71,6 @@ def test_handles_are_refused_and_accepted_as_recorded(cases):
     assert checked > 40
 
 
-def test_unknown_transmission_is_refused_with_the_recorded_message(cases):
-    with pytest.raises(ResourceNotFoundError) as caught:
-        ActuatorToJointStateInterface().get_handle("zzz")
-    assert caught.value.message == cases[-1]["exception"]["what"]
-
-
 @pytest.mark.parametrize("side", ["Actuator", "Joint"])
 @pytest.mark.parametrize("quantity", ["absolute_position", "torque_sensor"])
 def test_sensor_places_must_fit_too(side, quantity):
@@ -121,16 +112,3 @@ def test_joint_state_is_carried_back_without_sensors():
     )
     handle.propagate()
     assert actuator == [[8.0], [6.0], [4.0], [0.0], [0.0]]
-
-
-def test_interface_propagates_every_handle_and_slots_follow_their_index():
-    effort, torque = [1.0, 2.0], [0.0, 0.0]
-    interface = transmissions.ActuatorToJointEffortInterface()
-    for index, name in enumerate("ab"):
-        actuator = ActuatorData(effort=[(effort, index)])
-        joint = JointData(effort=[(torque, 1 - index)])
-        maps = SimpleTransmission(10.0)
-        handle = ActuatorToJointEffortHandle(name, maps, actuator, joint)
-        interface.register_handle(handle)
-    interface.propagate()
-    assert torque == [20.0, 10.0]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from station.core import transmissions as transmission_interfaces
-from station.core.errors import RobotDescriptionError, StationError
+from station.core.errors import StationError
 from station.core.interfaces import actuator as actuator_interfaces
 from station.core.interfaces import joint as joint_interfaces
 from station.core.interfaces.actuator import (
@@ -23,7 +23,6 @@ from station.core.transmissions import (
     TransmissionInterfaceError,
     TransmissionInterfaceLoader,
     TransmissionParser,
-    load_transmission,
 )
 
 VECTORS = Path(__file__).parents[2] / "data" / "vectors" / "transmission_urdf.json.gz"
@@ -123,43 +122,6 @@ def check_load(load, rig, recorded):
             assert line.removeprefix("[ERROR] ") in caught.value.message
 
 
-def test_parser_finds_and_skips_what_the_original_does(files):
-    parser = TransmissionParser()
-    for file in files:
-        if file["parse_result"] is not True:
-            with pytest.raises(RobotDescriptionError, match="Invalid robot descrip"):
-                parser.parse(file["urdf"])
-            continue
-        infos = parser.parse(file["urdf"])
-        assert [f"[ERROR] {p}" for p in parser.problems] == file["parse_log"]
-        for info, recorded in zip(infos, file["transmissions"], strict=True):
-            assert (info.name, info.type) == (recorded["name"], recorded["type"])
-            for joint, expected in zip(info.joints, recorded["joints"], strict=True):
-                assert (joint.name, joint.role) == (expected["name"], expected["role"])
-                names = tuple(expected["hardware_interfaces"])
-                assert joint.hardware_interfaces == names
-            names = [actuator["name"] for actuator in recorded["actuators"]]
-            assert [actuator.name for actuator in info.actuators] == names
-
-
-def test_transmissions_get_the_recorded_parameters(files):
-    for file in files:
-        if file["parse_result"] is not True:
-            continue
-        infos = TransmissionParser().parse(file["urdf"])
-        for info, recorded in zip(infos, file["transmissions"], strict=True):
-            expected = recorded["plugin_load"]
-            if not expected["accepted"]:
-                with pytest.raises(TransmissionInterfaceError) as caught:
-                    load_transmission(info)
-                assert f"[ERROR] {caught.value.message}" in expected["log"]
-                continue
-            found = load_transmission(info)
-            parameters = expected["transmission"]
-            assert same(found.reduction, parameters["actuator_reduction"])
-            assert same(found.joint_offset, parameters["joint_offset"])
-
-
 def test_descriptions_are_loaded_as_recorded(files):
     for file in files:
         if "interface_load_urdf" in file:
@@ -201,38 +163,6 @@ def describe_differential(interface, *, roles=("joint1", "joint2"), extra=""):
     )
     kind = "transmission_interface/DifferentialTransmission"
     return describe(kind, joints, actuators)
-
-
-def test_roles_order_the_parameters_but_not_the_members():
-    (info,) = TransmissionParser().parse(describe_differential("EffortJointInterface"))
-    transmission = load_transmission(info)
-    assert transmission.actuator_reduction == [4.0, 5.0]
-    assert [actuator.name for actuator in info.actuators] == [
-        "foo_actuator",
-        "bar_actuator",
-    ]
-
-
-@pytest.mark.parametrize(
-    ("roles", "reason"),
-    [
-        (("joint1", "joint1"), "must have different roles. Both specify 'joint1'"),
-        (("joint1", ""), "specifies an empty <role> element"),
-        (("joint1", "wrist"), "Got 'wrist', expected 'joint1' or 'joint2'"),
-    ],
-)
-def test_wrong_roles_are_refused_with_the_joint(roles, reason):
-    urdf = describe_differential("EffortJointInterface", roles=roles)
-    with pytest.raises(TransmissionInterfaceError, match=reason):
-        Rig().loader.load_urdf(urdf)
-
-
-def test_encoders_on_the_joints_are_not_mapped_if_both_joints_say_so():
-    extra = "<ignoreTransmissionAbsoluteEncoder/>"
-    urdf = describe_differential("EffortJointInterface", extra=extra)
-    (info,) = TransmissionParser().parse(urdf)
-    transmission = load_transmission(info)
-    assert transmission.actuator_to_joint_absolute_position([1.0, 2.0]) == [2.0, 1.0]
 
 
 @pytest.mark.parametrize("quantity", ["Position", "Velocity", "Effort"])
@@ -284,14 +214,6 @@ def test_own_transmission_type_is_used():
     rig = Rig(transmission_types=OWN_TYPES)
     rig.loader.load_urdf(SIMPLE)
     assert rig.loader.loaded[0].transmission.reduction == 5.0
-
-
-def test_unknown_type_is_refused_with_the_known_ones():
-    with pytest.raises(
-        TransmissionInterfaceError, match=r"'t'\. Unsupported type 'own/Belt'"
-    ) as caught:
-        Rig().loader.load_urdf(SIMPLE)
-    assert "transmission_interface/SimpleTransmission" in caught.value.remedy
 
 
 def test_robot_without_the_actuator_interface_is_refused():
