@@ -3,7 +3,7 @@
 from math import copysign, inf, nan
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.core.limits.saturate import saturate
@@ -11,6 +11,7 @@ from station.core.limits.saturate import saturate
 numbers = st.floats(allow_nan=False)
 
 
+@settings(derandomize=True)
 @given(value=numbers, low=numbers, high=numbers)
 def test_result_is_min_of_max_also_for_inverted_bounds(value, low, high):
     assert saturate(value, low, high) == min(max(value, low), high)

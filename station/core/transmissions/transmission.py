@@ -1,0 +1,107 @@
+"""Map between actuator space and joint space."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from station.core.errors import HardwareInterfaceError
+
+
+class TransmissionInterfaceError(HardwareInterfaceError, ValueError):
+    """A transmission cannot be described, built or connected.
+
+    Source:
+        ros_control@633c374 transmission_interface_exception.h,
+        TransmissionInterfaceException; differs: the message also says what to do.
+    """
+
+    code = "transmission_interface"
+
+
+class Transmission(ABC):
+    """Map positions, velocities and efforts of some actuators to those of some joints.
+
+    Contract: the maps are pure, take one value per actuator (or joint) in a fixed order
+    and return a new list with one value per joint (or actuator). Maps of the same
+    quantity in both directions are inverses. Those of an ideal transmission preserve
+    power: the products of effort and velocity, summed, are equal on both sides. Called
+    by the control thread every cycle.
+
+    Absolute encoders and torque sensors sit on the actuator side. Without an override
+    they are mapped like position and effort.
+
+    Attributes:
+        num_actuators: Dimension of the actuator space.
+        num_joints: Dimension of the joint space.
+
+    Source:
+        ros_control@633c374 transmission.h, Transmission; differs: maps return values
+        and leave pointers to the handles, and absolute position and torque sensor have
+        a default.
+    """
+
+    num_actuators: int = 1
+    num_joints: int = 1
+
+    @abstractmethod
+    def actuator_to_joint_effort(self, effort: list[float]) -> list[float]:
+        """Return joint efforts [N*m or N] for actuator efforts [N*m or N]."""
+
+    @abstractmethod
+    def actuator_to_joint_velocity(self, velocity: list[float]) -> list[float]:
+        """Return joint velocities [rad/s or m/s] for actuator velocities."""
+
+    @abstractmethod
+    def actuator_to_joint_position(self, position: list[float]) -> list[float]:
+        """Return joint positions [rad or m] for actuator positions."""
+
+    def actuator_to_joint_absolute_position(self, position: list[float]) -> list[float]:
+        """Return joint positions [rad or m] for actuator-side absolute encoders."""
+        return self.actuator_to_joint_position(position)
+
+    def actuator_to_joint_torque_sensor(self, effort: list[float]) -> list[float]:
+        """Return joint efforts [N*m or N] for actuator-side torque sensors."""
+        return self.actuator_to_joint_effort(effort)
+
+    @abstractmethod
+    def joint_to_actuator_effort(self, effort: list[float]) -> list[float]:
+        """Return actuator efforts [N*m or N] for joint efforts [N*m or N]."""
+
+    @abstractmethod
+    def joint_to_actuator_velocity(self, velocity: list[float]) -> list[float]:
+        """Return actuator velocities [rad/s or m/s] for joint velocities."""
+
+    @abstractmethod
+    def joint_to_actuator_position(self, position: list[float]) -> list[float]:
+        """Return actuator positions [rad or m] for joint positions."""
+
+
+def check_two_by_two(
+    kind: str,
+    actuator_reduction: Sequence[float],
+    joint_reduction: Sequence[float],
+    joint_offset: Sequence[float],
+) -> None:
+    """Refuse parameters that a transmission of two actuators and joints cannot have.
+
+    Args:
+        kind: Name of the transmission in the message.
+        actuator_reduction: Reductions on the actuator side, shape (2,), not 0.
+        joint_reduction: Reductions on the joint side, shape (2,), not 0.
+        joint_offset: Joint positions at actuator position 0 [rad or m], shape (2,).
+
+    Raises:
+        TransmissionInterfaceError: A list has not two values, or a reduction is 0.
+    """
+    if not len(actuator_reduction) == len(joint_reduction) == len(joint_offset) == 2:
+        raise TransmissionInterfaceError(
+            f"Reduction and offset vectors of a {kind} transmission must have size 2.",
+            remedy="Give one value per actuator and per joint; there are "
+            f"{len(actuator_reduction)} actuator reductions, {len(joint_reduction)} "
+            f"joint reductions and {len(joint_offset)} joint offsets.",
+        )
+    if 0.0 in (*actuator_reduction, *joint_reduction):
+        raise TransmissionInterfaceError(
+            "Transmission reduction ratios cannot be zero.",
+            remedy="Correct the <mechanicalReduction> elements: actuators "
+            f"{list(actuator_reduction)}, joints {list(joint_reduction)}.",
+        )
