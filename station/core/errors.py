@@ -15,6 +15,8 @@ StationError
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
+├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
+├── GoalNotFoundError             no goal of that name is known (KeyError)
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
 ├── GainsChangedError             the gains are not the ones the caller has read
 ├── StaleEpochError               the command belongs to an older epoch
@@ -138,6 +140,18 @@ class CommandTimeoutError(StationError, TimeoutError):
     """No new set-point arrived in time, and the controller was told to stop then."""
 
     code = "command_timeout"
+
+
+class InvalidTrajectoryError(StationError, ValueError):
+    """A trajectory is malformed or cannot be followed as it is."""
+
+    code = "invalid_trajectory"
+
+
+class GoalNotFoundError(StationError, KeyError):
+    """The controller knows no goal of that name."""
+
+    code = "goal_not_found"
 
 
 class InvalidGainError(StationError, ValueError):

@@ -16,7 +16,7 @@ class Follower(JointSetPointController[VelocityJointInterface]):
     hardware_interface = VelocityJointInterface
     quantity = JointQuantity.VELOCITY
 
-    def update(self, time, period):  # noqa: ARG002 - the base class calls it so
+    def update(self, time, period):
         """Take the newest set-point."""
         self.followed = self.newest_set_point()
 

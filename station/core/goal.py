@@ -1,0 +1,132 @@
+"""Goals: requests that take time, report progress and end with a result.
+
+Source: actionlib_msgs/GoalStatus.msg; differs: a goal is an object of the process, not
+a pair of topics, and a refused goal is an exception.
+"""
+
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+from station.core.errors import GoalNotFoundError
+
+_KEPT_GOALS = 50
+
+
+class GoalStatus(Enum):
+    """How far a goal is. The last three are final."""
+
+    PENDING = "pending"
+    ACTIVE = "active"
+    PREEMPTED = "preempted"
+    SUCCEEDED = "succeeded"
+    ABORTED = "aborted"
+
+
+@dataclass(frozen=True, slots=True)
+class GoalResult:
+    """How a goal ended.
+
+    Attributes:
+        code: The number the action defines for this end; 0 for success.
+        message: One sentence for people; empty on success.
+        details: The facts of the message (JSON-compatible values).
+    """
+
+    code: int = 0
+    message: str = ""
+    details: Mapping[str, object] = field(default_factory=dict)
+
+
+class Goal:
+    """One goal. Its owner changes it in the control thread; anybody may read it.
+
+    Args:
+        identifier: Its name within the controller.
+        request: What was asked for.
+
+    Attributes:
+        status: How far it is.
+        progress: Part of its time that has passed, 0 to 1.
+        result: How it ended; None until then.
+        cancel_requested: Whether somebody wants it to end.
+    """
+
+    def __init__(self, identifier: str, request: Mapping[str, object]) -> None:
+        self.identifier = identifier
+        self.request = request
+        self.status = GoalStatus.PENDING
+        self.progress = 0.0
+        self.result: GoalResult | None = None
+        self.cancel_requested = False
+
+    def is_final(self) -> bool:
+        """Say whether the goal has ended."""
+        return self.status not in {GoalStatus.PENDING, GoalStatus.ACTIVE}
+
+    def finish(self, status: GoalStatus, result: GoalResult) -> None:
+        """End the goal; a goal that has ended stays as it is."""
+        if not self.is_final():
+            self.result = result
+            self.status = status
+
+
+class GoalPort(ABC):
+    """Where a controller takes goals. All methods may be called from any thread."""
+
+    def __init__(self) -> None:
+        self._goals: deque[Goal] = deque(maxlen=_KEPT_GOALS)
+        self._count = 0
+
+    @abstractmethod
+    def submit(self, request: Mapping[str, object]) -> Goal:
+        """Check a request and hand it to the controller.
+
+        Args:
+            request: The goal message of the action as JSON-compatible values.
+
+        Returns:
+            The accepted goal; the controller takes it up in its next cycle.
+
+        Raises:
+            StationError: The goal cannot be accepted; nothing changed.
+        """
+
+    def goals(self) -> list[Goal]:
+        """Return the latest goals, oldest first."""
+        return list(self._goals)
+
+    def get(self, identifier: str) -> Goal:
+        """Return the goal of that name.
+
+        Raises:
+            GoalNotFoundError: There is none, or it is too old.
+        """
+        for goal in self.goals():
+            if goal.identifier == identifier:
+                return goal
+        known = ", ".join(goal.identifier for goal in self.goals())
+        raise GoalNotFoundError(
+            f"There is no goal '{identifier}'.", remedy=f"Known are {known or 'none'}."
+        )
+
+    def cancel(self, identifier: str) -> Goal:
+        """Ask for the end of a goal; the controller ends it in its next cycle.
+
+        Raises:
+            GoalNotFoundError: There is none of that name, or it is too old.
+        """
+        goal = self.get(identifier)
+        goal.cancel_requested = True
+        return goal
+
+    def new_goal(self, request: Mapping[str, object]) -> Goal:
+        """Return a goal with a new name that is not yet listed."""
+        self._count += 1
+        return Goal(str(self._count), request)
+
+    def remember(self, goal: Goal) -> None:
+        """List an accepted goal."""
+        self._goals.append(goal)

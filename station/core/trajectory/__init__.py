@@ -1,0 +1,52 @@
+"""Trajectories of joints: segments, requests, tolerances, and how they are joined."""
+
+from station.core.trajectory.hold_trajectory import hold_trajectory, stop_trajectory
+from station.core.trajectory.init_joint_trajectory import (
+    TrajectoryOptions,
+    init_joint_trajectory,
+)
+from station.core.trajectory.joint_trajectory import (
+    JointTrajectory,
+    JointTrajectoryPoint,
+)
+from station.core.trajectory.joint_trajectory_segment import (
+    JointSegments,
+    JointTrajectorySegment,
+    SegmentTrajectory,
+    find_segment,
+    sample_segments,
+    wraparound_offset,
+)
+from station.core.trajectory.quintic_spline_segment import (
+    PosVelAccState,
+    QuinticSplineSegment,
+)
+from station.core.trajectory.tolerances import (
+    JointTolerances,
+    StateTolerances,
+    ToleranceRequest,
+    read_tolerances,
+    updated_tolerances,
+)
+
+__all__ = [
+    "JointSegments",
+    "JointTolerances",
+    "JointTrajectory",
+    "JointTrajectoryPoint",
+    "JointTrajectorySegment",
+    "PosVelAccState",
+    "QuinticSplineSegment",
+    "SegmentTrajectory",
+    "StateTolerances",
+    "ToleranceRequest",
+    "TrajectoryOptions",
+    "find_segment",
+    "hold_trajectory",
+    "init_joint_trajectory",
+    "read_tolerances",
+    "sample_segments",
+    "stop_trajectory",
+    "updated_tolerances",
+    "wraparound_offset",
+]

@@ -1,0 +1,304 @@
+"""Turn a requested trajectory into segments, joined to what is being executed.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/init_joint_trajectory.h.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from station.core.errors import InvalidTrajectoryError
+from station.core.goal import Goal
+from station.core.trajectory.joint_trajectory import (
+    JointTrajectory,
+    JointTrajectoryPoint,
+)
+from station.core.trajectory.joint_trajectory_segment import (
+    JointSegments,
+    JointTrajectorySegment,
+    SegmentTrajectory,
+    find_segment,
+    sample_segments,
+    wraparound_offset,
+)
+from station.core.trajectory.quintic_spline_segment import (
+    PosVelAccState,
+    QuinticSplineSegment,
+)
+from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
+from station.core.trajectory.tolerances import JointTolerances
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectoryOptions:
+    """How a requested trajectory becomes an executable one.
+
+    Attributes:
+        current: What is being executed; the result begins with the part of it that
+            comes before the requested start. None for a trajectory of its own.
+        joint_names: The joints of the controller and their order; those of the request
+            when None.
+        angle_wraparound: For each of these joints whether it is continuous; such a
+            joint goes the short way from `current` to the request. None for no joint.
+        other_time_base: The present time in the time base of `current` and of the
+            result [s]; None when it is the time base of the request.
+        allow_partial_joints_goal: Whether the request may leave joints out.
+        goal: The goal of the new segments.
+        tolerances: Bounds of the new segments by joint; none when absent.
+    """
+
+    current: SegmentTrajectory | None = None
+    joint_names: Sequence[str] | None = None
+    angle_wraparound: Sequence[bool] | None = None
+    other_time_base: float | None = None
+    allow_partial_joints_goal: bool = False
+    goal: Goal | None = None
+    tolerances: Mapping[str, JointTolerances] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Times:
+    """Times of the result's time base [ns].
+
+    Attributes:
+        now: The present.
+        start: When the requested trajectory starts.
+    """
+
+    now: int
+    start: int
+
+    def of(self, point: JointTrajectoryPoint) -> float:
+        """Return when `point` is due [s]."""
+        return to_seconds(self.start + to_nanoseconds(point.time_from_start))
+
+    def bridge_end(self, point: JointTrajectoryPoint) -> float:
+        """Return when a bridge to `point` ends [s]; the original adds seconds here."""
+        return to_seconds(self.start) + to_seconds(
+            to_nanoseconds(point.time_from_start)
+        )
+
+    def takeover(self) -> float:
+        """Return when the new trajectory takes over [s]."""
+        return to_seconds(max(self.start, self.now))
+
+
+@dataclass(frozen=True, slots=True)
+class _Label:
+    """What all new segments of a joint have in common."""
+
+    goal: Goal | None
+    tolerances: JointTolerances
+
+    def segment(
+        self,
+        start_time: float,
+        start: PosVelAccState,
+        end_time: float,
+        end: PosVelAccState,
+        *,
+        is_bridge: bool = False,
+    ) -> JointTrajectorySegment:
+        """Return a segment between two states."""
+        return JointTrajectorySegment(
+            QuinticSplineSegment(start_time, start, end_time, end),
+            end,
+            goal=self.goal,
+            tolerances=self.tolerances,
+            is_bridge=is_bridge,
+        )
+
+
+def init_joint_trajectory(
+    trajectory: JointTrajectory, now: float, options: TrajectoryOptions
+) -> SegmentTrajectory:
+    """Return the segments that lead along `trajectory` from `now` on.
+
+    Points at or before `now` are dropped.
+
+    Args:
+        trajectory: The request.
+        now: The present [s], in the time base of the request.
+        options: What it is joined to and for whom.
+
+    Returns:
+        Segments for every joint; an empty list when there are too few points for a
+        segment and nothing to join them to.
+
+    Raises:
+        InvalidTrajectoryError: The request is malformed, does not fit the joints, or
+            lies in the past; `details["reason"]` says which.
+
+    Source:
+        initJointTrajectory; differs: sizes and numbers of all points are checked
+        first, and a joint may be named once only.
+    """
+    _check_points(trajectory)
+    joint_names = list(options.joint_names or trajectory.joint_names)
+    order = _check_joints(trajectory, joint_names, options)
+    now_ns = to_nanoseconds(now)
+    points = _points_after(trajectory, now_ns)
+    start = trajectory.start_nanoseconds(now_ns)
+    if options.other_time_base is None:
+        times = _Times(now_ns, start)
+    else:
+        base = to_nanoseconds(options.other_time_base)
+        times = _Times(base, base + (start - now_ns))
+    result: SegmentTrajectory = [[] for _ in joint_names]
+    if options.current:
+        result = _take_over(options.current, to_seconds(times.now), options.goal)
+    for column, joint in enumerate(order):
+        states = [_state_of(point, column) for point in points]
+        label = _label_of(joint_names[joint], options)
+        segments: JointSegments = []
+        if options.current:
+            current = options.current[joint]
+            start_state = _state_at(current, times.takeover())
+            if options.angle_wraparound and options.angle_wraparound[joint]:
+                states = _unwound(states, start_state)
+            segments = _remaining(current, times)
+            end_time = times.bridge_end(points[0])
+            segments.append(
+                label.segment(
+                    times.takeover(), start_state, end_time, states[0], is_bridge=True
+                )
+            )
+        due = [times.of(point) for point in points]
+        segments += [
+            label.segment(due[i], states[i], due[i + 1], states[i + 1])
+            for i in range(len(states) - 1)
+        ]
+        if segments:
+            result[joint] = segments
+    return result if any(result) else []
+
+
+def _check_points(trajectory: JointTrajectory) -> None:
+    trajectory.check_values()
+    if not trajectory.points:
+        raise InvalidTrajectoryError(
+            "The trajectory has no points.",
+            remedy="Give at least one point.",
+            details={"reason": "empty"},
+        )
+    if not trajectory.is_strictly_increasing():
+        raise InvalidTrajectoryError(
+            "The points of the trajectory are not strictly increasing in time.",
+            remedy="Give every point a later time_from_start than the one before.",
+            details={"reason": "order"},
+        )
+
+
+def _check_joints(
+    trajectory: JointTrajectory, joint_names: list[str], options: TrajectoryOptions
+) -> list[int]:
+    """Return the index in `joint_names` of every joint of the request.
+
+    Raises:
+        InvalidTrajectoryError: The joints are not those that are expected.
+    """
+    wraps = options.angle_wraparound
+    if wraps and len(wraps) != len(joint_names):
+        raise InvalidTrajectoryError(
+            f"It is known of {len(wraps)} joints whether they are continuous; the "
+            f"trajectory has {len(joint_names)}.",
+            remedy="Say it of every joint.",
+            details={"reason": "wraparound"},
+        )
+    names = list(trajectory.joint_names)
+    known = bool(names) and set(names) <= set(joint_names)
+    complete = options.allow_partial_joints_goal or len(names) == len(joint_names)
+    if not known or not complete or len(set(names)) != len(names):
+        raise InvalidTrajectoryError(
+            f"The trajectory is for the joints {', '.join(names) or 'none'}; expected "
+            f"are {', '.join(joint_names)}.",
+            remedy="Name "
+            + ("some" if options.allow_partial_joints_goal else "all")
+            + " of these joints, each once, in any order.",
+            details={"reason": "joints", "expected": joint_names},
+        )
+    return [joint_names.index(name) for name in names]
+
+
+def _points_after(trajectory: JointTrajectory, now: int) -> list[JointTrajectoryPoint]:
+    last = trajectory.last_point_before(now)
+    if last is None:
+        return list(trajectory.points)
+    if last + 1 < len(trajectory.points):
+        return list(trajectory.points[last + 1 :])
+    start = trajectory.start_nanoseconds(now)
+    end = start + to_nanoseconds(trajectory.points[-1].time_from_start)
+    late = to_seconds(now - end)
+    raise InvalidTrajectoryError(
+        f"All {len(trajectory.points)} points of the trajectory are in the past, the "
+        f"last one by {late:.6f} s.",
+        remedy="Give points after the present time, or leave the stamp out.",
+        details={"reason": "past", "late_s": late},
+    )
+
+
+def _take_over(
+    current: SegmentTrajectory, now: float, goal: Goal | None
+) -> SegmentTrajectory:
+    """Return the current segments, those from now on under the new goal."""
+    result: SegmentTrajectory = []
+    for segments in current:
+        active = find_segment(segments, now)
+        first = len(segments) if active is None else active
+        result.append(
+            segments[:first] + [each.with_goal(goal) for each in segments[first:]]
+        )
+    return result
+
+
+def _state_of(point: JointTrajectoryPoint, column: int) -> PosVelAccState:
+    return PosVelAccState(
+        [point.positions[column]],
+        [point.velocities[column]] if point.velocities else [],
+        [point.accelerations[column]] if point.accelerations else [],
+        point.time_from_start,
+    )
+
+
+def _label_of(name: str, options: TrajectoryOptions) -> _Label:
+    bounds = JointTolerances()
+    if options.goal is not None and options.tolerances is not None:
+        bounds = options.tolerances.get(name, bounds)
+    return _Label(options.goal, bounds)
+
+
+def _state_at(segments: JointSegments, time: float) -> PosVelAccState:
+    position, velocity, acceleration = sample_segments(segments, time)
+    return PosVelAccState([position], [velocity], [acceleration])
+
+
+def _unwound(
+    states: list[PosVelAccState], start: PosVelAccState
+) -> list[PosVelAccState]:
+    """Return the states with whole turns added, so that the first is near `start`."""
+    offset = wraparound_offset(start.position[0], states[0].position[0])
+    return [
+        PosVelAccState(
+            [state.position[0] + offset],
+            state.velocity,
+            state.acceleration,
+            state.time_from_start,
+        )
+        for state in states
+    ]
+
+
+def _remaining(current: JointSegments, times: _Times) -> JointSegments:
+    """Return the current segments that are still executed before the takeover.
+
+    Raises:
+        InvalidTrajectoryError: They do not cover the time in between.
+    """
+    now = to_seconds(times.now)
+    first, last = find_segment(current, now), find_segment(current, times.takeover())
+    if first is None or last is None:
+        raise InvalidTrajectoryError(
+            f"The trajectory being executed does not cover the time {now} s.",
+            remedy="Start the controller again.",
+            details={"reason": "gap"},
+        )
+    return current[first : last + 1]

@@ -1,0 +1,107 @@
+"""A trajectory as it is requested: points in time for named joints.
+
+Source: trajectory_msgs/JointTrajectory.msg; ros_controllers@678b92a
+joint_trajectory_controller/joint_trajectory_msg_utils.h.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import isfinite
+
+from station.core.errors import InvalidTrajectoryError
+from station.core.trajectory.ros_time import to_nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class JointTrajectoryPoint:
+    """Where the joints shall be at one time; lists have the order of `joint_names`.
+
+    Attributes:
+        positions: Positions [rad or m].
+        velocities: Velocities [rad/s or m/s]; empty when not specified.
+        accelerations: Accelerations [rad/s^2 or m/s^2]; empty when not specified.
+        time_from_start: Time from the start of the trajectory [s].
+    """
+
+    positions: Sequence[float]
+    velocities: Sequence[float] = ()
+    accelerations: Sequence[float] = ()
+    time_from_start: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class JointTrajectory:
+    """Points that joints shall pass.
+
+    Attributes:
+        joint_names: The joints.
+        points: The points in the order of time; none means: stop and hold.
+        stamp: When the trajectory starts [s, station time]; 0 means now.
+    """
+
+    joint_names: Sequence[str]
+    points: Sequence[JointTrajectoryPoint]
+    stamp: float = 0.0
+
+    def start_nanoseconds(self, now: int) -> int:
+        """Return when the trajectory starts [ns], given the present time [ns]."""
+        stamp = to_nanoseconds(self.stamp)
+        return now if stamp == 0 else stamp
+
+    def is_strictly_increasing(self) -> bool:
+        """Say whether every point is later than the one before."""
+        times = [to_nanoseconds(point.time_from_start) for point in self.points]
+        return all(a < b for a, b in pairwise(times))
+
+    def last_point_before(self, now: int) -> int | None:
+        """Return the index of the last point at or before `now` [ns]; None if none."""
+        start = self.start_nanoseconds(now)
+        found = None
+        for index, point in enumerate(self.points):
+            if start + to_nanoseconds(point.time_from_start) > now:
+                break
+            found = index
+        return found
+
+    def check_values(self) -> None:
+        """Refuse points that do not fit the joints or are not finite.
+
+        Raises:
+            InvalidTrajectoryError: A point has the wrong number of positions,
+                velocities or accelerations, or a number is not finite.
+        """
+        if not isfinite(self.stamp):
+            raise InvalidTrajectoryError(
+                f"The trajectory's stamp is {self.stamp}.", remedy="Give a finite time."
+            )
+        for index, point in enumerate(self.points):
+            self._check_point(index, point)
+
+    def _check_point(self, index: int, point: JointTrajectoryPoint) -> None:
+        size = len(self.joint_names)
+        columns = {
+            "positions": point.positions,
+            "velocities": point.velocities,
+            "accelerations": point.accelerations,
+        }
+        for what, values in columns.items():
+            if len(values) != size and (values or what == "positions"):
+                raise InvalidTrajectoryError(
+                    f"Point {index} has {len(values)} {what} for {size} joints.",
+                    remedy=f"Give {size} {what}, in the order of joint_names.",
+                    details={"point": index, "reason": "size"},
+                )
+            for name, value in zip(self.joint_names, values, strict=False):
+                if not isfinite(value):
+                    raise InvalidTrajectoryError(
+                        f"Point {index} has {value} among its {what}, for '{name}'.",
+                        remedy="Give finite numbers.",
+                        details={"point": index, "joint": name, "reason": "finite"},
+                    )
+        if not isfinite(point.time_from_start):
+            raise InvalidTrajectoryError(
+                f"Point {index} has the time_from_start {point.time_from_start}.",
+                remedy="Give a finite time.",
+                details={"point": index, "reason": "finite"},
+            )

@@ -1,0 +1,126 @@
+"""A segment of one joint's trajectory, and how to find and sample one.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/
+joint_trajectory_segment.h, trajectory_interface.h.
+"""
+
+from bisect import bisect_right
+from math import pi
+
+from station.core.angles import shortest_angular_distance
+from station.core.goal import Goal
+from station.core.trajectory.quintic_spline_segment import (
+    PosVelAccState,
+    QuinticSplineSegment,
+)
+from station.core.trajectory.tolerances import JointTolerances
+
+_HALF_TURN_ROUNDING = 1e-9
+
+
+class JointTrajectorySegment:
+    """A segment of one joint that knows whose it is and how exact it has to be.
+
+    Args:
+        spline: The way, of one dimension.
+        end: Where it leads, kept for a bridge that may have to begin later.
+        goal: The goal it belongs to; None when nobody waits for a result.
+        tolerances: Bounds of the error while it is executed; none when absent.
+        is_bridge: Whether it leads from an older trajectory to a new one.
+
+    Attributes:
+        start_time: Time at the start [s].
+        end_time: Time at the end [s].
+    """
+
+    def __init__(
+        self,
+        spline: QuinticSplineSegment,
+        end: PosVelAccState,
+        *,
+        goal: Goal | None = None,
+        tolerances: JointTolerances | None = None,
+        is_bridge: bool = False,
+    ) -> None:
+        self.spline = spline
+        self.end = end
+        self.goal = goal
+        self.tolerances = JointTolerances() if tolerances is None else tolerances
+        self.is_bridge = is_bridge
+        self.start_time = spline.start_time
+        self.end_time = spline.end_time
+
+    def with_goal(self, goal: Goal | None) -> "JointTrajectorySegment":
+        """Return the same segment for another goal."""
+        return JointTrajectorySegment(
+            self.spline,
+            self.end,
+            goal=goal,
+            tolerances=self.tolerances,
+            is_bridge=self.is_bridge,
+        )
+
+    def starting_at(
+        self, time: float, start: PosVelAccState
+    ) -> "JointTrajectorySegment":
+        """Return a segment with the same end that begins later, at `start`.
+
+        Args:
+            time: When it begins [s], <= `end_time`.
+            start: Where it begins.
+        """
+        return JointTrajectorySegment(
+            QuinticSplineSegment(time, start, self.end_time, self.end),
+            self.end,
+            goal=self.goal,
+            tolerances=self.tolerances,
+            is_bridge=self.is_bridge,
+        )
+
+
+JointSegments = list[JointTrajectorySegment]
+"""The segments of one joint in the order of time."""
+SegmentTrajectory = list[JointSegments]
+"""The segments of all joints of a controller, in the controller's order."""
+
+
+def find_segment(segments: JointSegments, time: float) -> int | None:
+    """Return the index of the segment active at `time` [s]; None before the first.
+
+    After the end it is the last one.
+    """
+    index = bisect_right(segments, time, key=_start_time) - 1
+    return index if index >= 0 else None
+
+
+def sample_segments(segments: JointSegments, time: float) -> tuple[float, float, float]:
+    """Return position, velocity and acceleration of one joint at `time` [s].
+
+    Before the first segment it is the first position, at rest.
+
+    Args:
+        segments: At least one segment.
+        time: When [s].
+    """
+    index = find_segment(segments, time)
+    return segments[0 if index is None else index].spline.sample_dimension(time)
+
+
+def wraparound_offset(previous: float, following: float) -> float:
+    """Return the whole turns to add so that a joint goes the short way.
+
+    Args:
+        previous: Where a continuous joint is [rad].
+        following: Where it shall go [rad].
+
+    Returns:
+        Offset for `following` [rad]. Half a turn away keeps its direction.
+    """
+    distance = shortest_angular_distance(previous, following)
+    if abs(abs(distance) - pi) < _HALF_TURN_ROUNDING:
+        distance = abs(distance) if following > previous else -abs(distance)
+    return (previous + distance) - following
+
+
+def _start_time(segment: JointTrajectorySegment) -> float:
+    return segment.start_time

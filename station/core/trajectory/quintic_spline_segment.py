@@ -1,0 +1,203 @@
+"""A piece of a path in time: a polynomial of degree 1, 3 or 5 per dimension.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/include/
+trajectory_interface/quintic_spline_segment.h, pos_vel_acc_state.h.
+"""
+
+from dataclasses import dataclass, field
+
+from station.core.errors import InvalidTrajectoryError
+
+_PREFIX = "Quintic spline segment can't be constructed: "
+_REMEDY = "Give both ends the same number of positions, and rates of the same size."
+
+
+@dataclass(frozen=True, slots=True)
+class PosVelAccState:
+    """Positions and, where known, their rates.
+
+    Attributes:
+        position: Positions [rad or m], shape (n,).
+        velocity: Velocities [rad/s or m/s], shape (n,); empty when not specified.
+        acceleration: Accelerations [rad/s^2 or m/s^2], shape (n,); empty when not
+            specified.
+        time_from_start: When the state belongs, from the trajectory's start [s].
+    """
+
+    position: list[float] = field(default_factory=list)
+    velocity: list[float] = field(default_factory=list)
+    acceleration: list[float] = field(default_factory=list)
+    time_from_start: float = 0.0
+
+
+class QuinticSplineSegment:
+    """Leads from one state to another in a given time.
+
+    The degree follows from what both ends specify: positions give a straight line,
+    velocities too a cubic, accelerations as well a quintic polynomial.
+
+    Args:
+        start_time: Time at the start state [s].
+        start: Where the segment begins.
+        end_time: Time at the end state [s], >= `start_time`.
+        end: Where the segment ends.
+
+    Attributes:
+        start_time: Time at the start state [s].
+        time_from_start: When the segment begins, from the trajectory's start [s].
+
+    Raises:
+        InvalidTrajectoryError: The end is before the start, or the sizes of the
+            states do not match.
+
+    Source:
+        QuinticSplineSegment.init; differs: there is no empty segment.
+    """
+
+    def __init__(
+        self,
+        start_time: float,
+        start: PosVelAccState,
+        end_time: float,
+        end: PosVelAccState,
+    ) -> None:
+        _check(start_time, start, end_time, end)
+        self.start_time = start_time
+        self.time_from_start = start.time_from_start
+        self._duration = end_time - start_time
+        self._coefficients: list[tuple[float, float, float, float, float, float]] = [
+            _coefficients(start, end, dimension, self._duration)
+            for dimension in range(len(start.position))
+        ]
+
+    @property
+    def end_time(self) -> float:
+        """Return the time at the end state [s]."""
+        return self.start_time + self._duration
+
+    @property
+    def size(self) -> int:
+        """Return the number of dimensions."""
+        return len(self._coefficients)
+
+    def sample(self, time: float) -> PosVelAccState:
+        """Return the state at `time` [s].
+
+        Before the start and after the end it is that end's position, at rest.
+        """
+        states = [self.sample_dimension(time, each) for each in range(self.size)]
+        return PosVelAccState(
+            [state[0] for state in states],
+            [state[1] for state in states],
+            [state[2] for state in states],
+        )
+
+    def sample_dimension(
+        self, time: float, dimension: int = 0
+    ) -> tuple[float, float, float]:
+        """Return position, velocity and acceleration of one dimension at `time` [s]."""
+        c0, c1, c2, c3, c4, c5 = self._coefficients[dimension]
+        t1 = time - self.start_time
+        if t1 < 0.0:
+            return c0, 0.0, 0.0
+        beyond = t1 > self._duration
+        if beyond:
+            t1 = self._duration
+        t2 = t1 * t1
+        t3 = t2 * t1
+        t4 = t3 * t1
+        t5 = t4 * t1
+        position = c0 + t1 * c1 + t2 * c2 + t3 * c3 + t4 * c4 + t5 * c5
+        if beyond:
+            return position, 0.0, 0.0
+        velocity = c1 + 2.0 * t1 * c2 + 3.0 * t2 * c3 + 4.0 * t3 * c4 + 5.0 * t4 * c5
+        acceleration = 2.0 * c2 + 6.0 * t1 * c3 + 12.0 * t2 * c4 + 20.0 * t3 * c5
+        return position, velocity, acceleration
+
+
+def _check(
+    start_time: float, start: PosVelAccState, end_time: float, end: PosVelAccState
+) -> None:
+    size = len(start.position)
+    both_velocities = bool(start.velocity) and bool(end.velocity)
+    both_accelerations = bool(start.acceleration) and bool(end.acceleration)
+    problem = ""
+    if end_time < start_time:
+        problem = f"it ends at {end_time} s, before it starts at {start_time} s."
+    elif not start.position or not end.position:
+        problem = "an end has no positions."
+    elif size != len(end.position):
+        problem = f"its ends have {size} and {len(end.position)} positions."
+    elif both_velocities and not size == len(start.velocity) == len(end.velocity):
+        problem = (
+            f"its ends have {len(start.velocity)} and {len(end.velocity)} velocities "
+            f"for {size} positions."
+        )
+    elif both_accelerations and not (
+        size == len(start.acceleration) == len(end.acceleration)
+    ):
+        problem = (
+            f"its ends have {len(start.acceleration)} and {len(end.acceleration)} "
+            f"accelerations for {size} positions."
+        )
+    if problem:
+        raise InvalidTrajectoryError(f"{_PREFIX}{problem}", remedy=_REMEDY)
+
+
+def _coefficients(
+    start: PosVelAccState, end: PosVelAccState, dimension: int, time: float
+) -> tuple[float, float, float, float, float, float]:
+    p0, p1 = start.position[dimension], end.position[dimension]
+    if not start.velocity or not end.velocity:
+        slope = 0.0 if time == 0.0 else (p1 - p0) / time
+        return p0, slope, 0.0, 0.0, 0.0, 0.0
+    v0, v1 = start.velocity[dimension], end.velocity[dimension]
+    if not start.acceleration or not end.acceleration:
+        return _cubic(p0, v0, p1, v1, time)
+    ends = (p0, v0, start.acceleration[dimension])
+    return _quintic(ends, (p1, v1, end.acceleration[dimension]), time)
+
+
+def _cubic(
+    p0: float, v0: float, p1: float, v1: float, time: float
+) -> tuple[float, float, float, float, float, float]:
+    if time == 0.0:
+        return p0, v0, 0.0, 0.0, 0.0, 0.0
+    t2 = time * time
+    t3 = t2 * time
+    c2 = (-3.0 * p0 + 3.0 * p1 - 2.0 * v0 * time - v1 * time) / t2
+    c3 = (2.0 * p0 - 2.0 * p1 + v0 * time + v1 * time) / t3
+    return p0, v0, c2, c3, 0.0, 0.0
+
+
+def _quintic(
+    start: tuple[float, float, float], end: tuple[float, float, float], time: float
+) -> tuple[float, float, float, float, float, float]:
+    p0, v0, a0 = start
+    p1, v1, a1 = end
+    if time == 0.0:
+        return p0, v0, 0.5 * a0, 0.0, 0.0, 0.0
+    t2 = time * time
+    t3 = t2 * time
+    t4 = t3 * time
+    t5 = t4 * time
+    c3 = (
+        -20.0 * p0
+        + 20.0 * p1
+        - 3.0 * a0 * t2
+        + a1 * t2
+        - 12.0 * v0 * time
+        - 8.0 * v1 * time
+    ) / (2.0 * t3)
+    c4 = (
+        30.0 * p0
+        - 30.0 * p1
+        + 3.0 * a0 * t2
+        - 2.0 * a1 * t2
+        + 16.0 * v0 * time
+        + 14.0 * v1 * time
+    ) / (2.0 * t4)
+    c5 = (
+        -12.0 * p0 + 12.0 * p1 - a0 * t2 + a1 * t2 - 6.0 * v0 * time - 6.0 * v1 * time
+    ) / (2.0 * t5)
+    return p0, v0, 0.5 * a0, c3, c4, c5

@@ -1,0 +1,18 @@
+"""Times of trajectories: whole nanoseconds, so that sums of times compare exactly.
+
+Source: rostime include/ros/time.h, duration.h.
+"""
+
+_PER_SECOND = 1_000_000_000
+
+
+def to_nanoseconds(seconds: float) -> int:
+    """Return the whole nanoseconds nearest to a time [s]."""
+    whole = int(seconds // 1.0)
+    return whole * _PER_SECOND + round((seconds - whole) * 1e9)
+
+
+def to_seconds(nanoseconds: int) -> float:
+    """Return a time [s] exactly as the original converts seconds and nanoseconds."""
+    seconds, rest = divmod(nanoseconds, _PER_SECOND)
+    return seconds + 1e-9 * rest

@@ -1,0 +1,153 @@
+"""How far a joint may be from its trajectory, on the way and at the goal.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/include/
+joint_trajectory_controller/tolerances.h.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from station.core.parameters import Parameters
+
+STOPPED_VELOCITY_TOLERANCE = 0.01
+"""Default speed below which a joint counts as stopped [rad/s or m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateTolerances:
+    """Bounds of the error of one joint; 0 means unbounded.
+
+    Attributes:
+        position: Largest position error [rad or m].
+        velocity: Largest velocity error [rad/s or m/s].
+        acceleration: Largest acceleration error [rad/s^2 or m/s^2].
+    """
+
+    position: float = 0.0
+    velocity: float = 0.0
+    acceleration: float = 0.0
+
+    def violation(
+        self, position: float, velocity: float, acceleration: float = 0.0
+    ) -> tuple[str, float, float] | None:
+        """Return the first error that is too large, None when all are within bounds.
+
+        Args:
+            position: Position error [rad or m].
+            velocity: Velocity error [rad/s or m/s].
+            acceleration: Acceleration error [rad/s^2 or m/s^2].
+
+        Returns:
+            What is violated, the error, and the bound.
+        """
+        if self.position > 0.0 and abs(position) > self.position:
+            return "position", position, self.position
+        if self.velocity > 0.0 and abs(velocity) > self.velocity:
+            return "velocity", velocity, self.velocity
+        if self.acceleration > 0.0 and abs(acceleration) > self.acceleration:
+            return "acceleration", acceleration, self.acceleration
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class JointTolerances:
+    """The bounds of one joint.
+
+    Attributes:
+        path: Bounds while the joint is under way.
+        goal: Bounds at the end.
+        goal_time: Extra time in which the goal's bounds may be reached [s].
+    """
+
+    path: StateTolerances = StateTolerances()
+    goal: StateTolerances = StateTolerances()
+    goal_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ToleranceRequest:
+    """What a goal asks for one joint, instead of the defaults.
+
+    A positive number is the bound, a negative one removes the bound, zero keeps the
+    default.
+
+    Attributes:
+        name: The joint.
+        position: Position error [rad or m].
+        velocity: Velocity error [rad/s or m/s].
+        acceleration: Acceleration error [rad/s^2 or m/s^2].
+    """
+
+    name: str
+    position: float = 0.0
+    velocity: float = 0.0
+    acceleration: float = 0.0
+
+
+def updated_value(default: float, requested: float) -> float:
+    """Return a bound after a request, by the rule of `ToleranceRequest`."""
+    if requested > 0.0:
+        return requested
+    return 0.0 if requested < 0.0 else default
+
+
+def updated_tolerances(
+    defaults: Mapping[str, JointTolerances],
+    path: Sequence[ToleranceRequest],
+    goal: Sequence[ToleranceRequest],
+    goal_time: float,
+) -> dict[str, JointTolerances]:
+    """Return the bounds of every joint after the requests of a goal.
+
+    Args:
+        defaults: Bounds by joint name.
+        path: Requests for the way; those for other joints are ignored.
+        goal: Requests for the end; those for other joints are ignored.
+        goal_time: Requested extra time [s], by the same rule.
+    """
+    updated = {
+        name: replace(each, goal_time=updated_value(each.goal_time, goal_time))
+        for name, each in defaults.items()
+    }
+    for request in path:
+        if request.name in updated:
+            each = updated[request.name]
+            updated[request.name] = replace(each, path=_updated(each.path, request))
+    for request in goal:
+        if request.name in updated:
+            each = updated[request.name]
+            updated[request.name] = replace(each, goal=_updated(each.goal, request))
+    return updated
+
+
+def read_tolerances(
+    params: Parameters, joints: Sequence[str]
+) -> dict[str, JointTolerances]:
+    """Read the default bounds of every joint.
+
+    Args:
+        params: The namespace `constraints` of the controller: `goal_time`,
+            `stopped_velocity_tolerance`, and per joint `trajectory` and `goal`.
+        joints: The joints.
+
+    Raises:
+        ParameterError: A value is not a number.
+    """
+    goal_time = params.get_float("goal_time", 0.0)
+    stopped = params.get_float("stopped_velocity_tolerance", STOPPED_VELOCITY_TOLERANCE)
+    return {
+        name: JointTolerances(
+            path=StateTolerances(params.get_float(f"{name}/trajectory", 0.0)),
+            goal=StateTolerances(params.get_float(f"{name}/goal", 0.0), stopped),
+            goal_time=goal_time,
+        )
+        for name in joints
+    }
+
+
+def _updated(default: StateTolerances, request: ToleranceRequest) -> StateTolerances:
+    return StateTolerances(
+        updated_value(default.position, request.position),
+        updated_value(default.velocity, request.velocity),
+        updated_value(default.acceleration, request.acceleration),
+    )

@@ -1,0 +1,162 @@
+"""Joining a request to what is being executed: the original's recorded answers."""
+
+import pytest
+
+from station.core.errors import InvalidTrajectoryError
+from station.core.trajectory import (
+    JointTrajectory,
+    JointTrajectoryPoint,
+    JointTrajectorySegment,
+    PosVelAccState,
+    QuinticSplineSegment,
+    TrajectoryOptions,
+    find_segment,
+    init_joint_trajectory,
+    sample_segments,
+)
+
+REASONS = {
+    "Trajectory message contains empty": "empty",
+    "Trajectory message contains waypoints": "order",
+    "Cannot create trajectory from message. It does": "joints",
+    "Cannot create trajectory from message. Vector": "wraparound",
+    "Dropping all": "past",
+}
+# Bridges start at sampled states: their arithmetic is the same, so is every bit.
+TOLERANCE = 1e-12
+
+
+def _request(recorded):
+    points = [
+        JointTrajectoryPoint(
+            point["positions"],
+            point["velocities"],
+            point["accelerations"],
+            point["time_from_start"],
+        )
+        for point in recorded["points"]
+    ]
+    return JointTrajectory(recorded["joint_names"], points, recorded["stamp"])
+
+
+def _segment(recorded):
+    states = [
+        PosVelAccState(each["position"], each["velocity"], each["acceleration"])
+        for each in (recorded["start_state"], recorded["end_state"])
+    ]
+    spline = QuinticSplineSegment(
+        recorded["start_time"], states[0], recorded["end_time"], states[1]
+    )
+    return JointTrajectorySegment(spline, states[1])
+
+
+def _options(recorded):
+    current = recorded["current_trajectory"]
+    return TrajectoryOptions(
+        current=current and [[_segment(each) for each in joint] for joint in current],
+        joint_names=recorded["joint_names"],
+        angle_wraparound=recorded["angle_wraparound"],
+        other_time_base=recorded["other_time_base"],
+        allow_partial_joints_goal=recorded["allow_partial_joints_goal"],
+    )
+
+
+def _agrees(recorded):
+    result = init_joint_trajectory(
+        _request(recorded["msg"]), recorded["time"], _options(recorded["options"])
+    )
+    times = [
+        [{"start_time": s.start_time, "end_time": s.end_time} for s in joint]
+        for joint in result
+    ]
+    assert times == recorded["result_segments"]
+    for sample in recorded["result_samples"]:
+        for segments, expected in zip(result, sample["joints"], strict=True):
+            index = find_segment(segments, sample["time"])
+            assert (-1 if index is None else index) == expected["seg_index"]
+            state = [
+                expected["state"][key][0]
+                for key in ("position", "velocity", "acceleration")
+            ]
+            assert sample_segments(segments, sample["time"]) == pytest.approx(
+                tuple(state), rel=TOLERANCE, abs=TOLERANCE
+            )
+
+
+def _is_refused(recorded):
+    with pytest.raises(InvalidTrajectoryError) as caught:
+        init_joint_trajectory(
+            _request(recorded["msg"]), recorded["time"], _options(recorded["options"])
+        )
+    (reason,) = [
+        reason
+        for beginning, reason in REASONS.items()
+        if recorded["error_string"].startswith(beginning)
+    ]
+    assert caught.value.details["reason"] == reason
+    if reason == "past":
+        late = recorded["error_string"].split()[-4].removesuffix("s")
+        assert f"by {late} s" in caught.value.message
+
+
+def test_all_recorded_cases_agree(vectors):
+    cases = vectors["init_joint_trajectory"]
+    accepted = [case for case in cases if not case["error_string"]]
+    assert len(accepted) >= 50
+    for case in accepted:
+        _agrees(case)
+
+
+def test_all_recorded_refusals_agree(vectors):
+    cases = vectors["init_joint_trajectory"]
+    refused = [case for case in cases if case["error_string"]]
+    assert len(refused) >= 20
+    for case in refused:
+        _is_refused(case)
+
+
+def _points(*positions):
+    return [
+        JointTrajectoryPoint([position], time_from_start=1.0 + index)
+        for index, position in enumerate(positions)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("point", "message"),
+    [
+        (JointTrajectoryPoint([1.0, 2.0]), "2 positions for 1 joints"),
+        (JointTrajectoryPoint([]), "0 positions for 1 joints"),
+        (JointTrajectoryPoint([1.0], [1.0, 1.0]), "2 velocities for 1"),
+        (JointTrajectoryPoint([1.0], [], [1.0, 1.0]), "2 accelerations for 1"),
+        (JointTrajectoryPoint([float("nan")]), "nan among its positions, for 'a'"),
+        (JointTrajectoryPoint([1.0], [float("inf")]), "inf among its velocities"),
+        (JointTrajectoryPoint([1.0], time_from_start=float("nan")), "time_from_start"),
+    ],
+)
+def test_malformed_points_are_refused(point, message):
+    with pytest.raises(InvalidTrajectoryError, match=f"Point 1 has .*{message}"):
+        init_joint_trajectory(
+            JointTrajectory(["a"], [*_points(0.0), point]), 10.0, TrajectoryOptions()
+        )
+
+
+def test_a_joint_may_be_named_once_only():
+    request = JointTrajectory(["a", "a"], [JointTrajectoryPoint([1.0, 2.0])])
+    with pytest.raises(InvalidTrajectoryError, match="for the joints a, a;"):
+        init_joint_trajectory(
+            request,
+            0.0,
+            TrajectoryOptions(joint_names=["a", "b"], allow_partial_joints_goal=True),
+        )
+
+
+def test_a_current_trajectory_that_begins_later_is_an_error():
+    start, end = PosVelAccState([0.0]), PosVelAccState([1.0])
+    later = JointTrajectorySegment(QuinticSplineSegment(20.0, start, 21.0, end), end)
+    with pytest.raises(InvalidTrajectoryError, match="does not cover the time 10"):
+        init_joint_trajectory(
+            JointTrajectory(["a"], _points(0.0)),
+            10.0,
+            TrajectoryOptions(current=[[later]]),
+        )

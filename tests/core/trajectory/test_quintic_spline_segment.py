@@ -1,0 +1,98 @@
+"""Segments: the original's recorded answers, and what derivatives have to be."""
+
+import pytest
+
+from station.core.errors import InvalidTrajectoryError
+from station.core.trajectory import PosVelAccState, QuinticSplineSegment
+
+
+def _state(recorded):
+    return PosVelAccState(
+        recorded["position"], recorded["velocity"], recorded["acceleration"]
+    )
+
+
+def _segment(recorded):
+    return QuinticSplineSegment(
+        recorded["start_time"],
+        _state(recorded["start_state"]),
+        recorded["end_time"],
+        _state(recorded["end_state"]),
+    )
+
+
+def test_samples_are_those_of_the_original(vectors):
+    assert len(vectors["segments"]) >= 100
+    for recorded in vectors["segments"]:
+        segment = _segment(recorded)
+        assert segment.size == recorded["size"]
+        assert segment.start_time == recorded["startTime()"]
+        assert segment.end_time == recorded["endTime()"]
+        for sample in recorded["samples"]:
+            state = segment.sample(sample["time"])
+            # The same operations in the same order: not a bit of difference.
+            assert state.position == sample["state"]["position"]
+            assert state.velocity == sample["state"]["velocity"]
+            assert state.acceleration == sample["state"]["acceleration"]
+
+
+def test_impossible_segments_are_refused_as_in_the_original(vectors):
+    for recorded in vectors["exceptions"]:
+        if recorded["exception"] is None:
+            assert _segment(recorded).size == recorded["size"]
+        else:
+            with pytest.raises(InvalidTrajectoryError, match="can't be constructed"):
+                _segment(recorded)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "message"),
+    [
+        (PosVelAccState([0.0]), PosVelAccState([0.0, 1.0]), "1 and 2 positions"),
+        (PosVelAccState(), PosVelAccState([0.0]), "no positions"),
+        (
+            PosVelAccState([0.0], [0.0]),
+            PosVelAccState([0.0], [0.0, 1.0]),
+            "1 and 2 velocities",
+        ),
+        (
+            PosVelAccState([0.0], [0.0], [0.0, 0.0]),
+            PosVelAccState([0.0], [0.0], [0.0]),
+            "2 and 1 accelerations",
+        ),
+    ],
+)
+def test_the_message_says_what_does_not_fit(start, end, message):
+    with pytest.raises(InvalidTrajectoryError, match=message):
+        QuinticSplineSegment(0.0, start, 1.0, end)
+
+
+def test_rates_are_derivatives_of_the_position():
+    segment = QuinticSplineSegment(
+        2.0,
+        PosVelAccState([0.3], [-0.5], [1.0]),
+        3.5,
+        PosVelAccState([1.2], [0.4], [-2.0]),
+    )
+    step = 1e-5
+    for time in (2.1, 2.7, 3.3):
+        before, here, after = (
+            segment.sample_dimension(time + shift) for shift in (-step, 0.0, step)
+        )
+        # Central differences are exact to step^2 times the third derivative, ~ 1e-9.
+        assert here[1] == pytest.approx((after[0] - before[0]) / (2 * step), abs=1e-7)
+        assert here[2] == pytest.approx((after[1] - before[1]) / (2 * step), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "acceleration"), [([], []), ([0.7], []), ([0.7], [-0.2])]
+)
+def test_ends_are_met_as_far_as_they_are_specified(velocity, acceleration):
+    end = PosVelAccState([1.0], velocity, acceleration)
+    segment = QuinticSplineSegment(0.0, PosVelAccState([0.0], [0.1], [0.1]), 0.8, end)
+    reached = segment.sample(0.8)
+    assert reached.position == pytest.approx([1.0])
+    if velocity:
+        assert reached.velocity == pytest.approx(velocity)
+    if acceleration:
+        assert reached.acceleration == pytest.approx(acceleration)
