@@ -1,5 +1,6 @@
 """The one-slot mailbox through which a controller gets its set-points."""
 
+from collections import deque
 from dataclasses import dataclass
 from math import inf
 
@@ -64,7 +65,8 @@ class SetPointPort:
         self.timeout = timeout
         self.clock: Clock = SystemClock() if clock is None else clock
         self.last: list[float] | None = None
-        self._slot: tuple[list[float], float] | None = None
+        # Appending and popping are atomic: no set-point is lost between them.
+        self._slot: deque[tuple[list[float], float]] = deque(maxlen=1)
         self._deadline = inf
 
     def check(self, values: list[float]) -> None:
@@ -100,15 +102,13 @@ class SetPointPort:
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
-        self._slot = (list(values), deadline)
+        self._slot.append((list(values), deadline))
 
     def take(self) -> list[float] | None:
         """Return the newest set-point and empty the slot (control thread only)."""
-        newest = self._slot
-        if newest is None:
+        if not self._slot:
             return None
-        self._slot = None
-        self.last, self._deadline = newest
+        self.last, self._deadline = self._slot.pop()
         return self.last
 
     def take_expiry(self) -> bool:
@@ -126,5 +126,5 @@ class SetPointPort:
 
         Nothing is left that could expire.
         """
-        self._slot = None
+        self._slot.clear()
         self._deadline = inf

@@ -239,9 +239,12 @@ class Station:
             previous = controller.gains()
             values = check_tunables(controller.gain_schema(), previous, changes)
             controller.check_gains(values)
-            cycle = self.loop.run_in_cycle(
-                lambda: controller.apply_gains(values) or self.loop.cycle
-            )
+
+            def apply() -> int:
+                controller.apply_gains(values)
+                return self.loop.cycle
+
+            cycle = self.loop.run_in_cycle(apply)
             self._revisions[name] = present + 1
             return GainsChange(values, previous, present + 1, cycle)
 

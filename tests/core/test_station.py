@@ -1,13 +1,13 @@
 """The facade: whole or not at all, from any thread."""
 
 import pytest
-from station.core.controller_loader import TableLoader
+from station.core.controller_loader import ControllerLoader
 from station.core.controller_manager import ControllerManager
 from station.core.switching import SwitchRequest
 
 from station.core.clock import ManualClock
 from station.core.control_loop import ControlLoop
-from station.core.controller import Controller
+from station.core.controller import Controller, ControllerState
 from station.core.errors import (
     ControllerExistsError,
     ControllerNotFoundError,
@@ -64,6 +64,16 @@ class Spring(Controller[EffortJointInterface]):
         self.k = values["k"]
 
 
+class SpringLoader(ControllerLoader):
+    """Knows the spring and nothing else."""
+
+    def declared_types(self):
+        return ["test/Spring"]
+
+    def create(self, controller_type):
+        return Spring() if controller_type == "test/Spring" else None
+
+
 class OneJoint(RobotHW):
     """One joint under effort control."""
 
@@ -81,8 +91,7 @@ class OneJoint(RobotHW):
 @pytest.fixture
 def station() -> Station:
     hw, clock, parameters = OneJoint(), ManualClock(), Parameters()
-    loader = TableLoader({"test/Spring": Spring})
-    manager = ControllerManager(hw, parameters, [loader], clock)
+    manager = ControllerManager(hw, parameters, [SpringLoader()], clock)
     loop = ControlLoop(hw, manager, clock=clock)
     return Station(loop, manager, parameters, "test/OneJoint")
 
@@ -184,7 +193,7 @@ def test_an_impossible_gain_is_refused_and_changes_nothing(running, value):
 
 def test_a_stop_stops_the_controllers_and_refuses_motion(running):
     running.stop("test")
-    assert running.controller("spring").state == "stopped"
+    assert running.controller("spring").state is ControllerState.STOPPED
     assert running.status().stop_state is StopState.STOPPED
     with pytest.raises(StoppedError):
         running.set_command("spring", [0.5])
@@ -197,7 +206,7 @@ def test_nothing_resumes_by_itself_after_a_stop(running):
     running.release_stop(arm=False)
     running.release_stop(arm=True)
     running.loop.step(3)
-    assert running.controller("spring").state == "stopped"
+    assert running.controller("spring").state is ControllerState.STOPPED
 
 
 def test_a_station_without_a_running_loop_is_not_ready_and_says_why(station):
