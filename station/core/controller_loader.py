@@ -18,6 +18,9 @@ from station.core.errors import ControllerLoadError, ControllerTypeNotFoundError
 BASE_CLASS = "controller_interface::ControllerBase"
 """Name of the base class of every controller, as ros_control spells it."""
 
+Target = str | type[ControllerBase]
+"""What a table names: `module:Class`, or the class itself."""
+
 
 class ControllerLoader(ABC):
     """Creates controllers of the types it knows. Used outside of the control thread.
@@ -57,18 +60,18 @@ class TableLoader(ControllerLoader):
     """Creates what a table lists; a module is imported when it is first needed.
 
     Args:
-        table: Type to `module:Class`, or (type, `module:Class`) pairs. Of equal types
-            the last one counts (CM-31).
+        table: Type to `module:Class` or to the class itself; a mapping or pairs. Of
+            equal types the last one counts (CM-31).
         name: What `list_controller_types` shows as base class.
     """
 
     def __init__(
         self,
-        table: Mapping[str, str] | Sequence[tuple[str, str]],
+        table: Mapping[str, Target] | Sequence[tuple[str, Target]],
         name: str = BASE_CLASS,
     ) -> None:
         super().__init__(name)
-        self._table = dict(table)
+        self._table: dict[str, Target] = dict(table)
         self._modules: set[str] = set()
 
     @override
@@ -80,6 +83,8 @@ class TableLoader(ControllerLoader):
         target = self._table.get(controller_type)
         if target is None:
             return None
+        if not isinstance(target, str):
+            return target()
         self._modules.add(target.partition(":")[0])
         return _create(controller_type, target)
 

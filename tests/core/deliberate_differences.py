@@ -10,8 +10,8 @@ UPDATES_DURING_LOAD = (
 )
 
 ESCAPED_EXCEPTIONS = (
-    "CM-25: any exception of a loader is refused with its reason; in the original those "
-    "that are no runtime_error escape from load_controller."
+    "CM-25: any exception of a loader is refused with its reason; in the original "
+    "those that are no runtime_error escape from load_controller."
 )
 
 REFUSALS_RAISE = (

@@ -3,10 +3,10 @@
 import threading
 
 import pytest
-from station.core.controller_manager import ControllerManager
 
 from station.core.clock import Clock, ManualClock, SystemClock
 from station.core.control_loop import ControlLoop
+from station.core.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.interfaces import JointStateHandle, JointStateInterface
 from station.core.loop_report import LoopState

@@ -36,13 +36,15 @@ class Replay:
         self.time = 0.0
 
     def pump(self) -> None:
+        """Run one cycle."""
         self.robot.trace.append("-- update --")
         self.time += PERIOD
         self.manager.update(self.time, PERIOD)
 
     def states(self) -> dict[str, str]:
+        """Return the states as recorded."""
         return {
-            s.name: "constructed" if s.state.value == "unknown" else s.state.value
+            s.name: "constructed" if s.state == "unknown" else s.state
             for s in self.manager.list_controllers()
         }
 
@@ -67,18 +69,22 @@ class Replay:
             assert self.states() == op["states"]
 
     def do_define(self, op: dict[str, Any]) -> None:
+        """Say what a controller will be."""
         self.loader.definitions[op["name"]] = op
         self.parameters.set(f"{op['name']}/type", op["type_param"])
 
     def do_load(self, op: dict[str, Any]) -> bool:
+        """Load."""
         self.manager.load_controller(op["name"])
         return True
 
     def do_unload(self, op: dict[str, Any]) -> bool:
+        """Unload."""
         self.manager.unload_controller(op["name"])
         return True
 
     def do_switch(self, op: dict[str, Any]) -> bool:
+        """Switch."""
         self.manager.switch_controller(
             SwitchRequest(
                 op["start"],
@@ -91,21 +97,24 @@ class Replay:
         return True
 
     def do_update(self, op: dict[str, Any]) -> None:
+        """Run cycles."""
         for _ in range(op["n"]):
             self.robot.trace.append("-- update --")
             self.time += PERIOD
             self.manager.update(self.time, PERIOD, op["reset_controllers"])
 
     def do_reload_libraries(self, op: dict[str, Any]) -> bool:
+        """Reload."""
         self.manager.reload_controller_libraries(force_kill=op["force_kill"])
         return True
 
     def do_list_controllers(self, op: dict[str, Any]) -> None:
+        """Compare the list."""
         listed = [
             {
                 "name": status.name,
                 "type": status.type,
-                "state": status.state.value,
+                "state": status.state,
                 "claimed_resources": [
                     {
                         "hardware_interface": claim.hardware_interface,
@@ -119,6 +128,7 @@ class Replay:
         assert listed == op["controllers"]
 
     def do_list_controller_types(self, op: dict[str, Any]) -> None:
+        """Compare the types."""
         listed = [
             {"type": name, "base": base}
             for name, base in self.manager.list_controller_types()
