@@ -4,7 +4,7 @@ import math
 import threading
 from dataclasses import dataclass
 
-from station.core.controller import ControllerBase
+from station.core.controller import ControllerBase, ControllerState
 from station.core.interfaces.interface_manager import interface_type_name
 from station.core.interfaces.resource_manager import HardwareResourceManager
 from station.core.robot_hw import ControllerInfo, InterfaceResources, RobotHW
@@ -18,7 +18,7 @@ class ControllerStatus:
     Attributes:
         name: Name under which it is loaded.
         type: Its type as the parameters have it.
-        state: Where it is in its life, in the word of ros_control (CM-82).
+        state: Where it is in its life.
         claimed_resources: What it claims, one entry per hardware interface (CM-85).
         fault: Why it was stopped by the manager; empty if it was not.
         traceback: Traceback that belongs to `fault`; empty if there was none.
@@ -28,7 +28,7 @@ class ControllerStatus:
 
     name: str
     type: str
-    state: str
+    state: ControllerState
     claimed_resources: tuple[InterfaceResources, ...]
     fault: str
     traceback: str
@@ -225,7 +225,7 @@ class LoadedController:
         return ControllerStatus(
             self.info.name,
             self.info.type,
-            self.controller.state.value,
+            self.controller.state,
             self.info.claimed_resources,
             self.fault,
             self.traceback,

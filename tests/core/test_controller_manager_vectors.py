@@ -44,7 +44,7 @@ class Replay:
     def states(self) -> dict[str, str]:
         """Return the states as recorded."""
         return {
-            s.name: "constructed" if s.state == "unknown" else s.state
+            s.name: "constructed" if s.state.value == "unknown" else s.state.value
             for s in self.manager.list_controllers()
         }
 
@@ -114,7 +114,7 @@ class Replay:
             {
                 "name": status.name,
                 "type": status.type,
-                "state": status.state,
+                "state": status.state.value,
                 "claimed_resources": [
                     {
                         "hardware_interface": claim.hardware_interface,

@@ -1,0 +1,97 @@
+"""What `ControllerManager.update` costs over the controllers it calls.
+
+Run `python benchmarks/controller_manager_update.py`; it prints microseconds per cycle
+for 0, 1, 2, 5 and 10 running controllers that do nothing, each over seven joints, next
+to the cost of the bare calls.
+"""
+
+import sys
+import timeit
+
+from station.core.clock import SystemClock
+from station.core.controller import Controller
+from station.core.controller_loader import TableLoader
+from station.core.controller_manager import ControllerManager
+from station.core.interfaces import (
+    EffortJointInterface,
+    JointHandle,
+    JointStateHandle,
+)
+from station.core.parameters import Parameters
+from station.core.robot_hw import RobotHW
+from station.core.switching import SwitchRequest
+
+JOINTS = 7
+CYCLES = 20_000
+REPEATS = 7
+
+
+class Nothing(Controller[EffortJointInterface]):
+    """Claims seven joints and does nothing."""
+
+    hardware_interface = EffortJointInterface
+
+    def init(self, interface: EffortJointInterface, params: Parameters) -> None:
+        """Claim the joints."""
+        for name in params.get_str_list("joints"):
+            interface.get_handle(name)
+
+    def update(self, time: float, period: float) -> None:
+        """Do nothing."""
+
+
+class ManyJoints(RobotHW):
+    """Seven effort joints for each controller."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__()
+        values = [0.0] * count
+        commands = [0.0] * count
+        efforts = EffortJointInterface()
+        for index in range(count):
+            state = JointStateHandle(f"j{index}", values, values, values, index)
+            efforts.register_handle(JointHandle(state, commands))
+        self.register_interface(efforts)
+
+
+def running_manager(controllers: int) -> ControllerManager:
+    """Return a manager with that many running controllers."""
+    parameters = Parameters()
+    names = [f"c{number}" for number in range(controllers)]
+    for number, name in enumerate(names):
+        joints = [f"j{number * JOINTS + index}" for index in range(JOINTS)]
+        parameters.set(name, {"type": "benchmark/Nothing", "joints": joints})
+    manager = ControllerManager(
+        ManyJoints(controllers * JOINTS),
+        parameters,
+        [TableLoader({"benchmark/Nothing": Nothing})],
+        SystemClock(),
+    )
+    manager.pump = lambda: manager.update(0.0, 0.001)
+    for name in names:
+        manager.load_controller(name)
+    manager.switch_controller(SwitchRequest(start=names))
+    return manager
+
+
+def best(action: str, names: dict[str, object]) -> float:
+    """Return the best time of one execution [us]."""
+    times = timeit.repeat(action, globals=names, number=CYCLES, repeat=REPEATS)
+    return min(times) / CYCLES * 1e6
+
+
+def main() -> None:
+    """Print the table."""
+    write = sys.stdout.write
+    write("controllers  update [us]  bare calls [us]  over it per controller [us]\n")
+    for count in (0, 1, 2, 5, 10):
+        manager = running_manager(count)
+        update = best("manager.update(1.0, 0.001)", {"manager": manager})
+        calls = [manager.get_controller(f"c{number}") for number in range(count)]
+        bare = best("for c in calls: c.update(1.0, 0.001)", {"calls": calls})
+        over = (update - bare) / max(count, 1)
+        write(f"{count:11d}  {update:11.3f}  {bare:15.3f}  {over:27.3f}\n")
+
+
+if __name__ == "__main__":
+    main()
