@@ -27,9 +27,17 @@ from station.core.limits.joint_limits_interface import (
     VelocityJointSaturationInterface,
     VelocityJointSoftLimitsInterface,
 )
+from station.core.limits.parameters import (
+    joint_limits_from_parameters,
+    soft_joint_limits_from_parameters,
+)
 from station.core.limits.position_joint_limits import (
     PositionJointSaturationHandle,
     PositionJointSoftLimitsHandle,
+)
+from station.core.limits.urdf import (
+    joint_limits_from_urdf,
+    soft_joint_limits_from_urdf,
 )
 from station.core.limits.velocity_joint_limits import (
     VelocityJointSaturationHandle,
@@ -56,4 +64,8 @@ __all__ = [
     "VelocityJointSaturationInterface",
     "VelocityJointSoftLimitsHandle",
     "VelocityJointSoftLimitsInterface",
+    "joint_limits_from_parameters",
+    "joint_limits_from_urdf",
+    "soft_joint_limits_from_parameters",
+    "soft_joint_limits_from_urdf",
 ]

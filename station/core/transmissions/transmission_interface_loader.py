@@ -19,13 +19,13 @@ from station.core.interfaces.actuator import (
     ActuatorStateHandle,
     ActuatorStateInterface,
 )
+from station.core.interfaces.interface_manager import InterfaceManager
 from station.core.interfaces.joint import (
     JointHandle,
     JointStateHandle,
     JointStateInterface,
 )
 from station.core.interfaces.resource_manager import ResourceHandle, ResourceManager
-from station.core.robot_hw import RobotHW
 from station.core.transmissions.hardware_interface_kind import (
     HARDWARE_INTERFACES,
     CommandKind,
@@ -87,14 +87,14 @@ class TransmissionInterfaceLoader:
 
     def __init__(
         self,
-        robot_hw: RobotHW,
+        robot_hw: InterfaceManager,
         robot_transmissions: RobotTransmissions,
         transmission_types: Mapping[str, TransmissionFactory] | None = None,
     ) -> None:
         """Start with nothing loaded.
 
         Args:
-            robot_hw: Robot whose actuators are used, and which gets the joints.
+            robot_hw: The robot, whose actuators are used and which gets the joints.
             robot_transmissions: Where the transmission interfaces go.
             transmission_types: Own types of transmissions by the name in `<type>`.
         """
