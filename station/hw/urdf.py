@@ -64,6 +64,11 @@ class Pose:
         return Pose(xyz, _multiply(self.quaternion, inner.quaternion))
 
 
+def replace_prefix(name: str, old: str, new: str) -> str:
+    """Return `name` with `new` for the leading `old`; unchanged without that."""
+    return new + name.removeprefix(old) if name.startswith(old) else name
+
+
 def _multiply(a: Quaternion, b: Quaternion) -> Quaternion:
     aw, ax, ay, az = a
     bw, bx, by, bz = b
@@ -208,7 +213,7 @@ class Urdf:
         """
 
         def rename(name: str) -> str:
-            return new + name.removeprefix(old) if name.startswith(old) else name
+            return replace_prefix(name, old, new)
 
         links = [replace(link, name=rename(link.name)) for link in self.links.values()]
         joints = [
