@@ -62,6 +62,17 @@ class RobotArm(ABC):
         """Wait for the arm's next state and return `state`."""
 
     @abstractmethod
+    def refusal(
+        self,
+        controller_mode: ControllerMode,
+        motion_generator_mode: MotionGeneratorMode,
+    ) -> str:
+        """Say why a motion with these modes could not start, were the arm not moving.
+
+        Empty when it could. Any thread.
+        """
+
+    @abstractmethod
     def start_motion(
         self,
         controller_mode: ControllerMode,

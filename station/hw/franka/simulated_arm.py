@@ -108,12 +108,37 @@ class SimulatedArm(RobotArm):
         return self.state
 
     @override
+    def refusal(
+        self,
+        controller_mode: ControllerMode,
+        motion_generator_mode: MotionGeneratorMode,
+    ) -> str:
+        if self._world.diverged_because:
+            return self._world.diverged_because
+        if (
+            controller_mode is ControllerMode.CARTESIAN_IMPEDANCE
+            or motion_generator_mode not in _JOINT_GENERATORS
+        ):
+            return "the simulated arm has no Cartesian control"
+        is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
+        if motion_generator_mode is MotionGeneratorMode.NONE and not is_external:
+            return "the internal controller needs a motion generator"
+        return ""
+
+    @override
     def start_motion(
         self,
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
     ) -> None:
-        self._check_start(controller_mode, motion_generator_mode)
+        reason = self.refusal(controller_mode, motion_generator_mode)
+        if self.state.robot_mode is RobotMode.MOVE:
+            reason = "a motion runs already"
+        if reason:
+            raise ArmCommandError(
+                f"cannot start a motion: {reason}",
+                remedy="stop the running motion, recover, or ask for other modes",
+            )
         self._controller = controller_mode
         self._generator = motion_generator_mode
         self._torques = _ZEROS
@@ -289,30 +314,6 @@ class SimulatedArm(RobotArm):
         state.time = self._cycle_of_state * period
         if self._world.diverged_because and state.robot_mode is not RobotMode.OTHER:
             self._end_motion(RobotMode.OTHER)
-
-    def _check_start(
-        self, controller: ControllerMode, generator: MotionGeneratorMode
-    ) -> None:
-        if self.state.robot_mode is not RobotMode.IDLE:
-            raise ArmCommandError(
-                f"cannot start a motion in mode {self.state.robot_mode.name}",
-                remedy="stop the running motion, or reset the simulation",
-            )
-        if (
-            controller is ControllerMode.CARTESIAN_IMPEDANCE
-            or generator not in _JOINT_GENERATORS
-        ):
-            raise ArmCommandError(
-                f"the simulated arm has no Cartesian control: {controller.value} with "
-                f"{generator.value} was asked for",
-                remedy="use joint impedance and joint motions, or torques",
-            )
-        is_external = controller is ControllerMode.EXTERNAL_CONTROLLER
-        if generator is MotionGeneratorMode.NONE and not is_external:
-            raise ArmCommandError(
-                "a motion under the internal controller needs a motion generator",
-                remedy="name what is going to be commanded",
-            )
 
     def _not_commandable(self, what: str) -> ArmCommandError:
         controller = self._controller.value if self._controller else "none"

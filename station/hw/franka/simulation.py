@@ -14,9 +14,9 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.world import World
-from station.hw.robot_description import RobotDescription
+from station.hw.robot_description import RobotDescription, replace_prefix
 from station.hw.srdf import disabled_collisions
-from station.hw.urdf import Pose, Urdf, replace_prefix
+from station.hw.urdf import Pose, Urdf
 from station.hw.urdf_parser import parse_urdf
 
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
@@ -71,9 +71,8 @@ def simulate(
     spec = new_world(timestep)
     urdfs = {}
     for placement in placements:
-        original = parse_urdf(placement.description)
-        old, new = _find_prefix(original, placement), f"{placement.arm_id}_"
-        urdf = original.with_prefix(old, new)
+        old, new = find_prefix(placement.description), f"{placement.arm_id}_"
+        urdf = parse_urdf(placement.description.with_prefix(old, new))
         pairs = [
             (replace_prefix(first, old, new), replace_prefix(second, old, new))
             for first, second in disabled_collisions(placement.description.srdf_path)
@@ -100,20 +99,20 @@ def joint_names(arm_id: str) -> list[str]:
     return [f"{arm_id}_joint{number}" for number in range(1, 8)]
 
 
-def _find_prefix(urdf: Urdf, placement: ArmPlacement) -> str:
-    """Return what the names in a URDF begin with, e.g. `panda_`.
+def find_prefix(description: RobotDescription) -> str:
+    """Return what the names in the URDF of a Franka arm begin with, e.g. `panda_`.
 
     Raises:
         RobotDescriptionError: The URDF has no 7 joints that are named like an arm's.
     """
-    for name in urdf.joints:
+    joints = parse_urdf(description).joints
+    for name in joints:
         prefix = name.removesuffix("joint1")
-        if prefix != name and not prefix.endswith("finger_"):
-            names = [f"{prefix}joint{number}" for number in range(1, 8)]
-            if all(joint in urdf.joints for joint in names):
-                return prefix
+        names = [f"{prefix}joint{number}" for number in range(1, 8)]
+        if all(joint in joints for joint in names):
+            return prefix
     raise RobotDescriptionError(
-        f"{placement.description.urdf_path} is no Franka arm: it has no joints "
+        f"{description.urdf_path} is no Franka arm: it has no joints "
         f"<prefix>_joint1 to <prefix>_joint7",
         remedy="use example-robot-data:panda, or a URDF with such joints",
     )
