@@ -2,9 +2,10 @@
 
 Torques: the motors give the commanded torque, or that of the internal joint impedance
 
-    tau = K (q_d - q) + D (dq_d - dq) + coriolis(q, dq),  D = 2 zeta sqrt(K M_ii(q))
+    tau = K (q_d - q) + D (dq_d - dq) + M_ii ddq_d + coriolis(q, dq)
+    D = 2 zeta sqrt(K M_ii)
 
-with M_ii the inertia at each joint when the impedance starts to act. The part that
+with M_ii the inertia at each joint, in D that when the impedance starts to act. What
 depends on q and dq lives in the motors, where the integrator treats D implicitly.
 Gravity is compensated in the world besides. Motors saturate at the effort limits.
 """
@@ -280,9 +281,11 @@ class SimulatedArm(RobotArm):
         is_moving = state.robot_mode is RobotMode.MOVE
         bias = self._joints.read_bias_forces()
         weight = self._joints.read_compensation()
+        inertia = self._joints.read_inertia()
         controls = []
         for i, (k, d) in enumerate(zip(self._stiffness, self._damping, strict=True)):
             control = k * state.q_d[i] + d * state.dq_d[i] + bias[i] - weight[i]
+            control += inertia[i] * state.ddq_d[i]
             controls.append(control)
             if is_moving:
                 tau = control - k * state.q[i] - d * state.dq[i]
