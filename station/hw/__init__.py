@@ -5,4 +5,6 @@ module is imported only when its robot is asked for, so that a missing library o
 robot does not concern the others.
 """
 
-HARDWARE: dict[str, str] = {}
+HARDWARE: dict[str, str] = {
+    "franka_hw/FrankaHW": "station.hw.franka.franka_hw:FrankaHW",
+}

@@ -6,7 +6,7 @@ simulation, a tool) gets the same answer from the same place.
 
 import importlib.metadata
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -36,6 +36,25 @@ class RobotDescription:
     urdf_path: Path
     xml: str
     srdf_path: Path | None
+
+    def with_prefix(self, old: str, new: str) -> "RobotDescription":
+        """Return the same robot under other names of links and joints.
+
+        Args:
+            old: Prefix that is replaced; names that do not begin with it stay.
+            new: What stands there afterwards.
+        """
+        if old == new:
+            return self
+        root = ElementTree.fromstring(self.xml)
+        for element in root.iter():
+            for key in ("link", "joint", "reference"):
+                if key in element.attrib:
+                    element.set(key, replace_prefix(element.attrib[key], old, new))
+            if element.tag in {"link", "joint"} and "name" in element.attrib:
+                element.set("name", replace_prefix(element.attrib["name"], old, new))
+        xml = ElementTree.tostring(root, encoding="unicode")
+        return replace(self, xml=xml)
 
     def resolve_mesh(self, uri: str) -> Path:
         """Return the file that a mesh `filename` attribute of this URDF names.
@@ -98,6 +117,11 @@ def load_robot_description(reference: str) -> RobotDescription:
         path = Path(reference).expanduser().absolute()
     xml = _read(path)
     return RobotDescription(reference, path, xml, _find_srdf(path))
+
+
+def replace_prefix(name: str, old: str, new: str) -> str:
+    """Return `name` with `new` for the leading `old`; unchanged without that."""
+    return new + name.removeprefix(old) if name.startswith(old) else name
 
 
 @cache

@@ -6,11 +6,10 @@ the browser. `station.hw.urdf_parser` reads the files.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from math import cos, sin
 from pathlib import Path
-from types import MappingProxyType
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -150,6 +149,23 @@ class JointLimit:
 
 
 @dataclass(frozen=True, slots=True)
+class SafetyController:
+    """The `<safety_controller>` of a joint: its soft limits.
+
+    Attributes:
+        soft_lower_limit: [rad] or [m].
+        soft_upper_limit: [rad] or [m].
+        k_position: Velocity bound per distance to a soft limit [1/s].
+        k_velocity: Effort bound per excess of velocity [Nm s/rad or N s/m].
+    """
+
+    soft_lower_limit: float
+    soft_upper_limit: float
+    k_position: float
+    k_velocity: float
+
+
+@dataclass(frozen=True, slots=True)
 class Joint:
     """A joint between two links.
 
@@ -164,6 +180,7 @@ class Joint:
         damping: [Nm s/rad] or [N s/m], >= 0.
         friction: [Nm] or [N], >= 0.
         mimic: The joint that it follows, or None.
+        safety: Its soft limits, or None.
     """
 
     name: str
@@ -176,6 +193,7 @@ class Joint:
     damping: float
     friction: float
     mimic: Mimic | None
+    safety: SafetyController | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,34 +215,3 @@ class Urdf:
     def joints_below(self, link: str) -> list[Joint]:
         """Return the joints whose parent is `link`, in the order of the file."""
         return [joint for joint in self.joints.values() if joint.parent == link]
-
-    def with_prefix(self, old: str, new: str) -> "Urdf":
-        """Return the same robot under other names.
-
-        Args:
-            old: Prefix that is replaced in the names of links and joints; names that
-                do not begin with it stay.
-            new: What stands there afterwards.
-        """
-
-        def rename(name: str) -> str:
-            return new + name.removeprefix(old) if name.startswith(old) else name
-
-        links = [replace(link, name=rename(link.name)) for link in self.links.values()]
-        joints = [
-            replace(
-                joint,
-                name=rename(joint.name),
-                parent=rename(joint.parent),
-                child=rename(joint.child),
-                mimic=joint.mimic
-                and replace(joint.mimic, joint=rename(joint.mimic.joint)),
-            )
-            for joint in self.joints.values()
-        ]
-        return Urdf(
-            self.name,
-            MappingProxyType({link.name: link for link in links}),
-            MappingProxyType({joint.name: joint for joint in joints}),
-            rename(self.root),
-        )

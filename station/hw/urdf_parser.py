@@ -16,6 +16,7 @@ from station.hw.urdf import (
     Link,
     Mimic,
     Pose,
+    SafetyController,
     Shape,
     Urdf,
     Vector3,
@@ -187,6 +188,7 @@ class _Parser:
             damping=self._not_negative(what, dynamics, "damping"),
             friction=self._not_negative(what, dynamics, "friction"),
             mimic=self._mimic(what, element.find("mimic")),
+            safety=self._safety(what, element.find("safety_controller")),
         )
 
     def _limit(
@@ -218,6 +220,17 @@ class _Parser:
             self._attribute(element, "joint", what),
             self._number(element, "multiplier", what, 1.0),
             self._number(element, "offset", what, 0.0),
+        )
+
+    def _safety(self, what: str, element: Element | None) -> SafetyController | None:
+        if element is None:
+            return None
+        what = f"{what} <safety_controller>"
+        return SafetyController(
+            self._number(element, "soft_lower_limit", what, 0.0),
+            self._number(element, "soft_upper_limit", what, 0.0),
+            self._number(element, "k_position", what, 0.0),
+            self._number(element, "k_velocity", what),
         )
 
     def _axis(self, what: str, element: Element, kind: JointType) -> Vector3:

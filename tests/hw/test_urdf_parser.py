@@ -46,8 +46,8 @@ def test_panda_has_its_joints_limits_and_mimic() -> None:
 
 
 def test_prefix_is_replaced_in_every_name() -> None:
-    urdf = parse_urdf(load_robot_description("example-robot-data:panda"))
-    left = urdf.with_prefix("panda_", "left_")
+    description = load_robot_description("example-robot-data:panda")
+    left = parse_urdf(description.with_prefix("panda_", "left_"))
     assert left.root == "left_link0"
     assert not [n for n in (*left.links, *left.joints) if not n.startswith("left_")]
     mimic = left.joints["left_finger_joint2"].mimic

@@ -89,7 +89,7 @@ def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
     Args:
         spec: The world; changed.
         urdf: The robot. Its names must not be in the world yet; see
-            `Urdf.with_prefix`.
+            `RobotDescription.with_prefix`.
         options: Place and properties.
 
     Raises:

@@ -1,23 +1,20 @@
 """The simulated world: owns MuJoCo's model and data, and advances them in time."""
 
+from collections import deque
 from collections.abc import Sequence
 from typing import Protocol
 
 import mujoco
 
-from station.core.errors import StationError
 from station.hw.mujoco.stepper import make_stepper
 from station.hw.mujoco.world_joints import WorldJoints, joint_position_address
 
 # Sum of squared joint velocities above which a simulation has gone wrong; no machine
 # comes near, and MuJoCo itself gives up at 1e10 for a single one.
 _MAX_SQUARED_VELOCITY = 1e10
-
-
-class SimulationDivergedError(StationError, FloatingPointError):
-    """The simulated state is not finite any more, or absurdly fast."""
-
-    code = "simulation_diverged"
+# MuJoCo's warnings of the whole process; without a handler it writes them to a file in
+# the current directory, which is no business of a control thread.
+_warnings: deque[str] = deque(maxlen=8)
 
 
 class WorldActor(Protocol):
@@ -32,6 +29,10 @@ class WorldActor(Protocol):
 
 class World:
     """A MuJoCo simulation that several robots share.
+
+    When the simulated state is not finite any more, or absurdly fast, the world has
+    `diverged`: it goes back to the pose of the last reset and stands still there, its
+    time too, until it is reset. All readings stay finite throughout.
 
     Threads: whoever calls `step` is the only one who may touch the world, its data and
     its joints; in the station that is the control thread. `step` and the reading and
@@ -51,6 +52,8 @@ class World:
         self._actors: list[WorldActor] = []
         self._initial_qpos: list[float] = self.data.qpos.tolist()
         self._step_count = 0
+        self._diverged_because = ""
+        mujoco.set_mju_user_warning(_warnings.append)
         mujoco.mj_forward(model, self.data)
 
     @property
@@ -62,6 +65,11 @@ class World:
     def step_count(self) -> int:
         """Number of steps made since the world exists; a reset does not change it."""
         return self._step_count
+
+    @property
+    def diverged_because(self) -> str:
+        """Why the world stands still since it diverged; empty when it has not."""
+        return self._diverged_because
 
     def add_actor(self, actor: WorldActor) -> None:
         """Let `actor` act before every step, after those added before it."""
@@ -79,20 +87,22 @@ class World:
     def step(self) -> None:
         """Let every actor act, then advance by one time step.
 
-        Raises:
-            SimulationDivergedError: The state is not usable any more; `reset` it.
+        A diverged world only counts the step.
         """
+        self._step_count += 1
+        if self._diverged_because:
+            return
         for actor in self._actors:
             actor.before_step()
         self._advance()
-        self._step_count += 1
         # A single NaN or infinity anywhere makes the comparison fail.
         if not self._qvel.dot(self._qvel) < _MAX_SQUARED_VELOCITY:
-            raise SimulationDivergedError(
-                f"the simulation diverged at {self.time:.3f} s: a joint velocity is "
-                "not finite or impossibly high",
-                remedy="reset the simulation; then lower gains or commands",
+            detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
+            self._diverged_because = (
+                f"the simulation diverged at {self.time:.3f} s: a joint velocity was "
+                f"not finite or impossibly high ({detail})"
             )
+            self._return_to_start()
 
     def reset(self, positions: dict[str, float] | None = None) -> None:
         """Set time and velocities to zero and the joints to a pose.
@@ -106,8 +116,12 @@ class World:
         """
         for name, position in (positions or {}).items():
             self._initial_qpos[joint_position_address(self.model, name)] = position
+        self._return_to_start()
+        self._diverged_because = ""
+        for actor in self._actors:
+            actor.after_reset()
+
+    def _return_to_start(self) -> None:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)
-        for actor in self._actors:
-            actor.after_reset()

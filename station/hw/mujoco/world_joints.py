@@ -34,6 +34,8 @@ class WorldJoints:
             included [kg m^2 or kg].
         damping: Passive damping [Nm s/rad or N s/m].
         armature: Rotor inertia as seen at the joints [kg m^2 or kg].
+        lower_limits: Lowest positions [rad or m]; infinite where unlimited.
+        upper_limits: Highest positions [rad or m]; infinite where unlimited.
         effort_limits: Largest motor forces [Nm or N]; infinite where unlimited.
 
     Raises:
@@ -55,6 +57,10 @@ class WorldJoints:
         self.read_compensation = _reader(data.qfrc_gravcomp, dofs)
         self.damping: list[float] = model.dof_damping[dofs].tolist()
         self.armature: list[float] = model.dof_armature[dofs].tolist()
+        limited = model.jnt_limited[joints]
+        lower, upper = model.jnt_range[joints].T
+        self.lower_limits: list[float] = np.where(limited, lower, -np.inf).tolist()
+        self.upper_limits: list[float] = np.where(limited, upper, np.inf).tolist()
         limited = model.actuator_forcelimited[motors]
         highest = model.actuator_forcerange[motors, 1]
         self.effort_limits: list[float] = np.where(limited, highest, np.inf).tolist()

@@ -210,14 +210,15 @@ def test_second_finger_follows_the_first() -> None:
 
 
 def test_two_arms_stand_at_their_own_base_poses() -> None:
-    urdf, _ = panda()
+    description = load_robot_description("example-robot-data:panda")
     spec = new_world(0.001)
     bases = {
         "left_": Pose((0.0, 0.5, 0.1)),
         "right_": Pose.from_rpy((0.0, -0.5, 0.0), (0.0, 0.0, pi / 2)),
     }
     for prefix, base in bases.items():
-        add_robot(spec, urdf.with_prefix("panda_", prefix), RobotOptions(base=base))
+        urdf = parse_urdf(description.with_prefix("panda_", prefix))
+        add_robot(spec, urdf, RobotOptions(base=base))
     model = compile_world(spec)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

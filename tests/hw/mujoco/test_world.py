@@ -1,6 +1,7 @@
 """The world steps, rests, resets and says when it has diverged."""
 
 from math import pi
+from pathlib import Path
 
 import mujoco
 import pytest
@@ -12,7 +13,7 @@ from station.hw.mujoco.model_builder import (
     compile_world,
     new_world,
 )
-from station.hw.mujoco.world import SimulationDivergedError, World
+from station.hw.mujoco.world import World
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
 
@@ -143,12 +144,25 @@ def test_reset_returns_to_the_pose_of_the_last_reset(world: World) -> None:
 
 
 @pytest.mark.parametrize("velocity", [float("nan"), float("inf"), 1e6])
-def test_divergence_is_reported_and_reset_cures_it(
+def test_diverged_world_stands_still_until_it_is_reset(
     world: World, velocity: float
 ) -> None:
     world.data.qvel[2] = velocity
-    with pytest.raises(SimulationDivergedError, match="diverged at"):
-        world.step()
+    world.step()
+    assert "diverged at" in world.diverged_because
+    world.step()
+    assert world.joints(ARM).read_positions() == START
+    assert (world.time, world.step_count) == (0.0, 2)
     world.reset()
     world.step()
-    assert world.joints(ARM).read_positions() == pytest.approx(START)
+    assert world.diverged_because == ""
+    assert world.time == pytest.approx(0.001)
+
+
+def test_divergence_leaves_no_file_behind(
+    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    world.data.qvel[2] = float("nan")
+    world.step()
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,315 @@
+"""FrankaHW: one Franka arm as the controller manager sees it.
+
+Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
+
+- A switch that does not change the arm's mode does not interrupt the running motion.
+- At a switch the command buffers are seeded with the present state, so that nothing old
+  is sent before a controller's first command.
+- The limits of the commanded kinds are enforced, those of the others are not.
+- A command that is not finite stops the arm's motion instead of the process.
+- An unsupported mode is refused with its reason, before anything is stopped.
+"""
+
+import logging
+from collections.abc import Sequence
+from math import degrees
+
+from typing_extensions import override
+
+from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.parameters import Parameters
+from station.core.robot_description import ROBOT_DESCRIPTION
+from station.core.robot_hw import (
+    ControllerInfo,
+    ResourceConflict,
+    RobotHW,
+    SwitchState,
+)
+from station.hw.franka.command_filter import CommandFilter
+from station.hw.franka.control_mode import (
+    GENERATOR_OF_MODE,
+    ControlMode,
+    control_mode_of,
+    find_conflicts,
+    is_supported,
+)
+from station.hw.franka.franka_parameters import (
+    CommandSettings,
+    FrankaParameters,
+    read_command_settings,
+    read_parameters,
+)
+from station.hw.franka.joint_commands import JointCommands
+from station.hw.franka.rate_limiter import PANDA_RATE_LIMITS
+from station.hw.franka.robot_arm import (
+    ControllerMode,
+    MotionGeneratorMode,
+    RobotArm,
+)
+from station.hw.franka.robot_state import RobotMode, RobotState
+from station.hw.franka.simulation import (
+    ArmPlacement,
+    Simulation,
+    find_prefix,
+    joint_names,
+    simulate,
+)
+from station.hw.robot_description import RobotDescription, load_robot_description
+from station.hw.urdf_parser import parse_urdf
+
+_logger = logging.getLogger(__name__)
+# Arm cycles that are made up for in one cycle of the loop; as many as libfranka lets a
+# connection miss.
+_MOST_CYCLES_AT_ONCE = 20
+_MODE_NAMES = {mode: mode.name.lower() for mode in RobotMode}
+
+
+class FrankaHW(RobotHW):
+    """A Franka arm with seven joints, simulated unless it is given another arm.
+
+    Interfaces: JointState and EffortJoint with the measured state, PositionJoint and
+    VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`.
+
+    Parameters are those of `franka_parameters`. `init` stores the URDF, with the names
+    of this arm, as `robot_description` in the root namespace if there is none yet.
+
+    Args:
+        arm: The arm to drive; None makes a simulated one in a world of its own.
+
+    Attributes:
+        simulation: The world that `init` made, or None with a given arm.
+        commands: The command buffers and their limits; from `init` on.
+    """
+
+    def __init__(self, arm: RobotArm | None = None) -> None:
+        super().__init__()
+        self.simulation: Simulation | None = None
+        self._arm = arm
+        self._mode = ControlMode.NONE
+        self._switch_failed = False
+        self._time_due = 0.0
+
+    @override
+    def init(self, root_params: Parameters, hw_params: Parameters) -> None:
+        """Set the robot up; see the class.
+
+        Raises:
+            ParameterError: A parameter is missing, unknown or impossible.
+            RobotDescriptionError: The URDF cannot be used.
+        """
+        self._parameters = read_parameters(hw_params)
+        self._settings = read_command_settings(hw_params)
+        self._hw_params = hw_params
+        description = load_robot_description(self._parameters.robot_description)
+        if self._arm is None:
+            self._arm = self._simulate(description)
+        arm_id = self._parameters.arm_id
+        description = description.with_prefix(find_prefix(description), f"{arm_id}_")
+        if not root_params.has(ROBOT_DESCRIPTION):
+            root_params.set(ROBOT_DESCRIPTION, description.xml)
+        self.commands = JointCommands(self._arm.state, self._parameters.joint_names)
+        self._filter = CommandFilter(PANDA_RATE_LIMITS)
+        urdf = parse_urdf(description)
+        self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
+        for name in self.commands.add_limits(self._joints, PANDA_RATE_LIMITS):
+            _logger.warning("%s has no soft limits in the URDF; none enforced", name)
+        for interface in self.commands.interfaces():
+            self.register_interface(interface)
+
+    @property
+    def parameters(self) -> FrankaParameters:
+        """The parameters that were read in `init`."""
+        return self._parameters
+
+    @property
+    def arm(self) -> RobotArm:
+        """The arm behind this robot.
+
+        Raises:
+            RuntimeError: `init` has not made one yet.
+        """
+        if self._arm is None:
+            raise RuntimeError("FrankaHW has no arm before init")
+        return self._arm
+
+    @property
+    def robot_state(self) -> RobotState:
+        """The arm's live state; control thread only."""
+        return self.arm.state
+
+    @property
+    def control_mode(self) -> ControlMode:
+        """What the running controllers command."""
+        return self._mode
+
+    @override
+    def mode(self) -> str:
+        return _MODE_NAMES[self.arm.state.robot_mode]
+
+    @override
+    def read(self, time: float, period: float) -> None:
+        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
+        arm = self.arm
+        self._time_due += period
+        cycles = round(self._time_due / arm.cycle_time)
+        self._time_due -= cycles * arm.cycle_time
+        for _ in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
+            arm.read_once()
+
+    @override
+    def write(self, time: float, period: float) -> None:
+        """Limit, filter and send the commands of the present mode."""
+        arm, commands, mode = self.arm, self.commands, self._mode
+        if arm.state.robot_mode is not RobotMode.MOVE:
+            return
+        if not commands.are_finite(mode):
+            arm.stop_motion()
+            return
+        goals = commands.goals()
+        if period > 0.0:
+            commands.enforce_limits(mode, period)
+        state, filtered = arm.state, self._filter
+        if mode & ControlMode.JOINT_POSITION:
+            q = filtered.positions(commands.positions, state, goals=goals)
+            arm.command_joint_positions(q)
+        elif mode & ControlMode.JOINT_VELOCITY:
+            arm.command_joint_velocities(
+                filtered.velocities(commands.velocities, state)
+            )
+        if mode & ControlMode.JOINT_TORQUE:
+            arm.command_joint_torques(filtered.torques(commands.efforts, state))
+
+    @override
+    def check_for_conflict(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        return find_conflicts(controllers, self._parameters.arm_id)
+
+    @override
+    def prepare_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Check that the arm can be in the mode that the switch leads to.
+
+        Raises:
+            SwitchRefusedError: It cannot; the message says why.
+        """
+        try:
+            settings = read_command_settings(self._hw_params)
+        except ParameterError as exc:
+            raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
+        mode = self._mode_after(start, stop)
+        arm_id = self._parameters.arm_id
+        if not is_supported(mode):
+            raise SwitchRefusedError(
+                f"Arm '{arm_id}' cannot be in mode {mode.describe()}.",
+                remedy="Run torques with at most one kind of motion.",
+                details={"control_mode": mode.describe()},
+            )
+        if mode and mode != self._mode:
+            refusal = self.arm.refusal(*_arm_modes(mode, settings))
+            if refusal:
+                raise SwitchRefusedError(
+                    f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
+                    remedy="Recover the arm, or choose other controllers.",
+                    details={"control_mode": mode.describe()},
+                )
+        self._settings = settings
+
+    @override
+    def do_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        self._switch_failed = False
+        if self._control_mode_of(start) or self._control_mode_of(stop):
+            self._enter(self._mode_after(start, stop))
+
+    @override
+    def switch_result(self) -> SwitchState:
+        return SwitchState.ERROR if self._switch_failed else SwitchState.DONE
+
+    @override
+    def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
+        return self.switch_result()
+
+    def reset_simulation(self, positions: dict[str, float] | None = None) -> None:
+        """Put the simulated world back to its start; control thread.
+
+        Running controllers go on from there.
+
+        Args:
+            positions: Joint name to position [rad or m]; the others are put where the
+                last reset put them.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world.
+            RuntimeError: The arm is not simulated.
+        """
+        if self.simulation is None:
+            raise RuntimeError("the arm is not simulated")
+        self.simulation.world.reset(positions)
+        self._enter(self._mode)
+
+    def joint_limit_warnings(self) -> list[str]:
+        """Return one sentence per joint that is close to a position limit."""
+        threshold = self._parameters.joint_limit_warning_threshold
+        warnings = []
+        for joint, q in zip(self._joints, self.robot_state.q, strict=True):
+            limit = joint.limit
+            if limit is None or limit.lower is None or limit.upper is None:
+                continue
+            distance = min(abs(q - limit.lower), abs(q - limit.upper))
+            if distance < threshold:
+                warnings.append(
+                    f"{joint.name} is {degrees(distance):.1f} degrees from a limit"
+                )
+        return warnings
+
+    def _enter(self, mode: ControlMode) -> None:
+        """Change the arm to `mode`, its commands seeded with what it does now."""
+        arm = self.arm
+        if mode != self._mode or arm.state.robot_mode is not RobotMode.MOVE:
+            arm.stop_motion()
+        self._mode = mode
+        self.commands.seed()
+        self._filter.begin(
+            cutoff_frequency=self._settings.cutoff_frequency,
+            rate_limiting=self._settings.rate_limiting,
+        )
+        if mode and arm.state.robot_mode is not RobotMode.MOVE:
+            modes = _arm_modes(mode, self._settings)
+            if arm.refusal(*modes):
+                self._switch_failed = True
+            else:
+                arm.start_motion(*modes)
+
+    def _mode_after(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> ControlMode:
+        kept = self._mode & ~self._control_mode_of(stop)
+        return kept | self._control_mode_of(start)
+
+    def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:
+        return control_mode_of(controllers, self._parameters.arm_id)
+
+    def _simulate(self, description: RobotDescription) -> RobotArm:
+        parameters = self._parameters
+        self.simulation = simulate([
+            ArmPlacement(
+                parameters.arm_id,
+                description,
+                parameters.base,
+                parameters.initial_positions,
+            )
+        ])
+        return self.simulation.arms[parameters.arm_id]
+
+
+def _arm_modes(
+    mode: ControlMode, settings: CommandSettings
+) -> tuple[ControllerMode, MotionGeneratorMode]:
+    """Return what the arm has to be told for a supported mode that is not NONE."""
+    generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
+    if mode & ControlMode.JOINT_TORQUE:
+        return ControllerMode.EXTERNAL_CONTROLLER, generator
+    return settings.internal_controller, generator

@@ -1,0 +1,160 @@
+"""The parameters of FrankaHW, read and checked.
+
+Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::initParameters,
+setupParameterCallbacks, and franka_control/config/franka_control_node.yaml; differs:
+whatever has a default there in the YAML file has it here too, unknown parameters and
+impossible values are refused, and no wrong value falls back to a default.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import NoReturn
+
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters
+from station.hw.franka.robot_arm import ControllerMode
+from station.hw.franka.simulation import INITIAL_POSITIONS, joint_names
+from station.hw.urdf import Pose
+
+_DOF = 7
+_INTERNAL_CONTROLLERS = {
+    mode.value: mode
+    for mode in (ControllerMode.JOINT_IMPEDANCE, ControllerMode.CARTESIAN_IMPEDANCE)
+}
+_KEYS = frozenset({
+    "type",
+    "arm_id",
+    "joint_names",
+    "robot_description",
+    "robot_ip",
+    "rate_limiting",
+    "cutoff_frequency",
+    "internal_controller",
+    "joint_limit_warning_threshold",
+    "initial_positions",
+    "base_xyz",
+    "base_rpy",
+})
+
+
+@dataclass(frozen=True, slots=True)
+class CommandSettings:
+    """How commands are passed on; read again before every switch.
+
+    Attributes:
+        rate_limiting: Keep commands within velocity, acceleration and jerk limits.
+        cutoff_frequency: Of the low-pass on commands [Hz], > 0; 1000 and above is off.
+        internal_controller: Who makes the torques of a motion without own torques.
+    """
+
+    rate_limiting: bool
+    cutoff_frequency: float
+    internal_controller: ControllerMode
+
+
+@dataclass(frozen=True, slots=True)
+class FrankaParameters:
+    """What FrankaHW is told once.
+
+    Attributes:
+        arm_id: Prefix of the arm's names.
+        joint_names: The 7 joints, from base to flange.
+        robot_description: `example-robot-data:<robot>` or the path of a URDF.
+        joint_limit_warning_threshold: Distance to a position limit below which there is
+            a warning [rad], >= 0.
+        initial_positions: Where the simulated arm starts [rad], shape (7,).
+        base: The base's pose in the world.
+    """
+
+    arm_id: str
+    joint_names: tuple[str, ...]
+    robot_description: str
+    joint_limit_warning_threshold: float
+    initial_positions: tuple[float, ...]
+    base: Pose
+
+
+def read_parameters(params: Parameters) -> FrankaParameters:
+    """Read what FrankaHW needs once.
+
+    `robot_ip` is accepted, so that files for a real arm load, and not used.
+
+    Args:
+        params: The robot's namespace.
+
+    Raises:
+        ParameterError: A parameter is missing, unknown or impossible.
+    """
+    for key in sorted(set(params.keys()) - _KEYS):
+        raise ParameterError(
+            f"Parameter '{params.resolve(key)}' is unknown to FrankaHW.",
+            remedy=f"Known are {', '.join(sorted(_KEYS))}.",
+            details={"parameter": params.resolve(key)},
+        )
+    arm_id = params.get_str("arm_id")
+    if not arm_id.isidentifier():
+        _refuse(params, "arm_id", arm_id, "a name of letters, digits and _")
+    names = params.get_str_list("joint_names", joint_names(arm_id))
+    if len(set(names)) != _DOF or any(
+        not name.startswith(f"{arm_id}_joint") for name in names
+    ):
+        wanted = f"{_DOF} different names that begin with {arm_id}_joint"
+        _refuse(params, "joint_names", names, wanted)
+    threshold = params.get_float("joint_limit_warning_threshold", 0.1)
+    if threshold < 0.0:
+        _refuse(params, "joint_limit_warning_threshold", threshold, "0 or more")
+    return FrankaParameters(
+        arm_id=arm_id,
+        joint_names=tuple(names),
+        robot_description=params.get_str("robot_description"),
+        joint_limit_warning_threshold=threshold,
+        initial_positions=_floats(params, "initial_positions", INITIAL_POSITIONS),
+        base=_base(params),
+    )
+
+
+def read_command_settings(params: Parameters) -> CommandSettings:
+    """Read what may change between two switches.
+
+    Args:
+        params: The robot's namespace.
+
+    Raises:
+        ParameterError: A parameter is impossible.
+    """
+    frequency = params.get_float("cutoff_frequency", 100.0)
+    if frequency <= 0.0:
+        _refuse(params, "cutoff_frequency", frequency, "above 0 Hz")
+    controller = params.get_str("internal_controller", "joint_impedance")
+    if controller not in _INTERNAL_CONTROLLERS:
+        wanted = f"one of {', '.join(_INTERNAL_CONTROLLERS)}"
+        _refuse(params, "internal_controller", controller, wanted)
+    return CommandSettings(
+        rate_limiting=params.get_bool("rate_limiting", default=True),
+        cutoff_frequency=frequency,
+        internal_controller=_INTERNAL_CONTROLLERS[controller],
+    )
+
+
+def _base(params: Parameters) -> Pose:
+    x, y, z = _floats(params, "base_xyz", (0.0, 0.0, 0.0))
+    roll, pitch, yaw = _floats(params, "base_rpy", (0.0, 0.0, 0.0))
+    if max(abs(roll), abs(pitch), abs(yaw)) > 2.0 * pi:
+        wanted = "angles in radians"
+        _refuse(params, "base_rpy", [roll, pitch, yaw], wanted)
+    return Pose.from_rpy((x, y, z), (roll, pitch, yaw))
+
+
+def _floats(
+    params: Parameters, key: str, default: Sequence[float]
+) -> tuple[float, ...]:
+    return tuple(params.get_float_list(key, len(default), list(default)))
+
+
+def _refuse(params: Parameters, key: str, value: object, wanted: str) -> NoReturn:
+    raise ParameterError(
+        f"Parameter '{params.resolve(key)}' is {value!r}; it must be {wanted}.",
+        remedy="Correct the configuration.",
+        details={"parameter": params.resolve(key)},
+    )

@@ -1,0 +1,186 @@
+"""The arm's joint interfaces: command buffers, handles on them, and their limits."""
+
+from collections.abc import Sequence
+from math import inf, isfinite
+
+from station.core.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.limits import (
+    EffortJointSoftLimitsHandle,
+    EffortJointSoftLimitsInterface,
+    JointLimits,
+    PositionJointSoftLimitsHandle,
+    PositionJointSoftLimitsInterface,
+    SoftJointLimits,
+    VelocityJointSoftLimitsHandle,
+    VelocityJointSoftLimitsInterface,
+)
+from station.hw.franka.control_mode import ControlMode
+from station.hw.franka.rate_limiter import RateLimits
+from station.hw.franka.robot_state import RobotState
+from station.hw.urdf import Joint
+
+_DOF = 7
+
+
+class JointCommands:
+    """Joint state and command handles of one arm.
+
+    Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp,
+    FrankaHW::setupJointStateInterface, setupJointCommandInterface,
+    setupLimitInterface, enforceLimits, reset.
+
+    Args:
+        state: The arm's state, whose lists the handles read.
+        names: Names of the 7 joints, from base to flange.
+
+    Attributes:
+        positions: Commanded positions [rad], shape (7,); in place, as the next two.
+        velocities: Commanded velocities [rad/s], shape (7,).
+        efforts: Commanded torques without gravity [Nm], shape (7,).
+    """
+
+    def __init__(self, state: RobotState, names: Sequence[str]) -> None:
+        self._state = state
+        self.positions = [0.0] * _DOF
+        self.velocities = [0.0] * _DOF
+        self.efforts = [0.0] * _DOF
+        self._lower = [-inf] * _DOF
+        self._upper = [inf] * _DOF
+        self._states = JointStateInterface()
+        self._position_interface = PositionJointInterface()
+        self._velocity_interface = VelocityJointInterface()
+        self._effort_interface = EffortJointInterface()
+        self._position_limits = PositionJointSoftLimitsInterface()
+        self._velocity_limits = VelocityJointSoftLimitsInterface()
+        self._effort_limits = EffortJointSoftLimitsInterface()
+        # Kept here too: asking an interface for a handle claims its joint.
+        self._handles: list[tuple[JointHandle, JointHandle, JointHandle]] = []
+        for i, name in enumerate(names):
+            measured = JointStateHandle(name, state.q, state.dq, state.tau_J, i)
+            desired = JointStateHandle(name, state.q_d, state.dq_d, state.tau_J, i)
+            position = JointHandle(desired, self.positions, i)
+            velocity = JointHandle(desired, self.velocities, i)
+            effort = JointHandle(measured, self.efforts, i)
+            self._states.register_handle(measured)
+            self._position_interface.register_handle(position)
+            self._velocity_interface.register_handle(velocity)
+            self._effort_interface.register_handle(effort)
+            self._handles.append((position, velocity, effort))
+        self.seed()
+
+    def interfaces(self) -> list[JointStateInterface | JointCommandInterface]:
+        """Return the interfaces that controllers may ask for."""
+        return [
+            self._states,
+            self._position_interface,
+            self._velocity_interface,
+            self._effort_interface,
+        ]
+
+    def add_limits(
+        self, joints: Sequence[Joint], rates: Sequence[RateLimits]
+    ) -> list[str]:
+        """Enforce the limits of the URDF from now on.
+
+        Args:
+            joints: The 7 joints of the URDF, from base to flange.
+            rates: Acceleration and jerk limits of the joints, shape (7,).
+
+        Returns:
+            The joints that have no `<limit>` or no `<safety_controller>`; nothing is
+            enforced for them.
+        """
+        skipped = []
+        for i, (joint, rate) in enumerate(zip(joints, rates, strict=True)):
+            position, velocity, effort = self._handles[i]
+            if joint.limit is None or joint.safety is None:
+                skipped.append(position.name)
+                continue
+            if joint.limit.lower is not None and joint.limit.upper is not None:
+                self._lower[i], self._upper[i] = joint.limit.lower, joint.limit.upper
+            limits = JointLimits(
+                min_position=joint.limit.lower,
+                max_position=joint.limit.upper,
+                max_velocity=joint.limit.velocity,
+                max_acceleration=rate.acceleration,
+                max_jerk=rate.jerk,
+                max_effort=joint.limit.effort,
+            )
+            soft = SoftJointLimits(
+                min_position=joint.safety.soft_lower_limit,
+                max_position=joint.safety.soft_upper_limit,
+                k_position=joint.safety.k_position,
+                k_velocity=joint.safety.k_velocity,
+            )
+            self._position_limits.register_handle(
+                PositionJointSoftLimitsHandle(position, limits, soft)
+            )
+            self._velocity_limits.register_handle(
+                VelocityJointSoftLimitsHandle(velocity, limits, soft)
+            )
+            self._effort_limits.register_handle(
+                EffortJointSoftLimitsHandle(effort, limits, soft)
+            )
+        return skipped
+
+    def limit_interfaces(
+        self,
+    ) -> list[
+        PositionJointSoftLimitsInterface
+        | VelocityJointSoftLimitsInterface
+        | EffortJointSoftLimitsInterface
+    ]:
+        """Return the limits that are enforced, with their clamp counts."""
+        return [self._position_limits, self._velocity_limits, self._effort_limits]
+
+    def seed(self) -> None:
+        """Command what keeps the arm where it is; forget earlier commands."""
+        self.positions[:] = self._state.q_d
+        self.velocities[:] = [0.0] * _DOF
+        self.efforts[:] = [0.0] * _DOF
+        self._position_limits.reset()
+
+    def goals(self) -> list[float]:
+        """Return the commanded positions, clipped to the position limits [rad]."""
+        return [
+            max(low, min(high, q))
+            for q, low, high in zip(
+                self.positions, self._lower, self._upper, strict=True
+            )
+        ]
+
+    def are_finite(self, mode: ControlMode) -> bool:
+        """Tell whether all commands of the kinds in `mode` are finite.
+
+        To be asked first: limits and filters may turn a NaN into a number.
+        """
+        total = 0.0
+        if mode & ControlMode.JOINT_POSITION:
+            total += sum(self.positions)
+        if mode & ControlMode.JOINT_VELOCITY:
+            total += sum(self.velocities)
+        if mode & ControlMode.JOINT_TORQUE:
+            total += sum(self.efforts)
+        return isfinite(total)
+
+    def enforce_limits(self, mode: ControlMode, period: float) -> None:
+        """Limit the commands of the kinds in `mode`.
+
+        Args:
+            mode: What is commanded.
+            period: Time since the last cycle [s], > 0.
+        """
+        if mode & ControlMode.JOINT_POSITION:
+            self._position_limits.enforce_limits(period)
+        if mode & ControlMode.JOINT_VELOCITY:
+            self._velocity_limits.enforce_limits(period)
+        if mode & ControlMode.JOINT_TORQUE:
+            self._effort_limits.enforce_limits(period)

@@ -1,0 +1,127 @@
+"""Low-pass filter and rate limits of one joint's commands, as libfranka has them.
+
+Pure functions of plain floats. `period` is libfranka's fixed cycle of 1 ms.
+
+Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
+limitRate; include/franka/rate_limiting.h, the limits of the Panda.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+PERIOD = 0.001
+"""Cycle of the arm [s]."""
+MAX_CUTOFF_FREQUENCY = 1000.0
+"""From here on the low-pass is off [Hz]."""
+_MARGIN = 1e-3
+# Cycles whose packets may be lost without breaking the velocity limit.
+_TOLERATED_LOSSES = 3
+
+
+@dataclass(frozen=True, slots=True)
+class RateLimits:
+    """Limits of one joint's command.
+
+    Attributes:
+        velocity: [rad/s], > 0.
+        acceleration: [rad/s^2], > 0.
+        jerk: [rad/s^3], > 0.
+        torque_rate: [Nm/s], > 0.
+    """
+
+    velocity: float
+    acceleration: float
+    jerk: float
+    torque_rate: float
+
+
+def _panda_limits(velocity: float, acceleration: float, jerk: float) -> RateLimits:
+    acceleration -= _MARGIN
+    reserve = _TOLERATED_LOSSES * PERIOD * acceleration
+    return RateLimits(
+        velocity - _MARGIN - reserve, acceleration, jerk - _MARGIN, 1000.0 - _MARGIN
+    )
+
+
+PANDA_RATE_LIMITS = (
+    _panda_limits(2.175, 15.0, 7500.0),
+    _panda_limits(2.175, 7.5, 3750.0),
+    _panda_limits(2.175, 10.0, 5000.0),
+    _panda_limits(2.175, 12.5, 6250.0),
+    _panda_limits(2.61, 15.0, 7500.0),
+    _panda_limits(2.61, 20.0, 10000.0),
+    _panda_limits(2.61, 20.0, 10000.0),
+)
+"""The Panda's limits, joints 1 to 7, with libfranka's margins."""
+
+
+def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:
+    """Return the first-order low-pass of a command.
+
+    Args:
+        value: The new command.
+        previous: The filter's last output.
+        cutoff_frequency: [Hz], > 0; `MAX_CUTOFF_FREQUENCY` and above is off.
+    """
+    if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
+        return value
+    gain = PERIOD / (PERIOD + 1.0 / (2.0 * pi * cutoff_frequency))
+    return gain * value + (1.0 - gain) * previous
+
+
+def limit_rate(value: float, previous: float, max_rate: float) -> float:
+    """Return the value nearest to a command that the rate limit allows.
+
+    Args:
+        value: The new command, e.g. a torque [Nm].
+        previous: The last command.
+        max_rate: Largest rate per second, > 0.
+    """
+    step = max_rate * PERIOD
+    return previous + max(-step, min(step, value - previous))
+
+
+def limit_velocity(
+    velocity: float, last_velocity: float, last_acceleration: float, limits: RateLimits
+) -> float:
+    """Return the velocity nearest to a command that all limits allow.
+
+    Close to the velocity limit the acceleration is limited further, so that it can end
+    in time without breaking the jerk limit.
+
+    Args:
+        velocity: The new command [rad/s].
+        last_velocity: The last command [rad/s].
+        last_acceleration: Its acceleration [rad/s^2].
+        limits: The joint's limits.
+    """
+    jerk = ((velocity - last_velocity) / PERIOD - last_acceleration) / PERIOD
+    jerk = max(-limits.jerk, min(limits.jerk, jerk))
+    acceleration = last_acceleration + jerk * PERIOD
+    slope = limits.jerk / limits.acceleration
+    highest = min(slope * (limits.velocity - last_velocity), limits.acceleration)
+    lowest = max(slope * (-limits.velocity - last_velocity), -limits.acceleration)
+    return last_velocity + max(lowest, min(highest, acceleration)) * PERIOD
+
+
+def limit_position(
+    position: float,
+    last_position: float,
+    last_velocity: float,
+    last_acceleration: float,
+    limits: RateLimits,
+) -> float:
+    """Return the position nearest to a command that all limits allow.
+
+    It does not look ahead: after a step it arrives with full speed and overshoots.
+
+    Args:
+        position: The new command [rad].
+        last_position: The last command [rad].
+        last_velocity: Its velocity [rad/s].
+        last_acceleration: Its acceleration [rad/s^2].
+        limits: The joint's limits.
+    """
+    velocity = (position - last_position) / PERIOD
+    velocity = limit_velocity(velocity, last_velocity, last_acceleration, limits)
+    return last_position + velocity * PERIOD

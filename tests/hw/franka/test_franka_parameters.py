@@ -1,0 +1,70 @@
+"""Parameters of FrankaHW: defaults, and refusals with key and value."""
+
+import pytest
+
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.franka_parameters import read_command_settings, read_parameters
+from station.hw.franka.robot_arm import ControllerMode
+from station.hw.franka.simulation import INITIAL_POSITIONS
+
+NEEDED = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
+
+
+def params(**values: object) -> Parameters:
+    return Parameters(ParameterTree({"robot": {**NEEDED, **values}}), "robot")
+
+
+def test_defaults_are_those_of_upstreams_files() -> None:
+    read, settings = read_parameters(params()), read_command_settings(params())
+    assert read.joint_names == tuple(f"panda_joint{n}" for n in range(1, 8))
+    assert read.joint_limit_warning_threshold == 0.1
+    assert read.initial_positions == INITIAL_POSITIONS
+    assert settings.rate_limiting
+    assert settings.cutoff_frequency == 100.0
+    assert settings.internal_controller is ControllerMode.JOINT_IMPEDANCE
+
+
+def test_robot_ip_of_a_real_arms_file_is_accepted() -> None:
+    assert read_parameters(params(robot_ip="172.16.0.2")).arm_id == "panda"
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("arm_id", "my arm"),
+        ("arm_id", 7),
+        ("joint_names", ["panda_joint1"]),
+        ("joint_names", ["panda_joint1"] * 7),
+        ("joint_names", [f"j{n}" for n in range(7)]),
+        ("joint_limit_warning_threshold", -0.1),
+        ("joint_limit_warning_threshold", "wide"),
+        ("initial_positions", [0.0] * 6),
+        ("base_xyz", [0.0, float("nan"), 0.0]),
+        ("base_rpy", [0.0, 0.0, 90.0]),
+        ("robot_description", None),
+    ],
+)
+def test_impossible_value_is_refused_with_its_key(key: str, value: object) -> None:
+    with pytest.raises(ParameterError, match=f"robot/{key}'"):
+        read_parameters(params(**{key: value}))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("rate_limiting", "yes"),
+        ("cutoff_frequency", 0.0),
+        ("cutoff_frequency", float("inf")),
+        ("internal_controller", "none"),
+    ],
+)
+def test_impossible_setting_is_refused_with_its_key(key: str, value: object) -> None:
+    with pytest.raises(ParameterError, match=f"robot/{key}'"):
+        read_command_settings(params(**{key: value}))
+
+
+def test_unknown_parameter_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(ParameterError, match="robot/armid'") as caught:
+        read_parameters(params(armid="panda"))
+    assert "arm_id" in caught.value.remedy
