@@ -195,6 +195,7 @@ class AsyncStationClient:
         name: str,
         values: Sequence[float],
         epoch: int | None = None,
+        timeout: float | None = None,
     ) -> CommandAccepted:
         """Send a set-point.
 
@@ -202,8 +203,9 @@ class AsyncStationClient:
             name: The controller.
             values: One number per element, in its order and units.
             epoch: Refuse when a stop or reset came since that epoch.
+            timeout: How long it is valid [s], 0 for ever; None: the controller's own.
         """
-        return await self._do(calls.command(name, values, epoch))
+        return await self._do(calls.command(name, values, epoch, timeout))
 
     async def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""

@@ -159,10 +159,10 @@ def last_command(name: str) -> Call[CommandInfo]:
 
 
 def command(
-    name: str, values: Sequence[float], epoch: int | None
+    name: str, values: Sequence[float], epoch: int | None, timeout: float | None
 ) -> Call[CommandAccepted]:
     """Send a set-point."""
-    body = CommandRequest(command=list(values), epoch=epoch)
+    body = CommandRequest(command=list(values), epoch=epoch, timeout=timeout)
     return _send("PUT", _controller(name, "/command"), CommandAccepted, body)
 
 

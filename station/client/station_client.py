@@ -195,6 +195,7 @@ class StationClient:
         name: str,
         values: Sequence[float],
         epoch: int | None = None,
+        timeout: float | None = None,
     ) -> CommandAccepted:
         """Send a set-point.
 
@@ -202,8 +203,9 @@ class StationClient:
             name: The controller.
             values: One number per element, in its order and units.
             epoch: Refuse when a stop or reset came since that epoch.
+            timeout: How long it is valid [s], 0 for ever; None: the controller's own.
         """
-        return self._do(calls.command(name, values, epoch))
+        return self._do(calls.command(name, values, epoch, timeout))
 
     def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""

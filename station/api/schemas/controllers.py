@@ -251,6 +251,8 @@ class CommandRequest(RequestModel):
     Attributes:
         command: One number per element, in the controller's order, in its units.
         epoch: Epoch it was made for; refused when a stop or reset came since.
+        timeout: How long it is valid [s wall time], 0 for ever; the controller's own
+            when null. What happens then is the controller's setting.
     """
 
     model_config = ConfigDict(
@@ -261,6 +263,7 @@ class CommandRequest(RequestModel):
 
     command: list[float] = Field(max_length=1024)
     epoch: int | None = Field(default=None, ge=0)
+    timeout: float | None = Field(default=None, ge=0.0, le=3600.0)
 
 
 class CommandAccepted(ResponseModel):
