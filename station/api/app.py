@@ -26,6 +26,7 @@ def create_app(
     policy: HostPolicy | None = None,
     *,
     slow_after: float = 5.0,
+    max_streams: int = 64,
     max_body: int = MAX_BODY_BYTES,
 ) -> FastAPI:
     """Return the application that serves `station`.
@@ -36,6 +37,7 @@ def create_app(
         policy: Which hosts and origins are allowed; localhost and numeric ones when
             left out.
         slow_after: A stream's client that takes nothing for so long is closed [s].
+        max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
     """
     app = StationApi(
@@ -48,7 +50,9 @@ def create_app(
     )
     app.state.station = station
     app.state.authenticator = authenticator
-    app.state.broadcaster = Broadcaster(station, slow_after=slow_after)
+    app.state.broadcaster = Broadcaster(
+        station, slow_after=slow_after, max_clients=max_streams
+    )
     add_error_handlers(app)
     app.include_router(api_router)
     app.include_router(login_page)

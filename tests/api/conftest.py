@@ -7,6 +7,7 @@ import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
+from station.api.server import ApiServer
 from station.client import StationClient
 from tests.api.spring import make_station
 
@@ -84,3 +85,17 @@ def spring(client):
     client.load_controller("spring", "test/Spring", {"joint": "j", "k": 2.0})
     client.switch_controllers(start=["spring"])
     return client
+
+
+@pytest.fixture
+def server(app):
+    """Serve the app on a free port."""
+    with ApiServer(app, port=0) as server:
+        yield server
+
+
+@pytest.fixture
+def live(server):
+    """Return an operator's client of the served station."""
+    with StationClient(server.url, OPERATOR) as client:
+        yield client

@@ -118,7 +118,7 @@ class Broadcaster:
 
     async def _feed(self, websocket: WebSocket, channel: Channel) -> None:
         """Send frames; return when the client takes none for too long."""
-        seq = channel.newest
+        seq = channel.beginning
         hello = await anyio.to_thread.run_sync(self._hello, channel.request, seq)
         frame = hello
         while True:

@@ -42,8 +42,8 @@ class Channel(ABC):
 
     @property
     @abstractmethod
-    def newest(self) -> int:
-        """Number of the newest frame there is: where a new client begins."""
+    def beginning(self) -> int:
+        """What a new client fetches after."""
 
     @abstractmethod
     async def fetch(self, after: int) -> Frame:
@@ -113,8 +113,8 @@ class StateChannel(Channel):
 
     @property
     @override
-    def newest(self) -> int:
-        return self._frame.seq
+    def beginning(self) -> int:
+        return max(0, self._frame.seq - 1)
 
     @override
     async def fetch(self, after: int) -> Frame:
@@ -157,7 +157,7 @@ class FullChannel(Channel):
 
     @property
     @override
-    def newest(self) -> int:
+    def beginning(self) -> int:
         return self._newest
 
     @override

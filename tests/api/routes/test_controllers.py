@@ -135,7 +135,7 @@ def test_a_conflict_names_who_holds_the_joint(spring):
     ],
 )
 @pytest.mark.usefixtures("spring")
-def test_a_switch_that_is_refused_changes_nothing(spring, operator, body, status, code):
+def test_a_switch_that_is_refused_changes_nothing(operator, body, status, code):
     answer = operator.post("/api/v1/controllers/switch", json=body)
 
     problem_of(answer, status, code)
