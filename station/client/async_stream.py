@@ -44,12 +44,16 @@ class AsyncStream:
             ApiError: The station refuses the stream.
             StationUnreachableError: The link broke and `reconnect` is off.
         """
+        # One generator, not two nested ones: left early, it closes its connection.
         backoff = Backoff()
         while True:
             try:
-                async for frame in self._read():
-                    backoff.reset()
-                    yield frame
+                async with self._connect() as connection:
+                    while True:
+                        frame = self.progress.accept(await connection.recv())
+                        if frame is not None:
+                            backoff.reset()
+                            yield frame
             except (OSError, WebSocketException) as error:
                 refused = refusal(error)
                 if refused is not None:
@@ -62,16 +66,12 @@ class AsyncStream:
                 self.progress.connected = False
             await asyncio.sleep(backoff.next())
 
-    async def _read(self) -> AsyncIterator[StreamFrame]:
-        async with connect(
+    def _connect(self) -> connect:
+        return connect(
             self.options.url(),
             additional_headers=bearer(self.options.token),
             compression=None,
             max_size=MAX_FRAME_BYTES,
             proxy=None,
             close_timeout=1.0,
-        ) as connection:
-            while True:
-                frame = self.progress.accept(await connection.recv())
-                if frame is not None:
-                    yield frame
+        )
