@@ -260,7 +260,11 @@ class Station:
         return SetPoint(tuple(port.elements), None if last is None else tuple(last))
 
     def set_command(
-        self, name: str, values: list[float], epoch: int | None = None
+        self,
+        name: str,
+        values: list[float],
+        epoch: int | None = None,
+        timeout: float | None = None,
     ) -> int:
         """Give a running controller a new set-point; return the epoch it counts for.
 
@@ -268,6 +272,8 @@ class Station:
             name: The controller.
             values: One number per element of its set-point.
             epoch: The epoch in which the caller decided; the present one when None.
+            timeout: How long it is valid [s wall time], 0 for ever; the controller's
+                own when None.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -294,7 +300,7 @@ class Station:
                 remedy="Look at the state again, then command with the new epoch.",
                 details={"epoch": present},
             )
-        port.post(values)
+        port.post(values, timeout)
         return present
 
     def controller_sample(self, name: str) -> ControllerSample | None:

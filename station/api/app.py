@@ -1,0 +1,60 @@
+"""The web application: routes, errors, access, documentation."""
+
+from fastapi import FastAPI
+
+import station as package
+from station.api.auth import Authenticator
+from station.api.errors import add_error_handlers
+from station.api.guard import MAX_BODY_BYTES, Guard
+from station.api.host_policy import HostPolicy
+from station.api.openapi import StationApi
+from station.api.routes import PREFIX, api_router
+from station.api.routes.access import login_page
+from station.api.streams import Broadcaster
+from station.core.station import Station
+
+DESCRIPTION = """
+Everything a station can do, for programs and browsers. Errors are problem documents
+(RFC 9457): `detail` says which thing, its value and what is allowed, `remedy` what to
+do; a refused request changes nothing. Units are SI.
+"""
+
+
+def create_app(
+    station: Station,
+    authenticator: Authenticator,
+    policy: HostPolicy | None = None,
+    *,
+    slow_after: float = 5.0,
+    max_streams: int = 64,
+    max_body: int = MAX_BODY_BYTES,
+) -> FastAPI:
+    """Return the application that serves `station`.
+
+    Args:
+        station: What it serves.
+        authenticator: Knows the tokens.
+        policy: Which hosts and origins are allowed; localhost and numeric ones when
+            left out.
+        slow_after: A stream's client that takes nothing for so long is closed [s].
+        max_streams: Most streams at a time.
+        max_body: Largest request body [bytes].
+    """
+    app = StationApi(
+        title="Control station",
+        version=package.__version__,
+        description=DESCRIPTION,
+        openapi_url=f"{PREFIX}/openapi.json",
+        # Its spans and counters would cost time in every request.
+        telemetry={"tracing": False, "metrics": False, "logs": False},
+    )
+    app.state.station = station
+    app.state.authenticator = authenticator
+    app.state.broadcaster = Broadcaster(
+        station, slow_after=slow_after, max_clients=max_streams
+    )
+    add_error_handlers(app)
+    app.include_router(api_router)
+    app.include_router(login_page)
+    app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
+    return app

@@ -1,0 +1,78 @@
+"""What routes ask for: the station, and someone who may."""
+
+from typing import Annotated
+
+from fastapi import Depends, Request, Security
+from fastapi.security import HTTPBearer
+
+from station.api.auth import Authenticator, Role
+from station.api.errors import ProblemError
+from station.core.station import Station
+
+_bearer = HTTPBearer(
+    auto_error=False,
+    description="The operator or viewer token that the station printed at its start. "
+    "Browsers may log in instead and send the session cookie.",
+)
+
+
+async def get_station(request: Request) -> Station:
+    """Return the station that the app serves."""
+    station: Station = request.app.state.station
+    return station
+
+
+async def get_authenticator(request: Request) -> Authenticator:
+    """Return what knows the tokens."""
+    authenticator: Authenticator = request.app.state.authenticator
+    return authenticator
+
+
+StationDep = Annotated[Station, Depends(get_station)]
+AuthenticatorDep = Annotated[Authenticator, Depends(get_authenticator)]
+
+
+async def viewer(
+    request: Request,
+    authenticator: AuthenticatorDep,
+    _: Annotated[object, Security(_bearer)] = None,
+) -> Role:
+    """Return the caller's role.
+
+    Raises:
+        ProblemError: The caller proves none.
+    """
+    role = authenticator.role_of_headers(request.headers)
+    if role is None:
+        raise ProblemError(
+            401,
+            "unauthorized",
+            "The request carries no token or session that this station knows.",
+            "Send 'Authorization: Bearer <token>' with the token that the station "
+            "printed at its start, or log in at /login?token=<token>.",
+            {"WWW-Authenticate": "Bearer"},
+        )
+    return role
+
+
+RoleDep = Annotated[Role, Depends(viewer)]
+
+
+async def operator(role: RoleDep) -> Role:
+    """Return the caller's role, which is operator.
+
+    Raises:
+        ProblemError: The caller is none.
+    """
+    if not role.includes(Role.OPERATOR):
+        raise ProblemError(
+            403,
+            "operator_needed",
+            f"A {role.value} may look and stop, not change anything else.",
+            "Use the operator token.",
+        )
+    return role
+
+
+Viewer = Depends(viewer)
+Operator = Depends(operator)

@@ -1,0 +1,216 @@
+"""From exceptions to HTTP: every refusal is a problem document (RFC 9457)."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import orjson
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+
+from station.api.schemas import PROBLEM_MEDIA_TYPE
+from station.core import errors
+
+MAX_ERRORS = 20
+
+STATUS: Mapping[type[errors.StationError], int] = {
+    errors.StationError: 500,
+    errors.HardwareInterfaceError: 422,
+    errors.ResourceNotFoundError: 422,
+    errors.ParameterError: 422,
+    errors.ControllerNotFoundError: 404,
+    errors.ControllerTypeNotFoundError: 404,
+    errors.ControllerLoadError: 422,
+    errors.ControllerExistsError: 409,
+    errors.ControllerStateError: 409,
+    errors.SwitchRefusedError: 409,
+    errors.ResourceConflictError: 409,
+    errors.SwitchTimeoutError: 504,
+    errors.InvalidCommandError: 422,
+    errors.CommandTimeoutError: 409,
+    errors.InvalidGainError: 422,
+    errors.GainsChangedError: 412,
+    errors.StaleEpochError: 409,
+    errors.StoppedError: 423,
+    errors.LoopError: 503,
+    errors.RobotDescriptionError: 422,
+}
+"""HTTP status of each kind of error; a kind that is missing gets its parent's."""
+
+HTTP_REMEDIES: Mapping[int, str] = {
+    400: "Send a JSON body as /docs describes it.",
+    404: "See /docs for the routes.",
+    405: "Use one of the methods in the Allow header; see /docs.",
+}
+
+
+class ProblemError(HTTPException):
+    """A refusal that the API itself decides on.
+
+    An HTTPException, because the framework lets only those out of reading a body.
+
+    Args:
+        status: HTTP status.
+        code: Stable machine-readable name.
+        detail: Which thing, its value, what is allowed.
+        remedy: What to do.
+        headers: Extra response headers.
+    """
+
+    def __init__(
+        self,
+        status: int,
+        code: str,
+        detail: str,
+        remedy: str,
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        super().__init__(status, detail, headers)
+        self.code = code
+        self.remedy = remedy
+
+    def response(self) -> Response:
+        """Return the answer that says so."""
+        return problem_response(
+            self.status_code,
+            self.code,
+            self.detail,
+            self.remedy,
+            headers=self.headers,
+        )
+
+
+def problem_response(
+    status: int,
+    code: str,
+    detail: str,
+    remedy: str,
+    *,
+    field_errors: Sequence[Mapping[str, str]] = (),
+    details: Mapping[str, object] | None = None,
+    headers: Mapping[str, str] | None = None,
+) -> Response:
+    """Return a problem document; numbers that are not finite become null in it."""
+    body: dict[str, object] = {
+        "type": f"urn:control-station:problem:{code}",
+        "title": code.replace("_", " ").capitalize(),
+        "status": status,
+        "detail": detail,
+        "code": code,
+        "remedy": remedy,
+    }
+    if field_errors:
+        body["errors"] = list(field_errors)
+    if details:
+        body["details"] = dict(details)
+    content = orjson.dumps(body, default=str, option=orjson.OPT_NON_STR_KEYS)
+    return Response(content, status, dict(headers or {}), PROBLEM_MEDIA_TYPE)
+
+
+def status_of(kind: type[errors.StationError]) -> int:
+    """Return the HTTP status for an error of that class."""
+    return next(STATUS[c] for c in kind.__mro__ if c in STATUS)
+
+
+def station_error_response(error: errors.StationError) -> Response:
+    """Return the problem document of a refusal by the station, word by word."""
+    details = dict(error.details)
+    listed = details.pop("errors", None)
+    field_errors = [
+        {str(key): str(value) for key, value in item.items()}
+        for item in (listed if isinstance(listed, list) else [])
+        if isinstance(item, Mapping)
+    ]
+    return problem_response(
+        status_of(type(error)),
+        error.code,
+        error.message,
+        error.remedy or "See the detail.",
+        field_errors=field_errors,
+        details=details,
+    )
+
+
+def validation_response(error: RequestValidationError) -> Response:
+    """Return the problem document of a malformed request: every field, its value."""
+    found = error.errors()
+    fields = [
+        {
+            "field": "/".join(str(part) for part in item["loc"]),
+            "message": _message(item),
+            "value": _shown(item.get("input")),
+        }
+        for item in found[:MAX_ERRORS]
+    ]
+    first = fields[0]
+    value = f" (it is {first['value']})" if first["value"] else ""
+    more = f" {len(found) - 1} more like it." if len(found) > 1 else ""
+    return problem_response(
+        422,
+        "invalid_request",
+        f"{first['field']}: {first['message']}{value}.{more}",
+        "Correct the fields named in 'errors'; /docs has the shapes. Nothing changed.",
+        field_errors=fields,
+    )
+
+
+def _message(item: Mapping[str, Any]) -> str:
+    why = item.get("ctx", {}).get("error", "") if item["type"] == "json_invalid" else ""
+    return f"{item['msg']}: {why}" if why else str(item["msg"])
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, (str, int, float)):
+        text = repr(value) if not isinstance(value, int) else _digits(value)
+        return text if len(text) <= 80 else text[:77] + "..."
+    return ""
+
+
+def _digits(value: int) -> str:
+    # repr of a huge integer is slow, and refused beyond 4300 digits.
+    return repr(value) if value.bit_length() <= 256 else "an enormous integer"
+
+
+def add_error_handlers(app: FastAPI) -> None:
+    """Make `app` answer every exception with a problem document."""
+
+    @app.exception_handler(errors.StationError)
+    async def _station(_: Request, error: errors.StationError) -> Response:
+        return station_error_response(error)
+
+    @app.exception_handler(ProblemError)
+    async def _problem(_: Request, error: ProblemError) -> Response:
+        return error.response()
+
+    @app.exception_handler(RequestValidationError)
+    async def _validation(_: Request, error: RequestValidationError) -> Response:
+        return validation_response(error)
+
+    @app.exception_handler(HTTPException)
+    async def _http(request: Request, error: HTTPException) -> Response:
+        return problem_response(
+            error.status_code,
+            _HTTP_CODES.get(error.status_code, "http_error"),
+            f"{request.method} {request.url.path}: {error.detail}.",
+            HTTP_REMEDIES.get(error.status_code, "See /docs."),
+            headers=error.headers,
+        )
+
+    @app.exception_handler(Exception)
+    async def _unexpected(request: Request, error: Exception) -> Response:
+        # The server logs the traceback: the error is raised again after this.
+        return problem_response(
+            500,
+            "internal_error",
+            f"{request.method} {request.url.path} failed unexpectedly: "
+            f"{type(error).__name__}.",
+            "The station's log has the traceback; please report it.",
+        )
+
+
+_HTTP_CODES = {
+    400: "bad_request",
+    404: "route_not_found",
+    405: "method_not_allowed",
+    413: "body_too_large",
+}

@@ -1,0 +1,122 @@
+"""What every request passes first: Host, Origin, and the size of its body."""
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from station.api.errors import ProblemError
+from station.api.host_policy import HostPolicy
+from station.api.schemas import CLOSE_FORBIDDEN
+
+MAX_BODY_BYTES = 256 * 1024
+"""Parsing JSON holds the interpreter, and with it the control loop: stay small."""
+
+_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+_PROBES = frozenset({"/api/v1/health", "/api/v1/ready"})
+_HEADERS = (
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cache-control", b"no-store"),
+)
+
+
+class Guard:
+    """Refuses what comes from the wrong place or is too large, before it is read.
+
+    Args:
+        app: Where everything else goes.
+        policy: Judges Host and Origin.
+        max_body: Largest request body [bytes].
+    """
+
+    def __init__(
+        self, app: ASGIApp, policy: HostPolicy, max_body: int = MAX_BODY_BYTES
+    ) -> None:
+        self._app = app
+        self._policy = policy
+        self._max_body = max_body
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a refused request; pass every other one on."""
+        if scope["type"] == "websocket":
+            await self._websocket(scope, receive, send)
+        elif scope["type"] == "http":
+            await self._http(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
+    async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        refused = self._place_refused(scope, changing=True)
+        if refused is None:
+            await self._app(scope, receive, send)
+            return
+        # A browser sees close codes only of a connection that was accepted.
+        await receive()
+        await send({"type": "websocket.accept"})
+        reason = refused.detail[:120]
+        await send({
+            "type": "websocket.close",
+            "code": CLOSE_FORBIDDEN,
+            "reason": reason,
+        })
+
+    async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message.get("headers", ()), *_HEADERS]
+            await send(message)
+
+        changing = scope["method"] not in _SAFE_METHODS
+        refused = self._place_refused(scope, changing=changing)
+        refused = refused or self._size_refused(scope)
+        if refused is not None:
+            await refused.response()(scope, receive, send_with_headers)
+            return
+        await self._app(scope, self._limited(receive), send_with_headers)
+
+    def _place_refused(self, scope: Scope, *, changing: bool) -> ProblemError | None:
+        headers = Headers(scope=scope)
+        host, origin = headers.get("host"), headers.get("origin")
+        if scope["path"] not in _PROBES and not self._policy.allows_host(host):
+            return ProblemError(
+                403,
+                "host_not_allowed",
+                f"The station does not answer under the name {host!r:.80}.",
+                "Use localhost, its numeric address, or a name it is configured for.",
+            )
+        if changing and not self._policy.allows_origin(origin, host):
+            return ProblemError(
+                403,
+                "origin_not_allowed",
+                f"A page of {origin!r:.80} may not use this station.",
+                "Use the station's own pages, or a program instead of a web page.",
+            )
+        return None
+
+    def _size_refused(self, scope: Scope) -> ProblemError | None:
+        length = Headers(scope=scope).get("content-length", "0")
+        if length.isdigit() and int(length) > self._max_body:
+            return self._too_large()
+        return None
+
+    def _too_large(self) -> ProblemError:
+        return ProblemError(
+            413,
+            "body_too_large",
+            f"The body is larger than the {self._max_body} bytes allowed.",
+            "Send less at once.",
+            {"connection": "close"},
+        )
+
+    def _limited(self, receive: Receive) -> Receive:
+        size = 0
+
+        async def receive_limited() -> Message:
+            nonlocal size
+            message = await receive()
+            size += len(message.get("body", b""))
+            if size > self._max_body:
+                raise self._too_large()
+            return message
+
+        return receive_limited

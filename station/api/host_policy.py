@@ -1,0 +1,56 @@
+"""Which addresses and which web pages may talk to the station.
+
+A web page elsewhere must not drive a robot on this machine: neither by a request of
+its own (the Origin tells) nor under a name that its DNS server points here (the Host
+tells). A numeric Host is safe: no DNS server had a say in it.
+"""
+
+import re
+from collections.abc import Iterable
+from ipaddress import ip_address
+from urllib.parse import urlsplit
+
+_HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:\d{1,5})?", re.ASCII)
+
+
+def _is_numeric(name: str) -> bool:
+    try:
+        ip_address(name.strip("[]"))
+    except ValueError:
+        return False
+    return True
+
+
+class HostPolicy:
+    """Judges Host and Origin headers.
+
+    Args:
+        hosts: Names under which the station is reached, besides localhost and
+            numeric addresses.
+        origins: Origins of web pages that may use the API, besides its own.
+    """
+
+    def __init__(self, hosts: Iterable[str] = (), origins: Iterable[str] = ()) -> None:
+        self.hosts = {"localhost", *(host.lower() for host in hosts)}
+        self.origins = {origin.lower().rstrip("/") for origin in origins}
+
+    def allows_host(self, host: str | None) -> bool:
+        """Say whether a request may name `host` as where it goes."""
+        match = _HOST.fullmatch((host or "").lower())
+        if match is None:
+            return False
+        name = match["name"]
+        return name in self.hosts or _is_numeric(name)
+
+    def allows_origin(self, origin: str | None, host: str | None) -> bool:
+        """Say whether a page of `origin` may use the station at `host`.
+
+        A request without Origin comes from a program, not from a web page.
+        """
+        if origin is None:
+            return True
+        if origin.lower() in self.origins:
+            return True
+        parts = urlsplit(origin.lower())
+        own = parts.scheme in {"http", "https"} and parts.netloc != ""
+        return own and parts.netloc == (host or "").lower()

@@ -1,0 +1,33 @@
+"""The routes, one resource a file; `api_router` has them all."""
+
+from fastapi import APIRouter
+
+from station.api.routes import (
+    access,
+    controllers,
+    gains,
+    health,
+    joint_states,
+    loop,
+    set_points,
+    status,
+    stop,
+    streams,
+)
+
+PREFIX = "/api/v1"
+
+api_router = APIRouter(prefix=PREFIX)
+for _module in (
+    health,
+    access,
+    status,
+    controllers,
+    gains,
+    set_points,
+    joint_states,
+    loop,
+    stop,
+    streams,
+):
+    api_router.include_router(_module.router)

@@ -1,0 +1,89 @@
+"""Getting in: cookies for browsers, tickets for WebSockets."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import RedirectResponse
+
+from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Authenticator, Role
+from station.api.dependencies import AuthenticatorDep, RoleDep
+from station.api.errors import ProblemError
+from station.api.routes.problems import problems
+from station.api.schemas import LoginRequest, Session, StreamTicket
+
+router = APIRouter(tags=["access"])
+login_page = APIRouter(include_in_schema=False)
+
+
+def _role_of(authenticator: Authenticator, token: str) -> Role:
+    role = authenticator.role_of_token(token)
+    if role is None:
+        raise ProblemError(
+            401,
+            "unauthorized",
+            "That is not a token of this station.",
+            "Use the token that the station printed when it was started; every start "
+            "makes a new one.",
+        )
+    return role
+
+
+def _set_cookie(response: Response, authenticator: Authenticator, role: Role) -> None:
+    response.set_cookie(
+        authenticator.cookie_name,
+        authenticator.open_session(role),
+        max_age=int(SESSION_LIFETIME),
+        path="/",
+        httponly=True,
+        samesite="strict",
+    )
+
+
+@router.post("/login", responses=problems(413, 422))
+async def login(
+    request: LoginRequest, response: Response, authenticator: AuthenticatorDep
+) -> Session:
+    """Exchange a token for a session cookie (SameSite=Strict, HttpOnly)."""
+    role = _role_of(authenticator, request.token)
+    _set_cookie(response, authenticator, role)
+    return Session(role=role.value)
+
+
+@router.post("/logout", status_code=204, responses=problems())
+async def logout(
+    request: Request, response: Response, authenticator: AuthenticatorDep
+) -> None:
+    """Make the session cookie worthless."""
+    authenticator.close_session(authenticator.session_of(request.headers))
+    response.delete_cookie(
+        authenticator.cookie_name, path="/", httponly=True, samesite="strict"
+    )
+
+
+@router.get("/session", responses=problems())
+async def session(role: RoleDep) -> Session:
+    """Return the caller's role."""
+    return Session(role=role.value)
+
+
+@router.post("/stream-tickets", responses=problems())
+async def issue_ticket(role: RoleDep, authenticator: AuthenticatorDep) -> StreamTicket:
+    """Return a ticket that opens one WebSocket soon: `?ticket=…`."""
+    return StreamTicket(
+        ticket=authenticator.issue_ticket(role), expires_in=TICKET_LIFETIME
+    )
+
+
+@login_page.get("/login")
+async def login_by_link(
+    authenticator: AuthenticatorDep,
+    token: str,
+    target: Annotated[str, Query(alias="next")] = "/docs",
+) -> Response:
+    """Log a browser in by the link that the station printed, then show a page."""
+    role = _role_of(authenticator, token)
+    # Only a path of this station: no other site, and nothing a browser takes for one.
+    own = target.startswith("/") and not target.startswith(("//", "/\\"))
+    response = RedirectResponse(target if own else "/docs", status_code=303)
+    _set_cookie(response, authenticator, role)
+    return response

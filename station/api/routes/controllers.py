@@ -1,0 +1,101 @@
+"""Controllers: list, load, unload, switch."""
+
+from fastapi import APIRouter, Response
+
+from station.api import wire
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.routes.problems import problems
+from station.api.schemas import (
+    Controllers,
+    ControllerState,
+    ControllerType,
+    ControllerTypes,
+    LoadRequest,
+    SwitchRequest,
+    SwitchResult,
+)
+from station.core import switching
+from station.core.station import Station
+
+router = APIRouter(tags=["controllers"], dependencies=[Viewer])
+
+
+@router.get("/controllers", responses=problems())
+def list_controllers(station: StationDep) -> Controllers:
+    """List the loaded controllers, in the order in which they are updated."""
+    return wire.controllers(station)
+
+
+@router.post(
+    "/controllers",
+    status_code=201,
+    dependencies=[Operator],
+    responses={
+        200: {"model": ControllerState, "description": "It is loaded already."},
+        **problems(404, 409, 413, 422),
+    },
+)
+def load_controller(
+    request: LoadRequest, response: Response, station: StationDep
+) -> ControllerState:
+    """Load a controller. The same again changes nothing and answers 200."""
+    if _is_loaded(station, request.name):
+        response.status_code = 200
+    return wire.controller_state(
+        station.load_controller(request.name, request.type, request.params)
+    )
+
+
+def _is_loaded(station: Station, name: str) -> bool:
+    return any(status.name == name for status in station.controllers())
+
+
+@router.post(
+    "/controllers/switch",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423, 503, 504),
+)
+def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchResult:
+    """Start and stop controllers, all of them in one cycle.
+
+    The answer says what was started and stopped, and by how much the command of each
+    joint jumped. A conflict answers 409 and names who holds the joints.
+    """
+    result = station.switch_controllers(
+        switching.SwitchRequest(
+            start=tuple(request.start),
+            stop=tuple(request.stop),
+            strictness=switching.Strictness(request.strictness),
+            start_asap=request.start_asap,
+            timeout=request.timeout,
+            dry_run=request.dry_run,
+        )
+    )
+    return wire.switch_result(result, dry_run=request.dry_run)
+
+
+@router.get("/controllers/{name}", responses=problems(404))
+def get_controller(name: str, station: StationDep) -> ControllerState:
+    """Return one controller."""
+    return wire.controller_state(station.controller(name))
+
+
+@router.delete(
+    "/controllers/{name}", dependencies=[Operator], responses=problems(404, 409)
+)
+def unload_controller(name: str, station: StationDep) -> ControllerState:
+    """Unload a controller that does not run; return what it was."""
+    before = wire.controller_state(station.controller(name))
+    station.unload_controller(name)
+    return before
+
+
+@router.get("/controller-types", responses=problems())
+def list_controller_types(station: StationDep) -> ControllerTypes:
+    """List the plugins that can be loaded."""
+    return ControllerTypes(
+        controller_types=[
+            ControllerType(type=name, base_class=base)
+            for name, base in station.controller_types()
+        ]
+    )

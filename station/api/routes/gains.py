@@ -1,0 +1,76 @@
+"""Run-time parameters of controllers: read and change them while they run."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Response
+
+from station.api import wire
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.errors import ProblemError
+from station.api.routes.problems import problems
+from station.api.schemas import Gains, GainsChange, GainsPatch
+from station.core.station import Station
+
+router = APIRouter(tags=["gains"], dependencies=[Viewer])
+
+
+def etag_of(station: Station, revision: int) -> str:
+    """Return the entity tag of a revision; another run of the station has others."""
+    return f'"{station.boot_id[:12]}-{revision}"'
+
+
+@router.get("/controllers/{name}/gains", responses=problems(404))
+def get_gains(name: str, response: Response, station: StationDep) -> Gains:
+    """Return the gains, the unit and range of each, and their ETag."""
+    found = station.gains(name)
+    etag = etag_of(station, found.revision)
+    response.headers["ETag"] = etag
+    return wire.gains(found, etag)
+
+
+@router.patch(
+    "/controllers/{name}/gains",
+    dependencies=[Operator],
+    responses=problems(404, 412, 413, 422, 503),
+)
+def patch_gains(
+    name: str,
+    request: GainsPatch,
+    response: Response,
+    station: StationDep,
+    if_match: Annotated[str | None, Header()] = None,
+) -> GainsChange:
+    """Change some gains; all of them take effect in the same cycle.
+
+    The set is checked as a whole: one value that is not allowed, and none is changed.
+    With If-Match the change is refused when the gains are others by now.
+    """
+    revision = None
+    if if_match is not None and if_match.strip() != "*":
+        revision = _matching_revision(station, name, if_match)
+    change = station.set_gains(name, request.values, revision)
+    response.headers["ETag"] = etag_of(station, change.revision)
+    return GainsChange(
+        values=change.values,
+        previous=change.previous,
+        revision=change.revision,
+        cycle=change.cycle,
+    )
+
+
+def _matching_revision(station: Station, name: str, if_match: str) -> int:
+    """Return the present revision when If-Match names it.
+
+    Raises:
+        ProblemError: It names others.
+    """
+    revision = station.gains(name).revision
+    etag = etag_of(station, revision)
+    if etag not in {tag.strip() for tag in if_match.split(",")}:
+        raise ProblemError(
+            412,
+            "gains_changed",
+            f"The gains of '{name}' are at {etag}, not at {if_match:.200}.",
+            "Read them again and repeat the change.",
+        )
+    return revision

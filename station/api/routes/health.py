@@ -1,0 +1,31 @@
+"""Is the process alive, does the loop run: for supervisors, without a token."""
+
+from fastapi import APIRouter
+
+from station.api.dependencies import StationDep
+from station.api.errors import ProblemError
+from station.api.routes.problems import problems
+from station.api.schemas import Health, Ready
+
+router = APIRouter(tags=["health"])
+
+
+@router.get("/health")
+async def health(station: StationDep) -> Health:
+    """Say that the process lives."""
+    return Health(boot_id=station.boot_id)
+
+
+@router.get("/ready", responses=problems(503))
+async def ready(station: StationDep) -> Ready:
+    """Say that the loop runs and its last cycle is fresh; 503 with the reason if not.
+
+    Raises:
+        ProblemError: It does not.
+    """
+    reason = station.ready()
+    if reason:
+        raise ProblemError(
+            503, "not_ready", reason, "See GET /api/v1/loop for what the loop does."
+        )
+    return Ready()

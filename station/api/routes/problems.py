@@ -1,0 +1,25 @@
+"""What OpenAPI says about the errors of a route."""
+
+from typing import Any
+
+MEANINGS = {
+    401: "No token or session that the station knows.",
+    403: "The role does not suffice, or the request comes from the wrong place.",
+    404: "No such thing; the detail lists what there is.",
+    409: "Not possible in the present state; the detail names what is in the way.",
+    412: "The gains are not the ones of If-Match.",
+    413: "The body is too large.",
+    422: "Malformed; 'errors' names every field.",
+    423: "The station is stopped.",
+    426: "This is a WebSocket.",
+    503: "The control loop does not run.",
+    504: "The switch missed its deadline and was withdrawn.",
+}
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Return the OpenAPI entries of these statuses, and of those every route has."""
+    return {
+        status: {"description": MEANINGS[status]}
+        for status in sorted({401, 403, *statuses})
+    }

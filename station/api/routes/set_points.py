@@ -1,0 +1,54 @@
+"""Set-points of controllers, and what became of them."""
+
+from fastapi import APIRouter
+
+from station.api import wire
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.errors import ProblemError
+from station.api.routes.problems import problems
+from station.api.schemas import (
+    CommandAccepted,
+    CommandInfo,
+    CommandRequest,
+    ControllerSample,
+)
+
+router = APIRouter(tags=["set-points"], dependencies=[Viewer])
+
+
+@router.get("/controllers/{name}/command", responses=problems(404, 422))
+def get_command(name: str, station: StationDep) -> CommandInfo:
+    """Return what the controller takes as set-point, and the last it took."""
+    return wire.command_info(station.set_point(name))
+
+
+@router.put(
+    "/controllers/{name}/command",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423),
+)
+def put_command(
+    name: str, request: CommandRequest, station: StationDep
+) -> CommandAccepted:
+    """Give a running controller a set-point; the newest wins."""
+    epoch = station.set_command(name, request.command, request.epoch, request.timeout)
+    return CommandAccepted(epoch=epoch)
+
+
+@router.get("/controllers/{name}/state", responses=problems(404, 409))
+def get_state(name: str, station: StationDep) -> ControllerSample:
+    """Return desired, actual, error and output of the controller's last cycle.
+
+    Raises:
+        ProblemError: It has not run yet.
+    """
+    sample = station.controller_sample(name)
+    if sample is None:
+        raise ProblemError(
+            409,
+            "no_sample",
+            f"Controller '{name}' has no state: it has not run, or it reports none.",
+            "Start it with POST /api/v1/controllers/switch.",
+        )
+    names = station.manager.get_controller(name).joint_names
+    return wire.controller_sample(sample, list(names))

@@ -1,0 +1,33 @@
+"""The station at a glance."""
+
+import platform
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+
+from fastapi import APIRouter
+
+import station as package
+from station.api import wire
+from station.api.dependencies import StationDep, Viewer
+from station.api.routes.problems import problems
+from station.api.schemas import Status
+
+router = APIRouter(tags=["station"], dependencies=[Viewer])
+
+
+@lru_cache(maxsize=1)
+def versions() -> dict[str, str]:
+    """Return the versions of the station and of what it is built on."""
+    found = {"station": package.__version__, "python": platform.python_version()}
+    for name in ("mujoco", "numpy", "fastapi", "viser"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+@router.get("/status", responses=problems())
+def status(station: StationDep) -> Status:
+    """Return robot mode, epoch, stop state, loop summary and versions."""
+    return wire.status(station, versions())

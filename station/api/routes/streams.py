@@ -1,0 +1,77 @@
+"""WebSocket streams."""
+
+from typing import TYPE_CHECKING, NoReturn
+
+from fastapi import APIRouter, WebSocket
+
+from station.api.auth import Authenticator, Role
+from station.api.dependencies import Viewer
+from station.api.errors import ProblemError
+from station.api.routes.problems import problems
+from station.api.schemas import CLOSE_UNAUTHORIZED
+from station.api.streams import StreamRequestError
+from station.api.streams.request import parse_request
+
+if TYPE_CHECKING:
+    from station.api.streams import Broadcaster
+    from station.core.station import Station
+
+router = APIRouter(tags=["streams"])
+
+
+def role_of(websocket: WebSocket) -> Role | None:
+    """Return the role that a WebSocket's ticket, token or cookie proves."""
+    authenticator: Authenticator = websocket.app.state.authenticator
+    ticket = websocket.query_params.get("ticket")
+    if ticket is not None:
+        return authenticator.redeem_ticket(ticket)
+    return authenticator.role_of_headers(websocket.headers)
+
+
+@router.websocket("/streams/{topic:path}")
+async def stream(websocket: WebSocket, topic: str) -> None:
+    """Stream a topic; refusals are close codes, which browsers only see once open."""
+    station: Station = websocket.app.state.station
+    broadcaster: Broadcaster = websocket.app.state.broadcaster
+    await websocket.accept()
+    if role_of(websocket) is None:
+        reason = "no token, session or fresh ticket that this station knows"
+        await websocket.close(CLOSE_UNAUTHORIZED, reason)
+        return
+    try:
+        request, source = parse_request(station, topic, websocket.query_params)
+    except StreamRequestError as error:
+        await websocket.close(error.close_code, error.reason)
+        return
+    await broadcaster.serve(websocket, request, source)
+
+
+@router.get(
+    "/streams/{topic:path}",
+    dependencies=[Viewer],
+    responses=problems(426),
+    response_model=None,
+)
+async def stream_needs_websocket(topic: str) -> NoReturn:
+    """Open `ws://…/api/v1/streams/{topic}?rate=HZ&fields=a,b&format=json|msgpack`.
+
+    Topics: `joint_states`, `controllers`, `loop`, `controller_state/{name}`. The first
+    frame is `{"topic": "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of
+    everything; each one has `topic`, `seq`, `epoch`, `stamp`, `data`. State is newest
+    first: a client that is slow misses frames, which gaps in `seq` show.
+    `rate=full` sends every cycle of `joint_states` or `controller_state/{name}` in
+    batches: `data.samples`, and in `data.lost` how many cycles were overwritten.
+    Programs send their bearer token, browsers a ticket of POST
+    /api/v1/stream-tickets as `&ticket=…`. Close codes: 4400 bad request, 4401 no
+    token, 4403 wrong origin, 4404 no such topic, 4408 too slow, 1001 shutting down.
+
+    Raises:
+        ProblemError: Always: this is a WebSocket.
+    """
+    raise ProblemError(
+        426,
+        "websocket_needed",
+        f"'{topic}' is streamed over a WebSocket, not over plain HTTP.",
+        "Open it with a WebSocket client, e.g. station.client's stream().",
+        {"Upgrade": "websocket", "Connection": "Upgrade"},
+    )

@@ -1,0 +1,143 @@
+"""The web server in a thread of its own, with an event loop of its own."""
+
+import asyncio
+import socket
+import threading
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import uvicorn
+from fastapi import FastAPI
+
+from station.api.websocket_protocol import StreamProtocol
+from station.core.errors import StationError
+
+if TYPE_CHECKING:
+    from station.api.streams import Broadcaster
+
+SEND_BUFFER = 128 * 1024
+"""What the system keeps for a client that does not read [bytes]: then it is slow."""
+
+
+class ServerStartError(StationError, OSError):
+    """The server cannot listen there."""
+
+    code = "cannot_listen"
+
+
+class ApiServer:
+    """Serves an app until it is stopped. Installs no signal handlers.
+
+    Args:
+        app: What `create_app` returned.
+        host: Address to listen on.
+        port: Port; 0 for any free one.
+
+    Attributes:
+        host: The address.
+        port: The port; the real one after `start`.
+    """
+
+    def __init__(self, app: FastAPI, host: str = "127.0.0.1", port: int = 8000) -> None:
+        self.host = host
+        self.port = port
+        self._broadcaster: Broadcaster = app.state.broadcaster
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                app,
+                ws=StreamProtocol,
+                ws_max_size=64 * 1024,
+                ws_ping_interval=5.0,
+                ws_ping_timeout=20.0,
+                ws_per_message_deflate=False,
+                lifespan="off",
+                log_config=None,
+                log_level="warning",
+                access_log=False,
+                server_header=False,
+                timeout_graceful_shutdown=1,
+            )
+        )
+        self._thread: threading.Thread | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._running = threading.Event()
+
+    @property
+    def url(self) -> str:
+        """Return where clients reach it from this machine."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.host, self.host)
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    def start(self) -> int:
+        """Listen and serve; return the port once connections are taken.
+
+        Raises:
+            ServerStartError: The address is taken or not this machine's.
+        """
+        listener = self._listen()
+        self.port = listener.getsockname()[1]
+        self._thread = threading.Thread(
+            target=self._run, args=(listener,), name="api", daemon=True
+        )
+        self._thread.start()
+        self._running.wait()
+        return self.port
+
+    def stop(self, timeout: float = 2.9) -> None:
+        """Close all streams (1001), finish requests under way, and end the thread.
+
+        Args:
+            timeout: Longest wait [s]; the thread cannot keep the process alive.
+        """
+        thread, loop = self._thread, self._loop
+        if thread is None or loop is None:
+            return
+        if thread.is_alive():
+            asyncio.run_coroutine_threadsafe(self._shut_down(), loop)
+        thread.join(timeout)
+        self._thread = None
+
+    def _listen(self) -> socket.socket:
+        family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
+        listener = socket.socket(family, socket.SOCK_STREAM)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+        try:
+            listener.bind((self.host, self.port))
+            listener.listen(128)
+        except OSError as error:
+            listener.close()
+            raise ServerStartError(
+                f"Cannot listen on {self.host}:{self.port}: {error.strerror or error}.",
+                remedy="Choose another port (0 means any free one) or end what has it.",
+                details={"host": self.host, "port": self.port},
+            ) from error
+        return listener
+
+    def _run(self, listener: socket.socket) -> None:
+        asyncio.run(self._serve(listener))
+
+    async def _serve(self, listener: socket.socket) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._running.set()  # the listener queues connections from now on
+        try:
+            await self._server.serve(sockets=[listener])
+        finally:
+            for connection in list(self._server.server_state.connections):
+                connection.transport.abort()
+
+    async def _shut_down(self) -> None:
+        await self._broadcaster.close()
+        self._server.should_exit = True

@@ -1,0 +1,175 @@
+"""Serves WebSocket clients: hello first, then frames as fast as each one takes them."""
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+import anyio.to_thread
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from station.api import wire
+from station.api.schemas import CLOSE_GOING_AWAY, CLOSE_TOO_SLOW, CLOSE_TRY_LATER
+from station.api.streams.channel import Channel, open_channel
+from station.api.streams.frames import Frame, encode
+from station.api.streams.request import StreamRequest
+from station.api.streams.topics import Data, Payload, Topic
+from station.core.errors import StationError
+from station.core.station import Station
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+CLOSE_INTERNAL_ERROR = 1011
+ABORT = "station.abort"
+"""Key in the scope's state of a function `(code, reason)` that closes for good."""
+
+_log = logging.getLogger(__name__)
+
+
+class Broadcaster:
+    """All streams of a station. For one event loop.
+
+    Args:
+        station: Where the data comes from.
+        slow_after: A client that takes nothing for so long is closed [s].
+        max_clients: More are turned away.
+    """
+
+    def __init__(
+        self, station: Station, *, slow_after: float = 5.0, max_clients: int = 64
+    ) -> None:
+        self._station = station
+        self._slow_after = slow_after
+        self._max_clients = max_clients
+        self._channels: dict[StreamRequest, Channel] = {}
+        self._clients: set[asyncio.Task[None]] = set()
+        self._closing = asyncio.Event()
+
+    @property
+    def clients(self) -> int:
+        """How many clients are connected."""
+        return len(self._clients)
+
+    async def close(self, timeout: float = 1.0) -> None:
+        """Tell every client that the station goes away; wait for them [s] at most."""
+        self._closing.set()
+        if self._clients:
+            await asyncio.wait(self._clients, timeout=timeout)
+
+    async def serve(
+        self, websocket: WebSocket, request: StreamRequest, topic: Topic
+    ) -> None:
+        """Send frames to an accepted client until either side has enough."""
+        if self._closing.is_set() or len(self._clients) >= self._max_clients:
+            await websocket.close(CLOSE_TRY_LATER, "too many streams, or shutting down")
+            return
+        task = asyncio.create_task(self._serve(websocket, request, topic))
+        self._clients.add(task)
+        try:
+            await task
+        finally:
+            self._clients.discard(task)
+            task.cancel()
+
+    async def _serve(
+        self, websocket: WebSocket, request: StreamRequest, topic: Topic
+    ) -> None:
+        channel = self._channels.get(request)
+        if channel is None:
+            channel = self._channels[request] = open_channel(request, topic)
+        channel.join()
+        try:
+            code, reason = await self._first_end(websocket, channel)
+        finally:
+            channel.leave()
+            if channel.clients == 0:
+                self._channels.pop(request, None)
+        if code:
+            await _close(websocket, code, reason)
+
+    async def _first_end(
+        self, websocket: WebSocket, channel: Channel
+    ) -> tuple[int, str]:
+        """Return how to close: (0, "") when the client is gone already."""
+        ends: list[tuple[Coroutine[object, object, None], int, str]] = [
+            (_drain(websocket), 0, ""),
+            (self._feed(websocket, channel), CLOSE_TOO_SLOW, "took no frame in time"),
+            (self._wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
+        ]
+        tasks = [asyncio.create_task(end) for end, _, _ in ends]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            outcomes = await asyncio.gather(*tasks, return_exceptions=True)
+        for outcome, (_, code, reason) in zip(outcomes, ends, strict=True):
+            if outcome is None:
+                return code, reason
+            if isinstance(outcome, WebSocketDisconnect):
+                return 0, ""
+            if not isinstance(outcome, asyncio.CancelledError):
+                _log.error("stream %s failed", channel.request, exc_info=outcome)
+                return CLOSE_INTERNAL_ERROR, "the stream failed; see the station's log"
+        return 0, ""
+
+    async def _wait_closing(self) -> None:
+        await self._closing.wait()
+
+    async def _feed(self, websocket: WebSocket, channel: Channel) -> None:
+        """Send frames; return when the client takes none for too long."""
+        seq = channel.beginning
+        hello = await anyio.to_thread.run_sync(self._hello, channel.request, seq)
+        frame = hello
+        while True:
+            try:
+                async with asyncio.timeout(self._slow_after):
+                    await _send(websocket, frame)
+            except TimeoutError:
+                return
+            frame = await channel.fetch(seq)
+            seq = frame.seq
+
+    def _hello(self, request: StreamRequest, seq: int) -> Frame:
+        station = self._station
+        data: Data = {"joint_states": None, "controllers": [], "stop": {}}
+        data["stop"] = wire.stop_state(station).model_dump()
+        try:
+            data["controllers"] = wire.controllers(station).model_dump()["controllers"]
+            snapshot = station.latest()
+            states = wire.joint_states(snapshot, station.joint_names)
+            data["joint_states"] = states.model_dump()
+        except StationError:
+            _log.info("a client connects while the loop does not run")
+        loop = station.loop
+        payload = Payload(loop.cycle, station.epoch, loop.time, data)
+        return encode(
+            "hello",
+            payload,
+            seq=seq,
+            format=request.format,
+            boot_id=station.boot_id,
+        )
+
+
+async def _send(websocket: WebSocket, frame: Frame) -> None:
+    if frame.text is not None:
+        await websocket.send_text(frame.text)
+    elif frame.binary is not None:
+        await websocket.send_bytes(frame.binary)
+
+
+async def _drain(websocket: WebSocket) -> None:
+    """Read and forget what the client says; return when it is gone."""
+    while True:
+        message = await websocket.receive()
+        if message["type"] == "websocket.disconnect":
+            return
+
+
+async def _close(websocket: WebSocket, code: int, reason: str) -> None:
+    abort = websocket.scope.get("state", {}).get(ABORT)
+    if abort is not None:
+        abort(code, reason)
+    else:
+        await websocket.close(code, reason)

@@ -1,0 +1,116 @@
+"""What a client asks of a stream: topic, rate, fields, format."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from station.api.schemas import (
+    CLOSE_BAD_REQUEST,
+    CLOSE_UNKNOWN_TOPIC,
+    StreamFormat,
+)
+from station.api.streams.topics import CycleTopic, Topic, find_topic, topic_names
+from station.core.station import Station
+
+MIN_RATE = 0.1
+MAX_RATE = 500.0
+FULL = "full"
+_FORMATS: dict[str, StreamFormat] = {"json": "json", "msgpack": "msgpack"}
+_PARAMETERS = {"rate", "fields", "format", "ticket"}
+
+
+class StreamRequestError(Exception):
+    """A stream that cannot be had.
+
+    Attributes:
+        close_code: How the WebSocket is closed.
+        reason: Why, in words that fit into a close frame (123 bytes).
+    """
+
+    def __init__(self, reason: str, close_code: int = CLOSE_BAD_REQUEST) -> None:
+        super().__init__(reason)
+        self.close_code = close_code
+        self.reason = reason.encode()[:120].decode(errors="ignore")
+
+
+@dataclass(frozen=True, slots=True)
+class StreamRequest:
+    """What a client asks for. Clients with equal requests get the same frames.
+
+    Attributes:
+        topic: Name of the topic.
+        rate: Frames per second [Hz]; None for every cycle.
+        fields: Only these keys of the payload; all when empty.
+        format: How frames are encoded.
+    """
+
+    topic: str
+    rate: float | None
+    fields: frozenset[str]
+    format: StreamFormat
+
+
+def parse_request(
+    station: Station, name: str, query: Mapping[str, str]
+) -> tuple[StreamRequest, Topic]:
+    """Return the request and its topic.
+
+    Args:
+        station: The station.
+        name: The topic's name in the URL.
+        query: The URL's query.
+
+    Raises:
+        StreamRequestError: There is no such topic, or it cannot be had like that.
+    """
+    topic = find_topic(station, name)
+    if topic is None:
+        known = ", ".join(topic_names(station))
+        raise StreamRequestError(
+            f"no topic '{name:.40}'; there is: {known}", CLOSE_UNKNOWN_TOPIC
+        )
+    unknown = set(query) - _PARAMETERS
+    if unknown:
+        raise StreamRequestError(
+            f"unknown parameter {min(unknown)!r:.30}; use rate, fields, format",
+        )
+    request = StreamRequest(
+        topic.name, _rate(topic, query), _fields(topic, query), _format(query)
+    )
+    return request, topic
+
+
+def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
+    text = query.get("rate")
+    if text is None:
+        return topic.default_rate
+    if text == FULL:
+        if not isinstance(topic, CycleTopic):
+            raise StreamRequestError(f"{topic.name} has no rate=full; give a number")
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not MIN_RATE <= rate <= MAX_RATE:
+        allowed = f"a number from {MIN_RATE} to {MAX_RATE} [Hz], or full"
+        raise StreamRequestError(f"rate is {text!r:.20}; give {allowed}")
+    return rate
+
+
+def _fields(topic: Topic, query: Mapping[str, str]) -> frozenset[str]:
+    fields = frozenset(query.get("fields", "").split(",")) - {""}
+    unknown = fields - set(topic.fields)
+    if unknown:
+        raise StreamRequestError(
+            f"no field {min(unknown)!r:.30}; {', '.join(topic.fields)}",
+        )
+    return fields
+
+
+def _format(query: Mapping[str, str]) -> StreamFormat:
+    chosen = _FORMATS.get(query.get("format", "json"))
+    if chosen is None:
+        raise StreamRequestError(
+            f"format is {query['format']!r:.20}; give json or msgpack",
+        )
+    return chosen

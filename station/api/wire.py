@@ -1,0 +1,177 @@
+"""From the core's values to the wire models."""
+
+import math
+from collections.abc import Iterable
+
+from station.api import schemas
+from station.core import loop_report, statistics, tunables
+from station.core.controller import ControllerSample
+from station.core.controller_manager import ControllerStatus
+from station.core.set_point import SetPoint, SetPointElement
+from station.core.snapshot import Snapshot
+from station.core.station import Station
+from station.core.switching import SwitchResult
+
+
+def measured(value: float) -> float | None:
+    """Return `value`, or None when it is not finite: JSON has no word for that."""
+    return value if math.isfinite(value) else None
+
+
+def measured_list(values: Iterable[float]) -> list[float | None]:
+    """Return `values` with None for each that is not finite."""
+    return [measured(value) for value in values]
+
+
+def percentiles(found: statistics.Percentiles) -> schemas.Percentiles:
+    """Return a distribution of durations."""
+    return schemas.Percentiles(
+        p50=found.p50,
+        p99=found.p99,
+        p999=found.p999,
+        max=found.max,
+        count=found.count,
+    )
+
+
+def controller_state(status: ControllerStatus) -> schemas.ControllerState:
+    """Return a controller as the listing shows it."""
+    return schemas.ControllerState(
+        name=status.name,
+        type=status.type,
+        state=status.state.value,
+        claimed_resources=[
+            schemas.ClaimedResources(
+                hardware_interface=claim.hardware_interface,
+                resources=list(claim.resources),
+            )
+            for claim in status.claimed_resources
+        ],
+        fault=status.fault,
+    )
+
+
+def controllers(station: Station) -> schemas.Controllers:
+    """Return all loaded controllers."""
+    return schemas.Controllers(
+        controllers=[controller_state(status) for status in station.controllers()]
+    )
+
+
+def switch_result(result: SwitchResult, *, dry_run: bool) -> schemas.SwitchResult:
+    """Return what a switch did."""
+    return schemas.SwitchResult(
+        ok=result.ok,
+        started=list(result.started),
+        stopped=list(result.stopped),
+        jump={name: measured(jump) for name, jump in result.jump.items()},
+        cycle=result.cycle,
+        dry_run=dry_run,
+    )
+
+
+def gains(found: tunables.Gains, etag: str) -> schemas.Gains:
+    """Return gains with what they may be."""
+    return schemas.Gains(
+        values=found.values,
+        schema={
+            name: schemas.Tunable(
+                unit=tunable.unit,
+                minimum=measured(tunable.minimum),
+                maximum=measured(tunable.maximum),
+                description=tunable.description,
+            )
+            for name, tunable in found.schema.items()
+        },
+        revision=found.revision,
+        etag=etag,
+    )
+
+
+def command_info(found: SetPoint) -> schemas.CommandInfo:
+    """Return what a controller takes as set-point."""
+    last = found.values
+    return schemas.CommandInfo(
+        elements=[_command_element(element) for element in found.elements],
+        last=None if last is None else measured_list(last),
+    )
+
+
+def _command_element(element: SetPointElement) -> schemas.CommandElement:
+    return schemas.CommandElement(
+        name=element.name,
+        unit=element.unit,
+        minimum=measured(element.minimum),
+        maximum=measured(element.maximum),
+    )
+
+
+def controller_sample(
+    sample: ControllerSample, names: list[str]
+) -> schemas.ControllerSample:
+    """Return what a controller did in one cycle."""
+    return schemas.ControllerSample(
+        stamp=sample.stamp,
+        name=names,
+        desired=measured_list(sample.desired),
+        actual=measured_list(sample.actual),
+        error=measured_list(sample.error),
+        output=measured_list(sample.output),
+    )
+
+
+def joint_states(snapshot: Snapshot, names: list[str]) -> schemas.JointStates:
+    """Return the joints of one cycle."""
+    return schemas.JointStates(
+        stamp=snapshot.stamp,
+        name=names,
+        position=snapshot.position,
+        velocity=snapshot.velocity,
+        effort=snapshot.effort,
+    )
+
+
+def loop(found: loop_report.LoopReport) -> schemas.LoopReport:
+    """Return how the loop does."""
+    return schemas.LoopReport(
+        state=found.state.value,
+        failure=found.failure,
+        rate=found.rate,
+        achieved_rate=found.achieved_rate,
+        period=found.period,
+        cycles=found.cycles,
+        skipped=found.skipped,
+        real_time_factor=found.real_time_factor,
+        achieved_real_time_factor=found.achieved_real_time_factor,
+        lateness=percentiles(found.lateness),
+        read=percentiles(found.read),
+        update=percentiles(found.update),
+        write=percentiles(found.write),
+        total=percentiles(found.total),
+        scheduler=found.scheduler,
+    )
+
+
+def stop_state(station: Station) -> schemas.StopState:
+    """Return the latched stop."""
+    latch = station.loop.stop_latch
+    return schemas.StopState(
+        state=latch.state.value, reason=latch.reason, epoch=station.epoch
+    )
+
+
+def status(station: Station, versions: dict[str, str]) -> schemas.Status:
+    """Return the station at a glance."""
+    found = station.status()
+    return schemas.Status(
+        boot_id=found.boot_id,
+        epoch=found.epoch,
+        time=found.time,
+        cycle=found.cycle,
+        robot_type=found.robot_type,
+        robot_mode=found.robot_mode,
+        stop_state=found.stop_state.value,
+        stop_reason=found.stop_reason,
+        loop=loop(found.loop),
+        versions=versions,
+    )

@@ -1,0 +1,123 @@
+"""Set-points: taken whole by a running controller, or refused."""
+
+import pytest
+
+from station.client import ApiError
+from tests.api.test_errors import problem_of
+
+COMMAND = "/api/v1/controllers/spring/command"
+
+
+def test_a_set_point_reaches_the_controller(spring, station):
+    assert spring.command("spring", [0.5]).epoch == 1
+    station.loop.step()
+
+    info = spring.last_command("spring")
+    assert info.last == [0.5]
+    assert [(e.name, e.unit, e.minimum, e.maximum) for e in info.elements] == [
+        ("j", "rad", -1.0, 1.0)
+    ]
+    state = spring.controller_state("spring")
+    assert state.name == ["j"]
+    assert state.desired == [0.5]
+    assert state.actual == [0.25]
+    assert state.output == [0.5]
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "code"),
+    [
+        ('{"command": [NaN]}', 422, "invalid_request"),
+        ('{"command": [Infinity]}', 422, "invalid_request"),
+        ('{"command": [-Infinity]}', 422, "invalid_request"),
+        ('{"command": ["abc"]}', 422, "invalid_request"),
+        ('{"command": ["0.5"]}', 422, "invalid_request"),
+        ('{"command": [true]}', 422, "invalid_request"),
+        ('{"command": [null]}', 422, "invalid_request"),
+        ('{"command": [[0.5]]}', 422, "invalid_request"),
+        ('{"command": 0.5}', 422, "invalid_request"),
+        ('{"command": "abc"}', 422, "invalid_request"),
+        ('{"command": {"j": 0.5}}', 422, "invalid_request"),
+        ('{"commands": [0.5]}', 422, "invalid_request"),
+        ("{}", 422, "invalid_request"),
+        ('{"command": [0.5], "epoch": "1"}', 422, "invalid_request"),
+        ('{"command": [0.5], "epoch": 1.5}', 422, "invalid_request"),
+        ('{"command": [0.5], "epoch": true}', 422, "invalid_request"),
+        ('{"command": [0.5], "timeout": -1}', 422, "invalid_request"),
+        ('{"command": [0.5], "timeout": NaN}', 422, "invalid_request"),
+        ('{"command": []}', 422, "invalid_command"),
+        ('{"command": [0.5, 0.5]}', 422, "invalid_command"),
+        ('{"command": [1.01]}', 422, "invalid_command"),
+        ('{"command": [1e300]}', 422, "invalid_command"),
+        ('{"command": [0.5], "epoch": 0}', 409, "stale_epoch"),
+    ],
+)
+def test_a_malformed_set_point_changes_nothing(
+    spring, operator, station, body, status, code
+):
+    answer = operator.put(
+        COMMAND, content=body, headers={"Content-Type": "application/json"}
+    )
+
+    problem_of(answer, status, code)
+    station.loop.step()
+    assert spring.last_command("spring").last is None
+    assert spring.controller_state("spring").desired == [0.25]
+
+
+@pytest.mark.usefixtures("spring")
+def test_a_body_that_is_not_declared_json_is_refused(operator):
+    answer = operator.put(COMMAND, content='{"command": [0.5]}')
+
+    problem_of(answer, 422, "invalid_request")
+
+
+def test_a_stopped_controller_takes_none(spring):
+    spring.switch_controllers(stop=["spring"])
+
+    with pytest.raises(ApiError) as caught:
+        spring.command("spring", [0.5])
+
+    assert (caught.value.status, caught.value.code) == (409, "controller_state")
+
+
+def test_a_set_point_from_before_a_stop_is_void(spring):
+    epoch = spring.status().epoch
+    spring.stop()
+    spring.release_stop()
+    spring.release_stop(arm=True)
+    spring.switch_controllers(start=["spring"])
+
+    with pytest.raises(ApiError) as caught:
+        spring.command("spring", [0.5], epoch)
+
+    assert (caught.value.status, caught.value.code) == (409, "stale_epoch")
+
+
+def test_a_set_point_may_be_valid_for_a_while(spring, station, monkeypatch):
+    posted = []
+    port = station.manager.get_controller("spring").set_points
+    monkeypatch.setattr(port, "post", lambda *args: posted.append(args))
+
+    spring.command("spring", [0.5], timeout=0.2)
+
+    assert posted == [([0.5], 0.2)]
+
+
+def test_a_controller_that_has_not_run_has_no_state(client):
+    client.load_controller("spring", "test/Spring", {"joint": "j"})
+
+    with pytest.raises(ApiError) as caught:
+        client.controller_state("spring")
+
+    assert (caught.value.status, caught.value.code) == (409, "no_sample")
+
+
+@pytest.mark.parametrize("ask", ["command", "last_command", "controller_state"])
+def test_an_unknown_controller(spring, ask):
+    arguments = ([0.5],) if ask == "command" else ()
+
+    with pytest.raises(ApiError) as caught:
+        getattr(spring, ask)("nobody", *arguments)
+
+    assert (caught.value.status, caught.value.code) == (404, "controller_not_found")

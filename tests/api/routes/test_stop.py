@@ -1,0 +1,33 @@
+"""The latched stop over HTTP."""
+
+import pytest
+
+from station.client import ApiError
+from tests.api.conftest import VIEWER
+
+
+def test_a_stop_latches_and_is_released_in_two_steps(spring):
+    stopped = spring.stop("smoke")
+    assert (stopped.state, stopped.reason) == ("stopped", "smoke")
+    assert spring.controller("spring").state == "stopped"
+
+    with pytest.raises(ApiError) as caught:
+        spring.release_stop(arm=True)
+    assert (caught.value.status, caught.value.code) == (423, "stopped")
+
+    assert spring.release_stop().state == "released"
+    assert spring.release_stop(arm=True).state == "armed"
+    assert spring.stop_state().state == "armed"
+    assert spring.controller("spring").state == "stopped"
+
+
+def test_stopping_twice_is_fine(spring):
+    assert spring.stop("a").state == "stopped"
+    assert spring.stop("b").state == "stopped"
+
+
+def test_a_stop_needs_no_body_and_says_who(http):
+    answer = http.post("/api/v1/stop", headers={"Authorization": f"Bearer {VIEWER}"})
+
+    assert answer.json()["state"] == "stopped"
+    assert "viewer" in answer.json()["reason"]

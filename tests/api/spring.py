@@ -1,0 +1,84 @@
+"""A robot of one joint, and the controller `test/Spring` for it."""
+
+from station.core.clock import ManualClock
+from station.core.control_loop import ControlLoop
+from station.core.controller import Controller, ControllerSample
+from station.core.controller_loader import TableLoader
+from station.core.controller_manager import ControllerManager
+from station.core.interfaces import (
+    EffortJointInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+)
+from station.core.parameters import Parameters
+from station.core.robot_hw import RobotHW
+from station.core.set_point import SetPointElement, SetPointPort
+from station.core.station import Station
+from station.core.tunables import Tunable
+
+
+class Spring(Controller[EffortJointInterface]):
+    """Pulls one joint to a set-point with a stiffness that can be tuned."""
+
+    hardware_interface = EffortJointInterface
+
+    def init(self, interface, params):
+        """Claim the joint."""
+        self.joint = interface.get_handle(params.get_str("joint"))
+        self.k = params.get_float("k", 1.0)
+        self.target = 0.0
+        self.joint_names = ["j"]
+        self.set_points = SetPointPort([SetPointElement("j", "rad", -1.0, 1.0)])
+
+    def starting(self, time):
+        """Begin where the joint is."""
+        self.target = self.joint.get_position()
+
+    def update(self, time, period):
+        """Pull."""
+        command = self.set_points.take()
+        if command is not None:
+            self.target = command[0]
+        position = self.joint.get_position()
+        effort = self.k * (self.target - position)
+        self.joint.set_command(effort)
+        self.sample = ControllerSample(
+            time, [self.target], [position], [self.target - position], [effort]
+        )
+
+    def gain_schema(self):
+        """Return the stiffness."""
+        return {"k": Tunable("Nm/rad", 0.0, 10.0)}
+
+    def gains(self):
+        """Return the stiffness."""
+        return {"k": self.k}
+
+    def apply_gains(self, values):
+        """Take the stiffness over."""
+        self.k = values["k"]
+
+
+class OneJointHW(RobotHW):
+    """One joint that never moves, under effort control."""
+
+    def __init__(self):
+        super().__init__()
+        state = JointStateHandle("j", [0.25], [0.0], [0.0])
+        states, efforts = JointStateInterface(), EffortJointInterface()
+        states.register_handle(state)
+        efforts.register_handle(JointHandle(state, [0.0]))
+        self.register_interface(states)
+        self.register_interface(efforts)
+
+
+def make_station(clock=None):
+    """Return a station over one joint; its loop is not started."""
+    hw, clock, parameters = OneJointHW(), clock or ManualClock(), Parameters()
+    manager = ControllerManager(
+        hw, parameters, [TableLoader({"test/Spring": Spring})], clock
+    )
+    return Station(
+        ControlLoop(hw, manager, clock=clock), manager, parameters, "test/OneJointHW"
+    )

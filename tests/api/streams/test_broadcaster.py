@@ -1,0 +1,189 @@
+"""Streams over a real connection: hello, frames, refusals, slow clients."""
+
+import json
+import socket
+import time
+
+import msgspec
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.protocol import CLIENT, Protocol
+from websockets.sync.client import connect
+
+from station.api.app import create_app
+from station.api.server import ApiServer
+from tests.api.conftest import VIEWER
+from tests.api.test_server import BEARER, deaf_client, open_stream
+
+
+def close_code(stream):
+    with stream, pytest.raises(ConnectionClosed) as caught:
+        stream.recv(timeout=5.0)
+    assert caught.value.rcvd.reason
+    return caught.value.rcvd.code
+
+
+def read(stream):
+    return json.loads(stream.recv(timeout=5.0))
+
+
+def test_hello_comes_first_with_a_snapshot_of_everything(server, station, live):
+    live.load_controller("spring", "test/Spring", {"joint": "j"})
+
+    with open_stream(server) as stream:
+        hello = read(stream)
+
+    assert hello["topic"] == "hello"
+    assert hello["boot_id"] == station.boot_id
+    assert (hello["epoch"], hello["stamp"]) == (1, 0.001)
+    data = hello["data"]
+    assert data["joint_states"]["position"] == [0.25]
+    assert data["controllers"][0]["name"] == "spring"
+    assert data["stop"]["state"] == "armed"
+
+
+def test_frames_follow_the_cycles(server, station):
+    with open_stream(server, query="?rate=200&fields=stamp,position") as stream:
+        hello = read(stream)
+        frame = read(stream)
+        station.loop.step()
+        later = read(stream)
+
+    assert frame["seq"] > hello["seq"]
+    assert frame["data"] == {"stamp": 0.001, "position": [0.25]}
+    assert later["seq"] == frame["seq"] + 1
+    assert later["stamp"] == 0.002
+    assert "boot_id" not in later
+
+
+def test_msgpack(server):
+    with open_stream(server, query="?format=msgpack") as stream:
+        assert msgspec.msgpack.decode(stream.recv())["topic"] == "hello"
+        assert msgspec.msgpack.decode(stream.recv())["data"]["position"] == [0.25]
+
+
+def test_every_cycle_arrives_once(server, station):
+    with open_stream(server, query="?rate=full") as stream:
+        seq = read(stream)["seq"]
+        station.loop.step(300)
+        cycles = []
+        while not cycles or cycles[-1] < 301:
+            frame = read(stream)
+            assert frame["data"]["lost"] == 0
+            cycles += [sample["cycle"] for sample in frame["data"]["samples"]]
+    assert cycles == list(range(seq + 1, 302))
+
+
+def test_what_a_client_says_is_ignored(server):
+    with open_stream(server) as stream:
+        stream.send("hello")
+        stream.send(b"\x00" * 1000)
+        assert read(stream)["topic"] == "hello"
+        assert read(stream)["topic"] == "joint_states"
+
+
+@pytest.mark.parametrize(
+    "headers", [{}, {"Authorization": "Bearer wrong"}, {"Cookie": "station_0=x"}]
+)
+def test_no_token_is_4401(server, headers):
+    assert close_code(open_stream(server, headers=headers)) == 4401
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://localhost"])
+def test_a_page_elsewhere_is_4403(server, origin):
+    stream = open_stream(server, headers={**BEARER, "Origin": origin})
+
+    assert close_code(stream) == 4403
+
+
+def test_a_name_that_dns_could_point_here_is_4403(server):
+    raw = socket.create_connection(("127.0.0.1", server.port))
+    stream = connect(
+        f"ws://evil.example:{server.port}/api/v1/streams/loop",
+        sock=raw,
+        additional_headers=BEARER,
+        proxy=None,
+    )
+    assert close_code(stream) == 4403
+
+
+@pytest.mark.parametrize(
+    ("topic", "query", "code"),
+    [
+        ("nothing", "", 4404),
+        ("controller_state/nobody", "", 4404),
+        ("joint_states", "?rate=abc", 4400),
+        ("joint_states", "?rate=NaN", 4400),
+        ("joint_states", "?fields=tau", 4400),
+        ("controllers", "?rate=full", 4400),
+    ],
+)
+def test_what_cannot_be_had_has_its_close_code(server, topic, query, code):
+    assert close_code(open_stream(server, topic, query=query)) == code
+
+
+def test_a_ticket_opens_one_stream(server, live):
+    ticket = live.stream_ticket().ticket
+
+    with open_stream(server, headers={}, query=f"?ticket={ticket}") as stream:
+        assert read(stream)["topic"] == "hello"
+    again = open_stream(server, headers={}, query=f"?ticket={ticket}")
+    assert close_code(again) == 4401
+
+
+def test_a_viewer_may_watch(server):
+    headers = {"Authorization": f"Bearer {VIEWER}"}
+
+    with open_stream(server, headers=headers) as stream:
+        assert read(stream)["topic"] == "hello"
+
+
+def test_too_many_clients_are_turned_away(station, authenticator):
+    app = create_app(station, authenticator, max_streams=1)
+    with ApiServer(app, port=0) as server, open_stream(server) as first:
+        read(first)
+        assert close_code(open_stream(server)) == 1013
+
+
+def test_clients_that_go_leave_nothing_behind(server, app):
+    for _ in range(20):
+        with open_stream(server) as stream:
+            read(stream)
+    broadcaster = app.state.broadcaster
+    deadline = time.monotonic() + 5.0
+    while broadcaster.clients and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert broadcaster.clients == 0
+
+
+def test_a_client_that_reads_nothing_is_closed_4408_and_harms_nobody(
+    station, authenticator
+):
+    app = create_app(station, authenticator, slow_after=0.2)
+    with ApiServer(app, port=0) as server:
+        raw = deaf_client(server)
+        with open_stream(server, query="?rate=full") as good:
+            seq = read(good)["seq"]
+            # Until the buffers of the system are full, and the server finds out.
+            while app.state.broadcaster.clients > 1:
+                station.loop.step(250)
+                frame = read(good)
+                assert frame["data"]["lost"] == 0
+                assert frame["seq"] > seq
+                seq = frame["seq"]
+        assert last_close_code(raw) == 4408
+
+
+def last_close_code(raw):
+    """Read everything at last, and return the code of the close frame."""
+    protocol = Protocol(CLIENT, max_size=None)
+    raw.settimeout(5.0)
+    head = b""
+    while b"\r\n\r\n" not in head:
+        head += raw.recv(1)
+    while protocol.close_rcvd is None:
+        data = raw.recv(65536)
+        assert data, "the connection ended without a close frame"
+        protocol.receive_data(data)
+    raw.close()
+    return protocol.close_rcvd.code

@@ -1,0 +1,160 @@
+"""Frames are made once, and a late client gets the newest."""
+
+import asyncio
+import json
+
+import pytest
+
+from station.api.streams.channel import (
+    BATCH_LIMIT,
+    FullChannel,
+    StateChannel,
+    open_channel,
+)
+from station.api.streams.request import parse_request
+from tests.api.spring import make_station
+
+
+@pytest.fixture
+def station():
+    station = make_station()
+    station.loop.step()
+    return station
+
+
+def channel_of(station, topic="joint_states", **query):
+    return open_channel(*parse_request(station, topic, query))
+
+
+def test_the_kind_of_channel_follows_the_rate(station):
+    assert isinstance(channel_of(station, rate="50"), StateChannel)
+    assert isinstance(channel_of(station, rate="full"), FullChannel)
+
+
+def test_full_of_a_report_is_a_mistake(station):
+    request, _ = parse_request(station, "joint_states", {"rate": "full"})
+    _, loop = parse_request(station, "loop", {})
+
+    with pytest.raises(TypeError, match="loop"):
+        open_channel(request, loop)
+
+
+def test_clients_of_a_channel_share_the_frame(station):
+    async def run():
+        channel = channel_of(station)
+        await channel.tick()
+        return await channel.fetch(0), await channel.fetch(0)
+
+    one, other = asyncio.run(run())
+    assert one is other
+    assert json.loads(one.text)["seq"] == 1
+
+
+def test_a_late_client_gets_the_newest_and_sees_the_gap(station):
+    async def run():
+        channel = channel_of(station)
+        for _ in range(5):
+            await channel.tick()
+            station.loop.step()
+        return await channel.fetch(1)
+
+    frame = asyncio.run(run())
+    assert frame.seq == 5
+    assert json.loads(frame.text)["data"]["stamp"] == 0.005
+
+
+def test_an_unchanged_state_is_not_repeated_at_once(station):
+    async def run():
+        channel = channel_of(station)
+        await channel.tick()
+        await channel.tick()
+        return await channel.fetch(0)
+
+    assert asyncio.run(run()).seq == 1
+
+
+def test_a_new_client_gets_the_newest_frame_at_once(station):
+    async def run():
+        channel = channel_of(station)
+        assert channel.beginning == 0
+        for _ in range(3):
+            await channel.tick()
+            station.loop.step()
+        return await channel.fetch(channel.beginning)
+
+    assert asyncio.run(run()).seq == 3
+
+
+def test_a_new_client_of_every_cycle_begins_with_the_next(station):
+    station.loop.step(9)
+    channel = channel_of(station, rate="full")
+
+    assert channel.beginning == 10
+
+
+def test_a_channel_ticks_while_it_has_clients(station):
+    async def run():
+        channel = channel_of(station, rate="500")
+        channel.join()
+        channel.join()
+        frame = await channel.fetch(0)
+        channel.leave()
+        station.loop.step()
+        later = await channel.fetch(frame.seq)
+        channel.leave()
+        await asyncio.sleep(0)
+        return frame.seq, later.seq, len(asyncio.all_tasks())
+
+    assert asyncio.run(run()) == (1, 2, 1)
+
+
+def test_clients_learn_that_a_channel_broke_down(station, monkeypatch):
+    async def run():
+        channel = channel_of(station)
+
+        async def fail():
+            raise ZeroDivisionError
+
+        monkeypatch.setattr(channel, "tick", fail)
+        channel.join()
+        try:
+            await channel.fetch(0)
+        finally:
+            channel.leave()
+
+    with pytest.raises(RuntimeError, match="joint_states") as caught:
+        asyncio.run(run())
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+
+def test_full_loses_no_cycle_whatever_the_pace_of_the_client(station):
+    async def run(paces):
+        channel = channel_of(station, rate="full")
+        seq, cycles = channel.beginning, []
+        for pace in paces:
+            station.loop.step(pace)
+            await channel.tick()
+            while seq < channel.beginning:
+                frame = await channel.fetch(seq)
+                data = json.loads(frame.text)["data"]
+                assert len(data["samples"]) <= BATCH_LIMIT
+                assert data["lost"] == 0
+                cycles += [sample["cycle"] for sample in data["samples"]]
+                seq = frame.seq
+        return cycles
+
+    paces = [1, 20, 3, 2 * BATCH_LIMIT + 7, 20]
+    assert asyncio.run(run(paces)) == list(range(2, 2 + sum(paces)))
+
+
+def test_full_batches_are_shared_by_clients_that_keep_up(station):
+    async def run():
+        channel = channel_of(station, rate="full")
+        station.loop.step(5)
+        await channel.tick()
+        return await channel.fetch(1), await channel.fetch(1), await channel.fetch(3)
+
+    one, other, behind = asyncio.run(run())
+    assert one is other
+    assert one.seq == behind.seq == 6
+    assert len(json.loads(behind.text)["data"]["samples"]) == 3

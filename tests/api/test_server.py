@@ -1,0 +1,114 @@
+"""The server in its thread: start, stop, ports, and what only a real net shows."""
+
+import socket
+import threading
+import time
+
+import httpx
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from station.api.server import ApiServer, ServerStartError
+from tests.api.conftest import OPERATOR
+from tests.api.test_errors import problem_of
+
+BEARER = {"Authorization": f"Bearer {OPERATOR}"}
+
+
+def open_stream(server, topic="joint_states", headers=BEARER, query=""):
+    url = f"ws://127.0.0.1:{server.port}/api/v1/streams/{topic}{query}"
+    return connect(url, additional_headers=headers, proxy=None, compression=None)
+
+
+def test_port_0_is_any_free_port(server):
+    assert server.port > 0
+    assert server.url == f"http://127.0.0.1:{server.port}"
+    assert httpx.get(f"{server.url}/api/v1/health").status_code == 200
+
+
+def test_a_port_in_use_is_refused_with_a_way_out(server, app):
+    with pytest.raises(ServerStartError, match=str(server.port)) as caught:
+        ApiServer(app, port=server.port).start()
+
+    assert "port" in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("host", "url"),
+    [("0.0.0.0", "http://127.0.0.1:1"), ("::", "http://[::1]:1"), ("a", "http://a:1")],
+)
+def test_the_url_is_one_that_this_machine_can_use(app, host, url):
+    assert ApiServer(app, host, 1).url == url
+
+
+def test_stopping_twice_or_before_the_start_is_fine(app):
+    server = ApiServer(app, port=0)
+    server.stop()
+    server.start()
+    server.stop()
+    server.stop()
+
+
+def test_it_goes_quickly_with_open_streams_and_tells_them(app):
+    server = ApiServer(app, port=0)
+    server.start()
+    streams = [open_stream(server) for _ in range(5)]
+    for stream in streams:
+        stream.recv()
+
+    begin = time.monotonic()
+    server.stop()
+    elapsed = time.monotonic() - begin
+
+    assert elapsed < 3.0
+    for stream in streams:
+        with pytest.raises(ConnectionClosed) as caught:
+            stream.recv(timeout=1.0)
+        assert caught.value.rcvd.code == 1001
+        stream.close()
+    assert not any(thread.name == "api" for thread in threading.enumerate())
+
+
+def test_it_goes_quickly_while_a_client_reads_nothing(app):
+    server = ApiServer(app, port=0)
+    server.start()
+    raw = deaf_client(server)
+
+    begin = time.monotonic()
+    server.stop()
+
+    assert time.monotonic() - begin < 3.0
+    raw.close()
+
+
+def deaf_client(server):
+    """Open a stream of every cycle by hand and never read from it."""
+    raw = socket.create_connection(("127.0.0.1", server.port))
+    raw.sendall(
+        b"GET /api/v1/streams/joint_states?rate=full HTTP/1.1\r\nHost: localhost\r\n"
+        b"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+        b"Authorization: Bearer " + OPERATOR.encode() + b"\r\n\r\n"
+    )
+    assert raw.recv(12) == b"HTTP/1.1 101"
+    return raw
+
+
+def test_a_large_body_without_a_length_is_refused_while_it_comes(server):
+    def chunks():
+        for _ in range(64):
+            yield b" " * 16384
+
+    with httpx.Client(base_url=server.url, headers=BEARER) as http:
+        answer = http.post(
+            "/api/v1/login",
+            content=chunks(),
+            headers={"Content-Type": "application/json"},
+        )
+
+    problem_of(answer, 413, "body_too_large")
+
+
+def test_it_does_not_say_what_it_is_made_of(server):
+    assert "server" not in httpx.get(f"{server.url}/api/v1/health").headers

@@ -1,0 +1,81 @@
+"""The stream for asyncio: frames, reconnection, refusals."""
+
+import asyncio
+
+import pytest
+
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.server import ApiServer
+from station.client import (
+    ApiError,
+    AsyncStationClient,
+    StationUnreachableError,
+    stream_options,
+)
+from tests.api.conftest import OPERATOR
+from tests.api.spring import make_station
+
+
+def run_with(served, check, token=OPERATOR):
+    async def run():
+        async with AsyncStationClient(served.url, token) as client:
+            return await check(client)
+
+    return asyncio.run(run())
+
+
+def test_frames_come_without_the_hello(served, station):
+    async def check(client):
+        stream = client.stream("joint_states", rate=100, fields=["position"])
+        async for frame in stream:
+            assert stream.progress.connected
+            return frame
+
+    frame = run_with(served, check)
+    assert frame.topic == "joint_states"
+    assert frame.data == {"position": [0.25]}
+    assert frame.boot_id == station.boot_id
+
+
+def test_a_refusal_is_raised_not_retried(served):
+    async def check(client):
+        async for _ in client.stream("loop"):
+            pass
+
+    with pytest.raises(ApiError) as caught:
+        run_with(served, check, token="wrong")
+    assert caught.value.status == 4401
+
+
+def test_without_reconnection_a_broken_link_is_an_error(served):
+    async def check(client):
+        async for _ in client.stream("joint_states", reconnect=False):
+            await asyncio.to_thread(served.stop)
+
+    with pytest.raises(StationUnreachableError):
+        run_with(served, check)
+
+
+def test_a_stream_survives_a_restart_of_the_station(served, monkeypatch):
+    monkeypatch.setattr(stream_options, "FIRST_DELAY", 0.01)
+    other = make_station()
+    other.loop.step()
+    port = served.port
+    successor = ApiServer(
+        create_app(other, Authenticator(OPERATOR)), port=port
+    )
+
+    async def check(client):
+        stream = client.stream("joint_states")
+        async for frame in stream:
+            if frame.boot_id == other.boot_id:
+                return stream.progress.connections
+            await asyncio.to_thread(served.stop)
+            await asyncio.to_thread(successor.start)
+
+    try:
+        assert run_with(served, check) == 2
+    finally:
+        successor.stop()
+

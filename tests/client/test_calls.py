@@ -1,0 +1,73 @@
+"""Requests as they travel."""
+
+import json
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from station.api.schemas import SwitchRequest
+from station.client import calls
+
+
+def test_names_are_quoted():
+    assert calls.controller("a/b c").path == "/api/v1/controllers/a%2Fb%20c"
+    assert calls.gains("..").path == "/api/v1/controllers/../gains"
+
+
+def test_only_what_was_given_is_sent():
+    call = calls.load_controller("a", None, None)
+    assert json.loads(call.body) == {"name": "a"}
+
+    call = calls.load_controller("a", "t/T", {"p": 1})
+    assert json.loads(call.body) == {"name": "a", "type": "t/T", "params": {"p": 1}}
+
+
+def test_a_switch_may_take_its_time():
+    request = SwitchRequest(start=["a"], timeout=7.0)
+
+    call = calls.switch_controllers(request)
+
+    assert call.patience == 7.0
+    assert json.loads(call.body) == {"start": ["a"], "timeout": 7.0}
+
+
+def test_an_etag_becomes_if_match():
+    assert calls.set_gains("a", {"p": 1.0}, '"x"').headers == {"If-Match": '"x"'}
+    assert calls.set_gains("a", {"p": 1.0}, None).headers == {}
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, "0.5", True, None])
+def test_what_is_no_number_is_not_even_sent(value):
+    with pytest.raises(ValidationError):
+        calls.command("a", [value], None, None)
+    with pytest.raises(ValidationError):
+        calls.set_gains("a", {"p": value}, None)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        calls.health(),
+        calls.ready(),
+        calls.status(),
+        calls.controllers(),
+        calls.controller("spring"),
+        calls.unload_controller("spring"),
+        calls.gains("spring"),
+        calls.last_command("spring"),
+        calls.command("spring", [0.0], None, None),
+        calls.controller_state("spring"),
+        calls.joint_states(),
+        calls.controller_types(),
+        calls.loop(),
+        calls.reset_loop_statistics(),
+        calls.stop_state(),
+        calls.stop(""),
+        calls.release_stop(arm=False),
+        calls.stream_ticket(),
+    ],
+)
+def test_every_call_has_a_path_under_the_version(call):
+    assert call.path.startswith("/api/v1/")
+    assert (call.body is None) == (call.method in {"GET", "DELETE"}) or not call.body
