@@ -4,7 +4,6 @@ One file per station, `<pid>.json`, in a directory that only the user can enter:
 `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in the system's temporary directory.
 """
 
-import contextlib
 import json
 import os
 import stat
@@ -17,7 +16,7 @@ from station.core.errors import StationError
 _MAX_BYTES = 65_536
 
 
-class RuntimeDirectoryError(StationError, OSError):
+class RuntimeDirectoryError(StationError, RuntimeError):
     """The directory of the runtime files is not the user's own, or cannot be used."""
 
     code = "runtime_directory"
@@ -77,14 +76,11 @@ def write_runtime_file(running: RunningStation) -> Path:
     try:
         directory.mkdir(mode=0o700, parents=True, exist_ok=True)
         _check_private(directory)
-        with contextlib.suppress(FileNotFoundError):
-            path.unlink()
+        path.unlink(missing_ok=True)
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
         with os.fdopen(os.open(path, flags, 0o600), "w", encoding="utf-8") as file:
             json.dump(asdict(running), file)
     except OSError as error:
-        if isinstance(error, RuntimeDirectoryError):
-            raise
         raise RuntimeDirectoryError(
             f"{path}: cannot be written: {error.strerror}.",
             remedy="Set XDG_RUNTIME_DIR to a directory that is yours.",

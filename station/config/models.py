@@ -4,15 +4,18 @@ Defaults are in `default.yaml`, and there alone. Types are strict: `"600"` is no
 and `true` is no 1.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Field
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
+NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
+PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
+Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 """What ROS allows as a name without namespaces."""
 Port = Annotated[int, Field(ge=0, le=65535)]
 """A TCP port; 0 for any free one."""
-FRANKA_HW = "franka_hw/FrankaHW"
+PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
+"""`package/Class` or `module:Class`."""
 
 
 class _Section(BaseModel):
@@ -33,24 +36,8 @@ class LoopSection(_Section):
     real_time_factor: float = Field(gt=0.0, le=100.0)
 
 
-class FrankaRobot(_Section):
-    """FrankaHW, by upstream's parameter names.
-
-    Attributes:
-        type: `franka_hw/FrankaHW`.
-        arm_id: Prefix of the joint names.
-        robot_description: `example-robot-data:<name>` or the path to a URDF.
-        joint_names: The seven joints; `<arm_id>_joint1…7` when left out.
-    """
-
-    type: Literal["franka_hw/FrankaHW"]
-    arm_id: Name
-    robot_description: str = Field(min_length=1)
-    joint_names: list[str] | None = Field(default=None, min_length=7, max_length=7)
-
-
-class OtherRobot(_Section):
-    """A robot whose parameters its own class checks.
+class RobotSection(_Section):
+    """The robot; all but the type is for its class to check.
 
     Attributes:
         type: `package/Class` or `module:Class`.
@@ -58,19 +45,7 @@ class OtherRobot(_Section):
 
     model_config = ConfigDict(extra="allow")
 
-    type: str = Field(pattern=r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$")
-
-
-def _robot_kind(value: object) -> str:
-    # Given what was read when validating, a model when serialising.
-    kind = value.get("type") if isinstance(value, dict) else getattr(value, "type", 0)
-    return "other" if isinstance(kind, str) and kind != FRANKA_HW else "franka"
-
-
-Robot = Annotated[
-    Annotated[FrankaRobot, Tag("franka")] | Annotated[OtherRobot, Tag("other")],
-    Discriminator(_robot_kind),
-]
+    type: PluginType
 
 
 class Controller(_Section):
@@ -82,7 +57,7 @@ class Controller(_Section):
 
     model_config = ConfigDict(extra="allow")
 
-    type: str = Field(pattern=r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$")
+    type: PluginType
 
 
 class ApiSection(_Section):
@@ -126,7 +101,7 @@ class StationConfig(_Section):
     """
 
     station: LoopSection
-    robot: Robot
+    robot: RobotSection
     controllers: dict[Name, Controller]
     start: list[str]
     api: ApiSection
@@ -135,7 +110,7 @@ class StationConfig(_Section):
 
     def robot_parameters(self) -> dict[str, object]:
         """Return the robot's parameters, `type` among them."""
-        return self.robot.model_dump(exclude_none=True)
+        return self.robot.model_dump()
 
     def controller_parameters(self) -> dict[str, dict[str, object]]:
         """Return each controller's parameters, `type` among them."""

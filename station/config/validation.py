@@ -6,18 +6,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from station.config.errors import ConfigError
-from station.config.models import (
-    FrankaRobot,
-    OtherRobot,
-    StationConfig,
-)
+from station.config.models import NAME_PATTERN, PLUGIN_PATTERN, StationConfig
 from station.config.yaml_reader import KeyPath
 
-# Tags of the kinds of robots, which pydantic puts into an error's path.
-_ROBOT_KINDS: dict[str | int, type[BaseModel]] = {
-    "franka": FrankaRobot,
-    "other": OtherRobot,
-}
 _WANTED = {
     "string_type": "text; put it in quotes",
     "float_type": "a number",
@@ -28,6 +19,10 @@ _WANTED = {
     "model_type": "a mapping",
     "model_attributes_type": "a mapping",
     "finite_number": "a finite number",
+}
+_PATTERNS = {
+    NAME_PATTERN: "a name of letters, digits and underscores",
+    PLUGIN_PATTERN: "package/Class, e.g. franka_hw/FrankaHW, or module:Class",
 }
 
 
@@ -68,8 +63,6 @@ def _check_start(config: StationConfig, where: Callable[[KeyPath], str]) -> None
 
 def _problem(details: ErrorDetails, where: Callable[[KeyPath], str]) -> str:
     path = details["loc"]
-    if len(path) > 1 and path[0] == "robot" and path[1] in _ROBOT_KINDS:
-        path = (path[0], *path[2:])
     if path[-1:] == ("[key]",):
         path = path[:-1]
     key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)[1:]
@@ -85,9 +78,8 @@ def _complaint(details: ErrorDetails) -> str:
     limits = details.get("ctx", {})
     wanted = _WANTED.get(kind)
     if kind == "string_pattern_mismatch":
-        wanted = f"text that matches {limits['pattern']}"
-    if kind == "literal_error":
-        wanted = str(limits["expected"])
+        pattern = str(limits["pattern"])
+        wanted = _PATTERNS.get(pattern, f"text that matches {pattern}")
     if wanted is None:
         message = details["msg"].removeprefix("Input should ").removeprefix("be ")
         wanted = message[0].lower() + message[1:]
@@ -100,9 +92,7 @@ def _siblings(path: tuple[str | int, ...]) -> list[str]:
     """Return the keys that are allowed where an unknown one was found."""
     model: type[BaseModel] = StationConfig
     for part in path[:-1]:
-        if part in _ROBOT_KINDS:
-            model = _ROBOT_KINDS[part]
-        elif part in model.model_fields:
+        if part in model.model_fields:
             annotation = model.model_fields[str(part)].annotation
             if isinstance(annotation, type) and issubclass(annotation, BaseModel):
                 model = annotation

@@ -26,7 +26,7 @@ def list_controllers(options: Namespace) -> int:
     if options.claimed_interfaces or options.verbose:
         headers.append("claimed interfaces")
     if options.verbose:
-        headers += ["update p99 [µs]", "fault"]
+        headers += ["p99 of update [us]", "fault"]
     rows = [_row(c, headers) for c in controllers]
     say_table(headers, rows)
     return 0
@@ -44,7 +44,7 @@ def _row(controller: "ControllerState", headers: list[str]) -> list[str]:
         "type": controller.type,
         "state": controller.state,
         "claimed interfaces": "; ".join(claims) or "-",
-        "update p99 [µs]": f"{time.p99 * 1e6:.0f}" if time and time.count else "-",
+        "p99 of update [us]": f"{time.p99 * 1e6:.0f}" if time and time.count else "-",
         "fault": controller.fault or "-",
     }
     return [cells[header] for header in headers]

@@ -9,6 +9,7 @@ from station.cli.verbs.switching import stop_running
 
 if TYPE_CHECKING:
     from station.api.schemas import StopState
+    from station.client import StationClient
 
 
 def command(options: Namespace) -> int:
@@ -29,13 +30,21 @@ def stop(options: Namespace) -> int:
     robot, which is the safe reading.
     """
     with open_client(options) as client:
-        if options.names:
-            loaded = {controller.name for controller in client.controllers()}
-            if loaded.issuperset(options.names):
-                return stop_running(client, options.names, as_json=options.json)
+        if options.names and _are_loaded(client, options.names):
+            return stop_running(client, options.names, as_json=options.json)
         reason = options.reason or " ".join(options.names) or "station stop"
         state = client.stop(reason)
     return _tell(state, as_json=options.json)
+
+
+def _are_loaded(client: "StationClient", names: list[str]) -> bool:
+    from station.client import ApiError
+
+    try:
+        loaded = {controller.name for controller in client.controllers()}
+    except ApiError:
+        return False  # what cannot be told apart stops the robot
+    return loaded.issuperset(names)
 
 
 def release(options: Namespace) -> int:

@@ -35,8 +35,10 @@ def _rate(text: str | None) -> float | Literal["full"] | None:
     Raises:
         UsageError: It is neither a positive number nor `full`.
     """
-    if text is None or text == "full":
-        return text
+    if text is None:
+        return None
+    if text == "full":
+        return "full"
     try:
         rate = float(text)
     except ValueError:
