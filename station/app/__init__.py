@@ -1,0 +1,1 @@
+"""The composition root: builds a station from its configuration and runs it."""

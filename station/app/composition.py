@@ -1,0 +1,77 @@
+"""Build a station from its configuration: robot, parameters, manager, loop, facade."""
+
+from dataclasses import dataclass
+
+from station.app.hardware import create_robot
+from station.config import StationConfig
+from station.controllers import CONTROLLERS
+from station.core.clock import Clock, SystemClock
+from station.core.control_loop import ControlLoop
+from station.core.controller_loader import default_loaders
+from station.core.controller_manager import ControllerManager
+from station.core.errors import StationError
+from station.core.parameters import Parameters, ParameterTree
+from station.core.station import Station
+
+ROBOT_NAMESPACE = "robot"
+
+
+@dataclass(frozen=True, slots=True)
+class Composition:
+    """The parts of a station that need no network.
+
+    Attributes:
+        station: The facade; it knows the loop, the manager and the parameters.
+        not_loaded: Why a controller of the configuration is not loaded, by its name.
+    """
+
+    station: Station
+    not_loaded: dict[str, StationError]
+
+
+def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
+    """Build everything up to the facade and load the controllers; nothing runs yet.
+
+    A controller that cannot be loaded is an error if it is to be started, and is
+    otherwise left out, so that parameter files may name what this station lacks.
+
+    Args:
+        config: The configuration.
+        clock: Wall time; the system's when None.
+
+    Raises:
+        StationError: The robot, or a controller to be started, cannot be used.
+    """
+    clock = clock or SystemClock()
+    tree = ParameterTree({
+        **config.parameters,
+        ROBOT_NAMESPACE: config.robot_parameters(),
+        **config.controller_parameters(),
+    })
+    root = Parameters(tree)
+    robot = create_robot(config.robot.type)
+    robot.init(root, root.namespace(ROBOT_NAMESPACE))
+    manager = ControllerManager(robot, root, default_loaders(CONTROLLERS), clock)
+    loop = ControlLoop(
+        robot,
+        manager,
+        clock=clock,
+        period=1.0 / config.station.rate,
+        real_time_factor=config.station.real_time_factor,
+    )
+    station = Station(loop, manager, root, config.robot.type)
+    return Composition(station, _load_controllers(station, config))
+
+
+def _load_controllers(
+    station: Station, config: StationConfig
+) -> dict[str, StationError]:
+    failed: dict[str, StationError] = {}
+    for name in config.controllers:
+        try:
+            station.load_controller(name)
+        except StationError as error:
+            if name in config.start:
+                raise
+            failed[name] = error
+    return failed

@@ -1,0 +1,51 @@
+"""Find a robot by its type: the table, installed packages, or any Python class."""
+
+import importlib
+from importlib.metadata import entry_points
+
+from station.core.errors import StationError
+from station.core.robot_hw import RobotHW
+from station.hw import HARDWARE
+
+ENTRY_POINTS = "station.hw"
+
+
+class RobotTypeError(StationError, LookupError):
+    """A type of robot is unknown, or what it names is no robot."""
+
+    code = "robot_type"
+
+
+def create_robot(robot_type: str) -> RobotHW:
+    """Return a new robot of `robot_type`, not yet initialised.
+
+    Args:
+        robot_type: A key of `HARDWARE`, the name of an entry point of the group
+            `station.hw`, or `module:Class`.
+
+    Raises:
+        RobotTypeError: It is none of these, cannot be imported, or is no `RobotHW`.
+    """
+    installed = {entry.name: entry.value for entry in entry_points(group=ENTRY_POINTS)}
+    known = {**installed, **HARDWARE}
+    target = known.get(robot_type, robot_type)
+    if ":" not in target:
+        raise RobotTypeError(
+            f"robot.type is '{robot_type}'; allowed are {', '.join(sorted(known))}, "
+            "or module:Class.",
+            remedy="Correct robot.type in the configuration.",
+        )
+    module, _, name = target.partition(":")
+    try:
+        found = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise RobotTypeError(
+            f"robot.type '{robot_type}': {target} cannot be imported: {error}.",
+            remedy="Correct the name, or install what is missing.",
+        ) from error
+    if not (isinstance(found, type) and issubclass(found, RobotHW)):
+        raise RobotTypeError(
+            f"robot.type '{robot_type}': {target} is no RobotHW.",
+            remedy="Derive it from station.core.robot_hw.RobotHW.",
+        )
+    return found()

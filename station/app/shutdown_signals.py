@@ -1,0 +1,62 @@
+"""Turn Ctrl-C and SIGTERM into an orderly end; the second one into an immediate one."""
+
+import os
+import queue
+import signal
+from collections.abc import Callable
+from types import FrameType, TracebackType
+from typing import Self
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class ShutdownSignals:
+    """Waits for signals; a context manager of the main thread.
+
+    Until `wait` is called for the first time, a signal raises `KeyboardInterrupt`, so
+    that a start under way is given up. After that the first one ends `wait`, and any
+    further one calls `at_once` and ends the process.
+
+    Args:
+        at_once: Kills what must not outlive the process; must not block.
+    """
+
+    def __init__(self, at_once: Callable[[], None]) -> None:
+        self._at_once = at_once
+        # Its put() may be called from a signal handler, unlike that of Event or Queue.
+        self._received: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self._waiting = False
+        self._count = 0
+        self._previous: dict[signal.Signals, object] = {}
+
+    def __enter__(self) -> Self:
+        for number in _SIGNALS:
+            self._previous[number] = signal.signal(number, self._handle)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]  # as it was returned
+
+    def wait(self, timeout: float) -> bool:
+        """Wait for a signal at most `timeout` [s]; return whether there was one."""
+        self._waiting = True
+        try:
+            self._received.get(timeout=timeout)
+        except queue.Empty:
+            return False
+        return True
+
+    def _handle(self, number: int, _: FrameType | None) -> None:
+        self._count += 1
+        if self._count > 1:
+            self._at_once()
+            os._exit(128 + number)
+        if not self._waiting:
+            raise KeyboardInterrupt
+        self._received.put(number)

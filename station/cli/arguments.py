@@ -1,0 +1,212 @@
+"""All verbs of the command line, with the function that does each."""
+
+import argparse
+from pathlib import Path
+
+import station
+
+Parser = argparse.ArgumentParser
+
+DESCRIPTION = """\
+Run a control station and talk to one. A verb may be written with dashes or underscores.
+Exit codes: 0 done, 1 refused, 2 wrong usage.
+"""
+EPILOG = """\
+A station on this machine is found by itself, with its token. For another one give --url
+and --token, or set STATION_URL and STATION_TOKEN.
+ROS 1 names work too: list, list-types, load, unload, start, spawn, kill; and stop NAME.
+"""
+VERBS = "station.cli.verbs"
+
+
+def build_parser() -> Parser:
+    """Return the parser of the whole command line."""
+    parser = Parser(
+        prog="station",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--version", action="version", version=f"station {station.__version__}"
+    )
+    verbs = _Verbs(parser)
+    _add_station_verbs(verbs)
+    _add_controller_verbs(verbs)
+    _add_switch_verbs(verbs)
+    _add_gains(verbs)
+    _add_motion_verbs(verbs)
+    return parser
+
+
+class _Verbs:
+    """Adds verbs to a parser."""
+
+    def __init__(self, parser: Parser) -> None:
+        self._parsers = parser.add_subparsers(metavar="VERB", required=True)
+
+    def add(
+        self,
+        name: str,
+        handler: str,
+        summary: str,
+        *,
+        aliases: tuple[str, ...] = (),
+        is_client: bool = True,
+    ) -> Parser:
+        """Add one verb.
+
+        Args:
+            name: The verb.
+            handler: `module:function` below `station.cli.verbs`.
+            summary: What it does, in the imperative.
+            aliases: Other names.
+            is_client: Whether it talks to a running station.
+        """
+        parser = self._parsers.add_parser(
+            name, help=summary, description=summary, aliases=list(aliases)
+        )
+        parser.set_defaults(handler=f"{VERBS}.{handler}")
+        parser.add_argument("--json", action="store_true", help="print JSON")
+        if is_client:
+            parser.add_argument("--url", help="the station, e.g. http://127.0.0.1:8000")
+            parser.add_argument("--token", help="its operator or viewer token")
+        return parser
+
+
+def _add_station_verbs(verbs: _Verbs) -> None:
+    run = verbs.add("run", "run:run", "run a station until Ctrl-C", is_client=False)
+    run.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
+    run.add_argument(
+        "--controllers",
+        nargs="+",
+        action="extend",
+        default=[],
+        type=Path,
+        metavar="ROS_PARAMS.yaml",
+        help="parameter files written for ROS, unchanged; their controllers are loaded",
+    )
+    run.add_argument("--rate", type=float, metavar="HZ", help="control loop rate")
+    run.add_argument("--host", help="address to listen at; others need --token")
+    run.add_argument("--port", type=int, help="port of the API; 0: any free one")
+    run.add_argument("--ui-port", type=int, help="port of the dashboard; 0: likewise")
+    run.add_argument("--no-ui", action="store_true", help="run without dashboard")
+    run.add_argument(
+        "--token",
+        help="the operator's token; random if left out. Others on this machine can "
+        "read it in the list of processes: STATION_API__TOKEN is more private",
+    )
+    run.add_argument(
+        "--real-time-factor", type=float, metavar="X", help="station over wall time"
+    )
+    ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
+    ui.add_argument("--connect", metavar="URL", help="the same as --url")
+    ui.add_argument("--host", default="127.0.0.1", help="address to listen at")
+    ui.add_argument("--port", type=int, default=8080, help="0: any free one")
+    verbs.add(
+        "doctor",
+        "doctor:doctor",
+        "say whether this machine is fit for a station",
+        is_client=False,
+    )
+
+
+def _add_controller_verbs(verbs: _Verbs) -> None:
+    listing = verbs.add(
+        "list_controllers",
+        "controllers:list_controllers",
+        "list the loaded controllers",
+        aliases=("list",),
+    )
+    listing.add_argument(
+        "--claimed-interfaces", action="store_true", help="what each claims"
+    )
+    listing.add_argument(
+        "-v", "--verbose", action="store_true", help="claims, loop time and faults"
+    )
+    verbs.add(
+        "list_controller_types",
+        "controllers:list_controller_types",
+        "list what can be loaded",
+        aliases=("list_types",),
+    )
+    load = verbs.add(
+        "load_controller",
+        "controllers:load_controller",
+        "load a controller, without starting it",
+        aliases=("load",),
+    )
+    load.add_argument("name")
+    load.add_argument(
+        "param_file",
+        nargs="?",
+        type=Path,
+        metavar="PARAM_FILE",
+        help="ROS parameter file with its parameters; else the station's configuration",
+    )
+    load.add_argument("--type", help="its type, when no parameters say it")
+    unload = verbs.add(
+        "unload_controller",
+        "controllers:unload_controller",
+        "unload a controller that is not running",
+        aliases=("unload",),
+    )
+    unload.add_argument("name")
+
+
+def _add_switch_verbs(verbs: _Verbs) -> None:
+    switch = verbs.add(
+        "switch_controllers",
+        "switching:switch_controllers",
+        "start and stop controllers in one cycle",
+    )
+    switch.add_argument("--activate", nargs="+", action="extend", default=[])
+    switch.add_argument("--deactivate", nargs="+", action="extend", default=[])
+    strictness = switch.add_mutually_exclusive_group()
+    strictness.add_argument("--strict", action="store_true", help="all or nothing")
+    strictness.add_argument(
+        "--best-effort", action="store_true", help="do what is possible"
+    )
+    switch.add_argument("--activate-asap", action="store_true")
+    switch.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
+    switch.add_argument("--dry-run", action="store_true", help="only say what would be")
+    for name, summary in (
+        ("start", "start loaded controllers"),
+        ("spawn", "load and start controllers of the station's configuration"),
+        ("kill", "stop and unload controllers"),
+    ):
+        verb = verbs.add(name, f"switching:{name}", summary)
+        verb.add_argument("names", nargs="+", metavar="NAME")
+
+
+def _add_gains(verbs: _Verbs) -> None:
+    gains = verbs.add("gains", "gains:gains", "show or set the gains of a controller")
+    gains.add_argument("action", choices=("show", "set"))
+    gains.add_argument("controller")
+    gains.add_argument(
+        "changes", nargs="*", metavar="NAME=VALUE", help="e.g. panda_joint1/p=500"
+    )
+
+
+def _add_motion_verbs(verbs: _Verbs) -> None:
+    echo = verbs.add("echo", "streams:echo", "print what a topic says, until Ctrl-C")
+    echo.add_argument("topic", help="joint_states, controllers, loop, …")
+    echo.add_argument("--rate", metavar="HZ", help="samples per second, or `full`")
+    echo.add_argument("-n", "--count", type=int, help="stop after so many")
+    command = verbs.add("command", "motion:command", "send a controller a set-point")
+    command.add_argument("controller")
+    command.add_argument("values", nargs="+", type=float, metavar="V")
+    stop = verbs.add(
+        "stop",
+        "motion:stop",
+        "stop the robot and let nothing move until released. With the names of loaded "
+        "controllers: stop these alone. Any other word stops the robot",
+    )
+    stop.add_argument("names", nargs="*", metavar="NAME")
+    stop.add_argument("--reason", default="", help="for the record")
+    release = verbs.add(
+        "release", "motion:release", "take back a stop; nothing resumes by itself"
+    )
+    release.add_argument(
+        "--arm", action="store_true", help="second step: allow motion again"
+    )

@@ -1,0 +1,87 @@
+"""Errors of the command line, and what is said about everybody else's."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from station.core.errors import StationError
+
+
+class UsageError(StationError, ValueError):
+    """The command line does not say something that can be done."""
+
+    code = "usage"
+
+
+class NoStationError(StationError, LookupError):
+    """No running station was found, or more than one."""
+
+    code = "no_station"
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """What went wrong, for people and for `--json`.
+
+    Attributes:
+        code: Stable name of the kind of failure.
+        detail: Which thing, its value, what is allowed.
+        remedy: What to do; may be empty.
+        is_usage: The command line itself is wrong.
+        errors: Every single thing that is wrong, when there are several.
+    """
+
+    code: str
+    detail: str
+    remedy: str
+    is_usage: bool = False
+    errors: Sequence[object] = ()
+
+    def as_problem(self) -> dict[str, object]:
+        """Return it as JSON-compatible data."""
+        data: dict[str, object] = {
+            "code": self.code,
+            "detail": self.detail,
+            "remedy": self.remedy,
+        }
+        return {**data, "errors": list(self.errors)} if self.errors else data
+
+
+def failure_of(error: Exception) -> Failure | None:
+    """Return what to say about `error`; None when it is a defect of the program."""
+    if isinstance(error, StationError):
+        return Failure(
+            error.code, error.message, error.remedy, isinstance(error, UsageError)
+        )
+    # The client's and pydantic's errors are known by their shape, because importing
+    # these packages takes longer than most verbs.
+    name = type(error).__name__
+    if name in {"ApiError", "StationUnreachableError"}:
+        return _failure_of_api(error)
+    if name == "ValidationError":
+        return _failure_of_validation(error)
+    return None
+
+
+def _failure_of_api(error: Any) -> Failure:  # noqa: ANN401 - station.client.ApiError
+    errors = [e.model_dump() for e in error.errors]
+    detail = "\n  ".join([error.detail, *(_line(e) for e in errors)])
+    return Failure(error.code, detail, error.remedy, errors=errors)
+
+
+def _line(error: dict[str, object]) -> str:
+    return ": ".join(str(value) for value in error.values() if value)
+
+
+def _failure_of_validation(error: Any) -> Failure:  # noqa: ANN401 - pydantic's
+    found = error.errors(include_url=False, include_context=False)
+    lines = [
+        f"{'.'.join(str(part) for part in e['loc'])} is {e['input']!r}: {e['msg']}"
+        for e in found
+    ]
+    return Failure(
+        "invalid_request",
+        "; ".join(lines) + ".",
+        "Nothing was sent. Correct the value and try again.",
+        errors=lines,
+    )

@@ -1,0 +1,106 @@
+"""Verbs for the list of controllers: list, load, unload."""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model, say_models, say_table
+
+if TYPE_CHECKING:
+    from station.api.schemas import ControllerState
+
+
+def list_controllers(options: Namespace) -> int:
+    """Print the loaded controllers."""
+    with open_client(options) as client:
+        controllers = client.controllers()
+    if options.json:
+        say_models(controllers)
+        return 0
+    if not controllers:
+        say("No controllers are loaded.")
+        return 0
+    headers = ["name", "type", "state"]
+    if options.claimed_interfaces or options.verbose:
+        headers.append("claimed interfaces")
+    if options.verbose:
+        headers += ["p99 of update [us]", "fault"]
+    rows = [_row(c, headers) for c in controllers]
+    say_table(headers, rows)
+    return 0
+
+
+def _row(controller: "ControllerState", headers: list[str]) -> list[str]:
+    claims = [
+        f"{claimed.hardware_interface}: {', '.join(claimed.resources)}"
+        for claimed in controller.claimed_resources
+        if claimed.resources
+    ]
+    time = controller.time
+    cells = {
+        "name": controller.name,
+        "type": controller.type,
+        "state": controller.state,
+        "claimed interfaces": "; ".join(claims) or "-",
+        "p99 of update [us]": f"{time.p99 * 1e6:.0f}" if time and time.count else "-",
+        "fault": controller.fault or "-",
+    }
+    return [cells[header] for header in headers]
+
+
+def list_controller_types(options: Namespace) -> int:
+    """Print the types of controllers that can be loaded."""
+    with open_client(options) as client:
+        types = client.controller_types()
+    if options.json:
+        say_models(types)
+    else:
+        say_table(["type", "base class"], [[t.type, t.base_class] for t in types])
+    return 0
+
+
+def load_controller(options: Namespace) -> int:
+    """Load a controller, with the parameters of a file or of the station."""
+    params = None
+    if options.param_file is not None:
+        params = _parameters_of(options.name, options.param_file)
+    with open_client(options) as client:
+        state = client.load_controller(options.name, options.type, params)
+    if options.json:
+        say_model(state)
+    else:
+        say(f"Loaded {state.name} ({state.type}); it is {state.state}.")
+    return 0
+
+
+def _parameters_of(name: str, path: Path) -> dict[str, Any]:
+    """Return the parameters that a file written for ROS has for a controller.
+
+    Raises:
+        UsageError: It has none for that name.
+    """
+    from station.config.ros_parameters import split_ros_parameters
+    from station.config.yaml_reader import read_yaml
+
+    found = split_ros_parameters(read_yaml(path).values, str(path))
+    params = found.controllers.get(name) or found.others.get(name)
+    if not isinstance(params, dict):
+        known = ", ".join(found.controllers) or "none"
+        raise UsageError(
+            f"{path} has no parameters for '{name}'; it has controllers: {known}.",
+            remedy="Use one of these names, or add the parameters to the file.",
+        )
+    return params
+
+
+def unload_controller(options: Namespace) -> int:
+    """Unload a controller."""
+    with open_client(options) as client:
+        state = client.unload_controller(options.name)
+    if options.json:
+        say_model(state)
+    else:
+        say(f"Unloaded {state.name}.")
+    return 0

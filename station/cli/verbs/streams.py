@@ -1,0 +1,67 @@
+"""Verb `echo`: print what a topic says."""
+
+import itertools
+import sys
+from argparse import Namespace
+from typing import TYPE_CHECKING, Literal
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model
+
+if TYPE_CHECKING:
+    from station.api.schemas import StreamFrame
+
+
+def echo(options: Namespace) -> int:
+    """Print the frames of a topic until there were enough, or Ctrl-C."""
+    rate = _rate(options.rate)
+    with (
+        open_client(options) as client,
+        client.stream(options.topic, rate=rate, reconnect=False) as stream,
+    ):
+        for frame in itertools.islice(stream, options.count):
+            if options.json:
+                say_model(frame)
+            else:
+                _show(frame)
+            sys.stdout.flush()
+    return 0
+
+
+def _rate(text: str | None) -> float | Literal["full"] | None:
+    """Return the rate that was asked for.
+
+    Raises:
+        UsageError: It is neither a positive number nor `full`.
+    """
+    if text is None:
+        return None
+    if text == "full":
+        return "full"
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not 0.0 < rate < float("inf"):
+        raise UsageError(
+            f"The rate {text!r} is none.", remedy="Use a number of Hz, or `full`."
+        )
+    return rate
+
+
+def _show(frame: "StreamFrame") -> None:
+    say(f"stamp: {frame.stamp:.3f}")
+    data = frame.data
+    if isinstance(data, dict):
+        for key, value in data.items():
+            say(f"{key}: {_text(value)}")
+    else:
+        say(_text(data))
+    say("---")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_text(item) for item in value)}]"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

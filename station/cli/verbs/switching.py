@@ -1,0 +1,92 @@
+"""Verbs that start and stop controllers."""
+
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model
+
+if TYPE_CHECKING:
+    from station.api.schemas import SwitchResult
+    from station.client import StationClient
+
+
+def switch_controllers(options: Namespace) -> int:
+    """Start and stop controllers in one cycle.
+
+    Raises:
+        UsageError: No controller is named.
+    """
+    if not options.activate and not options.deactivate:
+        raise UsageError(
+            "No controller is named.",
+            remedy="Name some with --activate, --deactivate or both.",
+        )
+    with open_client(options) as client:
+        result = client.switch_controllers(
+            start=options.activate,
+            stop=options.deactivate,
+            strictness="best_effort" if options.best_effort else "strict",
+            start_asap=options.activate_asap,
+            timeout=options.switch_timeout,
+            dry_run=options.dry_run,
+        )
+    return _tell(result, as_json=options.json)
+
+
+def start(options: Namespace) -> int:
+    """Start loaded controllers (ROS 1)."""
+    with open_client(options) as client:
+        return _tell(
+            client.switch_controllers(start=options.names), as_json=options.json
+        )
+
+
+def spawn(options: Namespace) -> int:
+    """Load controllers and start them (ROS 1)."""
+    with open_client(options) as client:
+        for name in options.names:
+            client.load_controller(name)
+        return _tell(
+            client.switch_controllers(start=options.names), as_json=options.json
+        )
+
+
+def kill(options: Namespace) -> int:
+    """Stop controllers, those that run, and unload them (ROS 1)."""
+    with open_client(options) as client:
+        code = stop_running(client, options.names, as_json=options.json)
+        for name in options.names:
+            client.unload_controller(name)
+            if not options.json:
+                say(f"Unloaded {name}.")
+    return code
+
+
+def stop_running(client: "StationClient", names: list[str], *, as_json: bool) -> int:
+    """Stop those of the named controllers that run."""
+    running = [name for name in names if client.controller(name).state == "running"]
+    if not running:
+        if not as_json:
+            say("None of them is running.")
+        return 0
+    return _tell(client.switch_controllers(stop=running), as_json=as_json)
+
+
+def _tell(result: "SwitchResult", *, as_json: bool) -> int:
+    if as_json:
+        say_model(result)
+        return 0 if result.ok else 1
+    would = "Would have " if result.dry_run else ""
+    for what, names in (("stopped", result.stopped), ("started", result.started)):
+        if names:
+            word = f"{would}{what}".strip()
+            say(f"{word[0].upper()}{word[1:]}: {', '.join(names)}.")
+    jumps = {joint: jump for joint, jump in result.jump.items() if jump}
+    if jumps:
+        largest = max(jumps, key=lambda joint: abs(jumps[joint] or 0.0))
+        say(f"Largest jump of a command: {jumps[largest]:.2g} at {largest}.")
+    if not result.ok:
+        say("Not everything that was asked for was possible.")
+    return 0 if result.ok else 1

@@ -1,0 +1,156 @@
+"""Put a configuration together: defaults, files, environment, command line."""
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from pathlib import Path
+
+from station.config.environment import read_environment
+from station.config.errors import ConfigError
+from station.config.models import StationConfig
+from station.config.ros_parameters import split_ros_parameters, substitute
+from station.config.validation import validate
+from station.config.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_yaml
+
+DEFAULT_FILE = Path(__file__).with_name("default.yaml")
+_MERGED_SECTIONS = ("station", "robot", "api", "ui")
+
+
+def load_config(
+    path: Path | None = None,
+    *,
+    controller_files: Sequence[Path] = (),
+    flags: Mapping[str, object] | None = None,
+) -> StationConfig:
+    """Return the configuration of a station.
+
+    What comes later wins: the defaults, the file, controller files, environment
+    variables, flags.
+
+    Args:
+        path: The station's YAML file; the defaults alone when None.
+        controller_files: Parameter files written for ROS, added to `controllers`.
+        flags: What the command line sets, as `api.port` → value.
+
+    Raises:
+        ConfigError: Something cannot be read or is not allowed.
+    """
+    merge = _Merge()
+    merge.add_file(parse_yaml(DEFAULT_FILE.read_text(encoding="utf-8"), "default.yaml"))
+    if path is not None:
+        merge.add_file(read_yaml(path))
+    merge.add_environment()
+    merge.add_flags(flags or {})
+    for controller_file in controller_files:
+        merge.add_controllers(read_yaml(controller_file))
+    merge.substitute_arguments()
+    return validate(merge.values, merge.where)
+
+
+class _Merge:
+    """Mappings laid one over the other, and where each value came from."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, object] = {}
+        self._sources: list[tuple[KeyPath, str | YamlDocument]] = []
+        self._parameters: dict[str, object] = {}
+
+    def where(self, path: KeyPath) -> str:
+        """Say where the value at `path` was written; the last who wrote it."""
+        for prefix, source in reversed(self._sources):
+            if path[: len(prefix)] == prefix:
+                return source if isinstance(source, str) else source.where(path)
+        return "configuration"
+
+    def add_file(self, document: YamlDocument) -> None:
+        """Lay a file over what is there.
+
+        Raises:
+            ConfigError: It has something that only looks like a section.
+        """
+        values = document.values
+        if "parameters" in values:
+            raise ConfigError(
+                [f"{document.where(('parameters',))}: parameters is unknown."],
+                remedy="Put the parameters of controllers under 'controllers'.",
+            )
+        if self._is_another_robot(values):
+            self._put("controllers", {}, document)
+        if "controllers" in values or self._is_another_robot(values):
+            self._put("start", [], document)
+        for section, value in values.items():
+            self._add_section(section, value, document)
+
+    def add_controllers(self, document: YamlDocument) -> None:
+        """Add the controllers and other parameters of a file written for ROS."""
+        found = split_ros_parameters(document.values, document.name)
+        before = self.values.get("controllers")
+        self.values["controllers"] = {
+            **(before if isinstance(before, dict) else {}),
+            **found.controllers,
+        }
+        names = [("controllers", name) for name in found.controllers]
+        self._sources += [(name, document.name) for name in names]
+        self._parameters |= found.others
+
+    def add_environment(self) -> None:
+        """Lay environment variables over what is there."""
+        for path, value, variable in read_environment():
+            self._set(path, value, f"environment variable {variable}")
+
+    def add_flags(self, flags: Mapping[str, object]) -> None:
+        """Lay what the command line sets over what is there."""
+        for dotted, value in flags.items():
+            self._set(tuple(dotted.split(".")), value, "command line")
+
+    def substitute_arguments(self) -> None:
+        """Replace `$(arg arm_id)` in all parameters of controllers."""
+        robot = self.values.get("robot")
+        arm_id = robot.get("arm_id") if isinstance(robot, dict) else None
+        arguments = {"arm_id": arm_id} if isinstance(arm_id, str) else {}
+        for section, values in (
+            ("controllers", self.values.get("controllers")),
+            ("parameters", self._parameters),
+        ):
+            self.values[section] = substitute(values, arguments, section)
+
+    def _is_another_robot(self, values: Mapping[str, object]) -> bool:
+        before, now = self.values.get("robot"), values.get("robot")
+        return (
+            isinstance(before, dict)
+            and isinstance(now, dict)
+            and now.get("type", before.get("type")) != before.get("type")
+        )
+
+    def _add_section(self, section: str, value: object, document: YamlDocument) -> None:
+        before = self.values.get(section)
+        merged = section in _MERGED_SECTIONS and not self._is_another_robot({
+            section: value
+        })
+        if merged and isinstance(before, dict) and isinstance(value, dict):
+            self._sources += [((section, key), document) for key in value]
+            self.values[section] = {**before, **value}
+        elif section == "controllers" and isinstance(value, dict):
+            found = split_ros_parameters(value, document.name)
+            # What is no controller stays, so that a missing type is refused; a
+            # namespace may hold other parameters.
+            untyped = {k: v for k, v in found.others.items() if k in value}
+            self._parameters |= {
+                k: v for k, v in found.others.items() if k not in value
+            }
+            self._put(section, {**found.controllers, **untyped}, document)
+        else:
+            self._put(section, value, document)
+
+    def _put(self, section: str, value: object, source: str | YamlDocument) -> None:
+        self._sources.append(((section,), source))
+        self.values[section] = deepcopy(value)
+
+    def _set(self, path: KeyPath, value: object, source: str) -> None:
+        self._sources.append((path, source))
+        node: dict[str, object] = self.values
+        for part in path[:-1]:
+            child = node.get(str(part))
+            child = dict(child) if isinstance(child, dict) else {}
+            node[str(part)] = child
+            node = child
+        node[str(path[-1])] = value

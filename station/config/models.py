@@ -1,0 +1,117 @@
+"""What a configuration may hold.
+
+Defaults are in `default.yaml`, and there alone. Types are strict: `"600"` is no number
+and `true` is no 1.
+"""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
+PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
+Name = Annotated[str, Field(pattern=NAME_PATTERN)]
+"""What ROS allows as a name without namespaces."""
+Port = Annotated[int, Field(ge=0, le=65535)]
+"""A TCP port; 0 for any free one."""
+PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
+"""`package/Class` or `module:Class`."""
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False
+    )
+
+
+class LoopSection(_Section):
+    """The control loop.
+
+    Attributes:
+        rate: Cycles per second of station time [Hz].
+        real_time_factor: Station time over wall time.
+    """
+
+    rate: float = Field(ge=1.0, le=10_000.0)
+    real_time_factor: float = Field(gt=0.0, le=100.0)
+
+
+class RobotSection(_Section):
+    """The robot; all but the type is for its class to check.
+
+    Attributes:
+        type: `package/Class` or `module:Class`.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    type: PluginType
+
+
+class Controller(_Section):
+    """A controller's parameters; all but the type are for its class to check.
+
+    Attributes:
+        type: `package/Class` or `module:Class`.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    type: PluginType
+
+
+class ApiSection(_Section):
+    """The REST and WebSocket server.
+
+    Attributes:
+        host: Address to listen at.
+        port: TCP port.
+        token: The operator's token; a random one when None.
+    """
+
+    host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
+    port: Port
+    token: str | None = Field(min_length=8, pattern=r"^[A-Za-z0-9._~+/=-]+$")
+
+
+class UiSection(_Section):
+    """The dashboard.
+
+    Attributes:
+        enabled: Whether to start it.
+        port: TCP port, at the API's host.
+    """
+
+    enabled: bool
+    port: Port
+
+
+class StationConfig(_Section):
+    """Everything a station is built from.
+
+    Attributes:
+        station: The control loop.
+        robot: The robot.
+        controllers: Controllers to load, by name.
+        start: Names of those to start, in order.
+        parameters: Other parameters of the controller files (`joint_limits` …), which
+            controllers and robots may read.
+        api: The server.
+        ui: The dashboard.
+    """
+
+    station: LoopSection
+    robot: RobotSection
+    controllers: dict[Name, Controller]
+    start: list[str]
+    api: ApiSection
+    ui: UiSection
+    parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
+
+    def robot_parameters(self) -> dict[str, object]:
+        """Return the robot's parameters, `type` among them."""
+        return self.robot.model_dump()
+
+    def controller_parameters(self) -> dict[str, dict[str, object]]:
+        """Return each controller's parameters, `type` among them."""
+        return {name: c.model_dump() for name, c in self.controllers.items()}

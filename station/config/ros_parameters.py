@@ -1,0 +1,124 @@
+"""Parameter files written for ROS: namespaces, substitutions, bare controllers.
+
+In ROS a file like `panda: {arm_controller: {type: …}}` puts a controller into the
+namespace of a controller manager. A station has one manager, so the namespace goes.
+"""
+
+import re
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from station.config.errors import ConfigError
+
+_SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
+T = TypeVar("T")
+_TYPE = re.compile(r"[A-Za-z_][\w.]*[/:][A-Za-z_]\w*")
+
+
+@dataclass(slots=True)
+class RosParameters:
+    """The content of a ROS parameter file.
+
+    Attributes:
+        controllers: Parameters of each controller, `type` among them, by name.
+        others: All other parameters, by name.
+    """
+
+    controllers: dict[str, dict[str, object]] = field(default_factory=dict)
+    others: dict[str, object] = field(default_factory=dict)
+
+
+def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
+    """Tell the controllers in a ROS parameter file from the rest.
+
+    A controller is a mapping with a `type` of the form `package/Class`; a namespace is
+    a mapping with a controller somewhere below it.
+
+    Args:
+        values: What the file holds.
+        name: The file, for messages.
+
+    Raises:
+        ConfigError: The file is of ROS 2, or has a name in two namespaces.
+    """
+    found = RosParameters()
+    _collect(values, "", found, name)
+    return found
+
+
+def _collect(
+    values: dict[str, object], namespace: str, found: RosParameters, name: str
+) -> None:
+    for key, value in values.items():
+        path = f"{namespace}/{key.strip('/')}"
+        if key == "ros__parameters":
+            raise ConfigError(
+                [f"{name}: {path}: this is a parameter file of ROS 2."],
+                remedy="Write the controllers as ros_control has them: the name, then "
+                "`type: package/Class` and the parameters, without `ros__parameters`.",
+            )
+        if isinstance(value, dict) and _is_controller(value):
+            _add(found.controllers, path, value, name)
+        elif isinstance(value, dict) and _has_controllers(value):
+            _collect(value, path, found, name)
+        else:
+            _add(found.others, path, value, name)
+
+
+def _add(found: dict[str, T], path: str, value: T, name: str) -> None:
+    key = path.rpartition("/")[2]
+    if key in found:
+        raise ConfigError(
+            [f"{name}: {path}: '{key}' is in another namespace of the file too."],
+            remedy="A station has one controller manager: use names that differ.",
+        )
+    found[key] = value
+
+
+def _is_controller(value: dict[str, object]) -> bool:
+    kind = value.get("type")
+    return isinstance(kind, str) and _TYPE.fullmatch(kind) is not None
+
+
+def _has_controllers(value: dict[str, object]) -> bool:
+    return "ros__parameters" in value or any(
+        isinstance(child, dict) and (_is_controller(child) or _has_controllers(child))
+        for child in value.values()
+    )
+
+
+def substitute(value: object, arguments: dict[str, str], name: str) -> object:
+    """Return `value` with every `$(arg NAME)` in its texts and keys replaced.
+
+    Args:
+        value: Plain data.
+        arguments: What the names stand for.
+        name: The file, for messages.
+
+    Raises:
+        ConfigError: An argument is unknown, or it is no `arg` (`find`, `env` …).
+
+    Source:
+        ros_comm@1.17.0 tools/rosparam, `subst_value`; differs: of roslaunch's
+        substitutions `arg` alone is understood.
+    """
+    if isinstance(value, dict):
+        return {
+            str(substitute(key, arguments, name)): substitute(child, arguments, name)
+            for key, child in value.items()
+        }
+    if isinstance(value, list):
+        return [substitute(child, arguments, name) for child in value]
+    if not isinstance(value, str):
+        return value
+
+    def replacement(match: re.Match[str]) -> str:
+        if match[1] == "arg" and match[2].strip() in arguments:
+            return arguments[match[2].strip()]
+        allowed = ", ".join(f"$(arg {argument})" for argument in arguments)
+        raise ConfigError(
+            [f"{name}: {match[0]} in {value!r} stands for nothing here."],
+            remedy=f"Write the value itself; what is replaced is: {allowed}.",
+        )
+
+    return _SUBSTITUTION.sub(replacement, value)

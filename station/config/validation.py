@@ -1,0 +1,99 @@
+"""Validate a merged configuration and word what is wrong with it."""
+
+from collections.abc import Callable
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from station.config.errors import ConfigError
+from station.config.models import NAME_PATTERN, PLUGIN_PATTERN, StationConfig
+from station.config.yaml_reader import KeyPath
+
+_WANTED = {
+    "string_type": "text; put it in quotes",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+    "finite_number": "a finite number",
+}
+_PATTERNS = {
+    NAME_PATTERN: "a name of letters, digits and underscores",
+    PLUGIN_PATTERN: "package/Class, e.g. franka_hw/FrankaHW, or module:Class",
+}
+
+
+def validate(
+    values: dict[str, object], where: Callable[[KeyPath], str]
+) -> StationConfig:
+    """Return the configuration that `values` describe.
+
+    Args:
+        values: The merged mappings.
+        where: Says where the value at a path was written.
+
+    Raises:
+        ConfigError: Something is not allowed; all of it is named.
+    """
+    try:
+        config = StationConfig.model_validate(values)
+    except ValidationError as error:
+        problems = [_problem(details, where) for details in error.errors()]
+        raise ConfigError(
+            problems, remedy="Correct the configuration and start again."
+        ) from error
+    _check_start(config, where)
+    return config
+
+
+def _check_start(config: StationConfig, where: Callable[[KeyPath], str]) -> None:
+    known = ", ".join(config.controllers) or "none"
+    problems = [
+        f"{where(('start', i))}: start[{i}] is '{name}'; allowed are the names of "
+        f"'controllers': {known}."
+        for i, name in enumerate(config.start)
+        if name not in config.controllers
+    ]
+    if problems:
+        raise ConfigError(problems, remedy="Describe it under 'controllers' first.")
+
+
+def _problem(details: ErrorDetails, where: Callable[[KeyPath], str]) -> str:
+    path = details["loc"]
+    if path[-1:] == ("[key]",):
+        path = path[:-1]
+    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)[1:]
+    return f"{where(path)}: {key} {_complaint(details)}."
+
+
+def _complaint(details: ErrorDetails) -> str:
+    kind, value = details["type"], details["input"]
+    if kind == "extra_forbidden":
+        return f"is unknown; allowed are {', '.join(_siblings(details['loc']))}"
+    if kind == "missing":
+        return "is missing"
+    limits = details.get("ctx", {})
+    wanted = _WANTED.get(kind)
+    if kind == "string_pattern_mismatch":
+        pattern = str(limits["pattern"])
+        wanted = _PATTERNS.get(pattern, f"text that matches {pattern}")
+    if wanted is None:
+        message = details["msg"].removeprefix("Input should ").removeprefix("be ")
+        wanted = message[0].lower() + message[1:]
+    shown = repr(value)
+    shown = shown if len(shown) <= 80 else f"{shown[:77]}…"
+    return f"is {shown}; it must be {wanted}"
+
+
+def _siblings(path: tuple[str | int, ...]) -> list[str]:
+    """Return the keys that are allowed where an unknown one was found."""
+    model: type[BaseModel] = StationConfig
+    for part in path[:-1]:
+        if part in model.model_fields:
+            annotation = model.model_fields[str(part)].annotation
+            if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+                model = annotation
+    return [n for n, f in model.model_fields.items() if not f.exclude]
