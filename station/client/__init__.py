@@ -1,0 +1,27 @@
+"""The typed Python client of a station, for scripts, tools and the dashboard.
+
+```python
+from station.client import StationClient
+
+with StationClient("http://127.0.0.1:8000", token) as client:
+    client.load_controller("arm", "effort_controllers/JointGroupPositionController")
+    client.switch_controllers(start=["arm"])
+    for frame in client.stream("joint_states", rate=60):
+        print(frame.stamp, frame.data["position"])
+```
+"""
+
+from station.client.async_station_client import AsyncStationClient
+from station.client.async_stream import AsyncStream
+from station.client.errors import ApiError, StationUnreachableError
+from station.client.station_client import StationClient
+from station.client.stream import Stream
+
+__all__ = [
+    "ApiError",
+    "AsyncStationClient",
+    "AsyncStream",
+    "StationClient",
+    "StationUnreachableError",
+    "Stream",
+]

@@ -1,0 +1,210 @@
+"""Every route of the API as a value: how to ask, and what the answer is.
+
+Both clients send these, so that a route is written down once.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, Literal, TypeVar
+from urllib.parse import quote
+
+from pydantic import BaseModel, JsonValue
+
+from station.api.schemas import (
+    CommandAccepted,
+    CommandInfo,
+    CommandRequest,
+    Controllers,
+    ControllerSample,
+    ControllerState,
+    ControllerTypes,
+    Gains,
+    GainsChange,
+    GainsPatch,
+    Health,
+    JointStates,
+    LoadRequest,
+    LoopReport,
+    Ready,
+    Status,
+    StopRequest,
+    StopState,
+    StreamTicket,
+    SwitchRequest,
+    SwitchResult,
+)
+
+PREFIX = "/api/v1"
+Strictness = Literal["strict", "best_effort"]
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Generic[ModelT]):
+    """One request.
+
+    Attributes:
+        method: HTTP method.
+        path: Path with prefix.
+        model: What the answer is.
+        body: JSON body; None for none.
+        headers: Extra headers.
+        patience: How much longer than usual the answer may take [s].
+    """
+
+    method: str
+    path: str
+    model: type[ModelT]
+    body: bytes | None = None
+    headers: Mapping[str, str] = field(default_factory=dict)
+    patience: float = 0.0
+
+
+def _get(path: str, model: type[ModelT]) -> Call[ModelT]:
+    return Call("GET", PREFIX + path, model)
+
+
+def _send(
+    method: str,
+    path: str,
+    model: type[ModelT],
+    body: BaseModel | None = None,
+    *,
+    headers: Mapping[str, str] | None = None,
+    patience: float = 0.0,
+) -> Call[ModelT]:
+    content = None
+    if body is not None:
+        content = body.model_dump_json(exclude_unset=True).encode()
+    return Call(method, PREFIX + path, model, content, dict(headers or {}), patience)
+
+
+def _controller(name: str, rest: str = "") -> str:
+    return f"/controllers/{quote(name, safe='')}{rest}"
+
+
+def health() -> Call[Health]:
+    """Ask whether the process lives."""
+    return _get("/health", Health)
+
+
+def ready() -> Call[Ready]:
+    """Ask whether the loop runs."""
+    return _get("/ready", Ready)
+
+
+def status() -> Call[Status]:
+    """Ask for the station at a glance."""
+    return _get("/status", Status)
+
+
+def controllers() -> Call[Controllers]:
+    """Ask for all controllers."""
+    return _get("/controllers", Controllers)
+
+
+def controller(name: str) -> Call[ControllerState]:
+    """Ask for one controller."""
+    return _get(_controller(name), ControllerState)
+
+
+def load_controller(
+    name: str, type_: str | None, params: Mapping[str, JsonValue] | None
+) -> Call[ControllerState]:
+    """Ask to load a controller."""
+    body = LoadRequest.model_validate({
+        "name": name,
+        **({} if type_ is None else {"type": type_}),
+        **({} if params is None else {"params": dict(params)}),
+    })
+    return _send("POST", "/controllers", ControllerState, body)
+
+
+def unload_controller(name: str) -> Call[ControllerState]:
+    """Ask to unload a controller; the answer is what it was."""
+    return _send("DELETE", _controller(name), ControllerState)
+
+
+def switch_controllers(request: SwitchRequest) -> Call[SwitchResult]:
+    """Ask to start and stop controllers in one cycle."""
+    return _send(
+        "POST",
+        "/controllers/switch",
+        SwitchResult,
+        request,
+        patience=request.timeout,
+    )
+
+
+def gains(name: str) -> Call[Gains]:
+    """Ask for a controller's gains."""
+    return _get(_controller(name, "/gains"), Gains)
+
+
+def set_gains(
+    name: str, values: Mapping[str, float], etag: str | None
+) -> Call[GainsChange]:
+    """Ask to change gains."""
+    headers = {} if etag is None else {"If-Match": etag}
+    body = GainsPatch(values=dict(values))
+    return _send(
+        "PATCH", _controller(name, "/gains"), GainsChange, body, headers=headers
+    )
+
+
+def last_command(name: str) -> Call[CommandInfo]:
+    """Ask what set-points a controller takes and which it took last."""
+    return _get(_controller(name, "/command"), CommandInfo)
+
+
+def command(
+    name: str, values: Sequence[float], epoch: int | None, timeout: float | None
+) -> Call[CommandAccepted]:
+    """Send a set-point."""
+    body = CommandRequest(command=list(values), epoch=epoch, timeout=timeout)
+    return _send("PUT", _controller(name, "/command"), CommandAccepted, body)
+
+
+def controller_state(name: str) -> Call[ControllerSample]:
+    """Ask what a controller did in the last cycle."""
+    return _get(_controller(name, "/state"), ControllerSample)
+
+
+def joint_states() -> Call[JointStates]:
+    """Ask for the joints of the last cycle."""
+    return _get("/joint_states", JointStates)
+
+
+def controller_types() -> Call[ControllerTypes]:
+    """Ask for the plugins."""
+    return _get("/controller-types", ControllerTypes)
+
+
+def loop() -> Call[LoopReport]:
+    """Ask how the loop does."""
+    return _get("/loop", LoopReport)
+
+
+def reset_loop_statistics() -> Call[LoopReport]:
+    """Ask to start the loop's statistics afresh."""
+    return _send("POST", "/loop/statistics/reset", LoopReport)
+
+
+def stop_state() -> Call[StopState]:
+    """Ask for the state of the latched stop."""
+    return _get("/stop", StopState)
+
+
+def stop(reason: str) -> Call[StopState]:
+    """Ask to stop the robot."""
+    return _send("POST", "/stop", StopState, StopRequest(reason=reason))
+
+
+def release_stop() -> Call[StopState]:
+    """Ask to release the stop."""
+    return _send("POST", "/stop/release", StopState)
+
+
+def stream_ticket() -> Call[StreamTicket]:
+    """Ask for a ticket that opens one WebSocket."""
+    return _send("POST", "/stream-tickets", StreamTicket)

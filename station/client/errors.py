@@ -1,0 +1,87 @@
+"""Errors of the client.
+
+```
+ApiError                       the station refused; says why and what to do
+└── StationUnreachableError    no answer at all
+```
+"""
+
+from collections.abc import Sequence
+
+from pydantic import ValidationError
+from typing_extensions import override
+
+from station.api.schemas import FieldError, Problem
+
+
+class ApiError(Exception):
+    """The station refused a request; nothing was changed by it.
+
+    Attributes:
+        status: HTTP status, or close code of a stream; 0 when there was no answer.
+        code: Stable machine-readable name of the kind of failure.
+        detail: Which thing, its value, what is allowed.
+        remedy: What to do.
+        errors: Every single thing that is wrong with the request.
+        details: The facts of `detail` as data.
+    """
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        status: int,
+        code: str,
+        remedy: str = "",
+        errors: Sequence[FieldError] = (),
+        details: dict[str, object] | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.status = status
+        self.code = code
+        self.detail = detail
+        self.remedy = remedy
+        self.errors = list(errors)
+        self.details = dict(details or {})
+
+    @override
+    def __str__(self) -> str:
+        """Return detail and remedy, as a person should read them."""
+        return f"{self.detail} {self.remedy}".strip()
+
+    @classmethod
+    def from_body(cls, status: int, body: bytes) -> "ApiError":
+        """Build the error from an answer's status and body.
+
+        An answer that is no problem document (a proxy's, say) is quoted as it is.
+        """
+        try:
+            problem = Problem.model_validate_json(body)
+        except ValidationError:
+            text = body[:200].decode(errors="replace")
+            return cls(
+                f"The server answered {status}, not as a station does: {text!r}.",
+                status=status,
+                code="not_a_station",
+                remedy="Check that the URL is a station's.",
+            )
+        return cls(
+            problem.detail,
+            status=status,
+            code=problem.code,
+            remedy=problem.remedy,
+            errors=problem.errors or (),
+            details=dict(problem.details or {}),
+        )
+
+
+class StationUnreachableError(ApiError):
+    """The station does not answer: it is not running, or not at that address."""
+
+    def __init__(self, url: str, cause: Exception) -> None:
+        super().__init__(
+            f"No answer from the station at {url}: {str(cause) or type(cause).__name__}.",
+            status=0,
+            code="unreachable",
+            remedy="Check that it is running there (`station run`) and try again.",
+        )
