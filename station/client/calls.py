@@ -26,6 +26,7 @@ from station.api.schemas import (
     LoadRequest,
     LoopReport,
     Ready,
+    ReleaseRequest,
     Status,
     StopRequest,
     StopState,
@@ -158,10 +159,10 @@ def last_command(name: str) -> Call[CommandInfo]:
 
 
 def command(
-    name: str, values: Sequence[float], epoch: int | None, timeout: float | None
+    name: str, values: Sequence[float], epoch: int | None
 ) -> Call[CommandAccepted]:
     """Send a set-point."""
-    body = CommandRequest(command=list(values), epoch=epoch, timeout=timeout)
+    body = CommandRequest(command=list(values), epoch=epoch)
     return _send("PUT", _controller(name, "/command"), CommandAccepted, body)
 
 
@@ -200,9 +201,9 @@ def stop(reason: str) -> Call[StopState]:
     return _send("POST", "/stop", StopState, StopRequest(reason=reason))
 
 
-def release_stop() -> Call[StopState]:
-    """Ask to release the stop."""
-    return _send("POST", "/stop/release", StopState)
+def release_stop(*, arm: bool) -> Call[StopState]:
+    """Ask to release the stop, or to allow motion again."""
+    return _send("POST", "/stop/release", StopState, ReleaseRequest(arm=arm))
 
 
 def stream_ticket() -> Call[StreamTicket]:

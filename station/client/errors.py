@@ -79,8 +79,9 @@ class StationUnreachableError(ApiError):
     """The station does not answer: it is not running, or not at that address."""
 
     def __init__(self, url: str, cause: Exception) -> None:
+        reason = str(cause) or type(cause).__name__
         super().__init__(
-            f"No answer from the station at {url}: {str(cause) or type(cause).__name__}.",
+            f"No answer from the station at {url}: {reason}.",
             status=0,
             code="unreachable",
             remedy="Check that it is running there (`station run`) and try again.",

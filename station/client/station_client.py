@@ -195,7 +195,6 @@ class StationClient:
         name: str,
         values: Sequence[float],
         epoch: int | None = None,
-        timeout: float | None = None,
     ) -> CommandAccepted:
         """Send a set-point.
 
@@ -203,9 +202,8 @@ class StationClient:
             name: The controller.
             values: One number per element, in its order and units.
             epoch: Refuse when a stop or reset came since that epoch.
-            timeout: Hold after this silence [s], > 0; None means never.
         """
-        return self._do(calls.command(name, values, epoch, timeout))
+        return self._do(calls.command(name, values, epoch))
 
     def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""
@@ -239,9 +237,13 @@ class StationClient:
         """
         return self._do(calls.stop(reason))
 
-    def release_stop(self) -> StopState:
-        """Release the stop; nothing resumes by itself."""
-        return self._do(calls.release_stop())
+    def release_stop(self, *, arm: bool = False) -> StopState:
+        """Take back a stop, in two steps; nothing resumes by itself.
+
+        Args:
+            arm: False: the cause is gone. True, afterwards: motion is allowed again.
+        """
+        return self._do(calls.release_stop(arm=arm))
 
     def stream_ticket(self) -> StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""

@@ -3,11 +3,10 @@
 import threading
 from collections.abc import Iterator
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
-from websockets.sync.connection import Connection
 
 from station.api.schemas import StreamFrame
 from station.client.errors import StationUnreachableError
@@ -19,6 +18,9 @@ from station.client.stream_options import (
     bearer,
     refusal,
 )
+
+if TYPE_CHECKING:
+    from websockets.sync.connection import Connection
 
 
 class Stream:

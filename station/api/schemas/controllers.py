@@ -25,19 +25,21 @@ class ClaimedResources(ResponseModel):
 
 
 class Percentiles(ResponseModel):
-    """A distribution, in the unit that its name says.
+    """Durations since the last reset of the statistics [s]; zeros when there are none.
 
     Attributes:
         p50: Median.
-        p99: 99th percentile.
-        p999: 99.9th percentile.
-        max: Largest value.
+        p99: 99 of 100 are at most this.
+        p999: 999 of 1000 are at most this.
+        max: Longest.
+        count: How many there were.
     """
 
-    p50: Measured = None
-    p99: Measured = None
-    p999: Measured = None
-    max: Measured = None
+    p50: float
+    p99: float
+    p999: float
+    max: float
+    count: int
 
 
 class ControllerState(ResponseModel):
@@ -49,7 +51,7 @@ class ControllerState(ResponseModel):
         state: Where it is in its life.
         claimed_resources: What it claims, per interface.
         fault: Why the station stopped it; empty when it did not.
-        time: Loop time it uses a cycle [us]; null while it has not run.
+        time: Loop time it uses in a cycle [s]; null while it has not run.
     """
 
     name: str
@@ -249,7 +251,6 @@ class CommandRequest(RequestModel):
     Attributes:
         command: One number per element, in the controller's order, in its units.
         epoch: Epoch it was made for; refused when a stop or reset came since.
-        timeout: After this silence [s] the controller holds; null means never.
     """
 
     model_config = ConfigDict(
@@ -260,19 +261,16 @@ class CommandRequest(RequestModel):
 
     command: list[float] = Field(max_length=1024)
     epoch: int | None = Field(default=None, ge=0)
-    timeout: float | None = Field(default=None, gt=0.0, le=60.0)
 
 
 class CommandAccepted(ResponseModel):
-    """A set-point was taken over.
+    """A set-point was accepted; the next cycle takes it over.
 
     Attributes:
-        epoch: Present epoch.
-        cycle: Cycle at which it was accepted.
+        epoch: The epoch it counts for; a stop or reset makes it void.
     """
 
     epoch: int
-    cycle: int
 
 
 class ControllerSample(ResponseModel):

@@ -4,8 +4,10 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from station.api.schemas.base import Measured, RequestModel, ResponseModel
+from station.api.schemas.base import RequestModel, ResponseModel
 from station.api.schemas.controllers import Percentiles
+
+StopStateName = Literal["armed", "stopped", "released"]
 
 
 class Health(ResponseModel):
@@ -27,43 +29,41 @@ class Ready(ResponseModel):
 
 
 class LoopReport(ResponseModel):
-    """How the control loop does.
+    """How the control loop does, measured since the last reset.
 
     Attributes:
-        state: `running`, `stopped` or `failed`.
-        failure: Why it failed; empty when it did not.
-        rate_hz: Rate asked for [Hz].
-        achieved_rate_hz: Rate measured [Hz].
-        period: Period asked for [s].
-        cycles: Cycles since the start.
-        overruns: Cycles that took longer than the period.
-        skipped: Deadlines that were skipped.
-        real_time_factor: Simulated time over wall time.
-        lateness_ms: Wake-up lateness [ms].
-        read_us: Time in `read` [us].
-        update_us: Time in `update` [us].
-        write_us: Time in `write` [us].
-        cycle_us: Time of a whole cycle [us].
+        state: What the control thread does.
+        failure: Traceback of what ended it; empty if nothing did.
+        rate: Rate asked for [Hz].
+        achieved_rate: Rate measured [Hz].
+        period: Nominal period in station time [s].
+        cycles: Number of cycles.
+        skipped: Deadlines that had passed before their cycle could begin.
+        real_time_factor: Station time over wall time, as asked for.
+        achieved_real_time_factor: The same, as it was.
+        lateness: How long after its deadline a cycle began [s].
+        read: Time in the robot's `read` [s].
+        update: Time in the controllers' `update` [s].
+        write: Time in the robot's `write` [s].
+        total: Time of a whole cycle [s].
         scheduler: What the operating system granted.
-        controllers: Time per controller [us].
     """
 
     state: Literal["running", "stopped", "failed"]
-    failure: str = ""
-    rate_hz: float
-    achieved_rate_hz: Measured = None
+    failure: str
+    rate: float
+    achieved_rate: float
     period: float
     cycles: int
-    overruns: int
     skipped: int
-    real_time_factor: Measured = None
-    lateness_ms: Percentiles
-    read_us: Percentiles
-    update_us: Percentiles
-    write_us: Percentiles
-    cycle_us: Percentiles
+    real_time_factor: float
+    achieved_real_time_factor: float
+    lateness: Percentiles
+    read: Percentiles
+    update: Percentiles
+    write: Percentiles
+    total: Percentiles
     scheduler: str
-    controllers: dict[str, Percentiles] = Field(default_factory=dict)
 
 
 class Status(ResponseModel):
@@ -77,6 +77,7 @@ class Status(ResponseModel):
         robot_type: Which RobotHW it runs.
         robot_mode: What the robot says it does.
         stop_state: State of the latched stop.
+        stop_reason: Why it was engaged last.
         loop: How the control loop does.
         versions: Versions of the station and what it is built on.
     """
@@ -87,7 +88,8 @@ class Status(ResponseModel):
     cycle: int
     robot_type: str
     robot_mode: str
-    stop_state: str
+    stop_state: StopStateName
+    stop_reason: str
     loop: LoopReport
     versions: dict[str, str]
 
@@ -102,15 +104,28 @@ class StopRequest(RequestModel):
     reason: str = Field(default="", max_length=500)
 
 
+class ReleaseRequest(RequestModel):
+    """Take back a stop, in two steps.
+
+    Attributes:
+        arm: False: the cause is gone. True, afterwards: motion is allowed again.
+    """
+
+    arm: bool = False
+
+
 class StopState(ResponseModel):
     """The latched stop.
 
     Attributes:
-        state: Its state.
+        state: `armed`: motion is possible; `stopped`: nothing may move; `released`:
+            the cause is gone, motion must still be armed.
+        reason: Why it was engaged last; empty if it never was.
         epoch: Present epoch; commands of older ones are void.
     """
 
-    state: str
+    state: StopStateName
+    reason: str
     epoch: int
 
 
