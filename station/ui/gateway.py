@@ -50,6 +50,7 @@ class GatewayParts:
         role_of: Asks the station which role a token has; None for a wrong token.
             Raises `ApiError` when the station does not answer.
         stop: Stops the robot. Raises `ApiError` when that is not confirmed.
+        release: Takes a stop back; with True, the second step: allows motion again.
         bar: Returns what the status strip shows now.
         relay: The way to Viser.
         origins: Which Host and Origin headers are answered.
@@ -58,6 +59,7 @@ class GatewayParts:
 
     role_of: Callable[[str], Awaitable[Role | None]]
     stop: Callable[[], Awaitable["StopState"]]
+    release: Callable[[bool], Awaitable["StopState"]]
     bar: Callable[[], "BarState"]
     relay: "ViserRelay"
     origins: "OriginPolicy"
@@ -76,6 +78,8 @@ def build_gateway(parts: GatewayParts) -> Starlette:
             Route("/session", gateway.session),
             Route("/state", gateway.state),
             Route("/stop", gateway.stop, methods=["POST"]),
+            Route("/release", gateway.release, methods=["POST"]),
+            Route("/arm", gateway.arm, methods=["POST"]),
             Route("/static/{name}", _static),
             Route("/ui/", gateway.viser_page),
             WebSocketRoute("/ui", gateway.viser_socket),
@@ -149,14 +153,21 @@ class _Gateway:
     async def stop(self, request: "Request") -> Response:
         if self._session(request) is None:
             return _no_session()
-        try:
-            state = await self._parts.stop()
-        except ApiError as error:
-            return _json(
-                {"code": error.code, "detail": error.detail, "remedy": error.remedy},
-                502,
-            )
-        return _json({"state": state.state, "epoch": state.epoch})
+        return await _answer(self._parts.stop())
+
+    async def release(self, request: "Request") -> Response:
+        return await self._let_go(request, arm=False)
+
+    async def arm(self, request: "Request") -> Response:
+        return await self._let_go(request, arm=True)
+
+    async def _let_go(self, request: "Request", *, arm: bool) -> Response:
+        session = self._session(request)
+        if session is None:
+            return _no_session()
+        if session.role is not Role.OPERATOR:
+            return _json({"code": "forbidden", "detail": "Viewers only watch."}, 403)
+        return await _answer(self._parts.release(arm))
 
     async def viser_page(self, request: "Request") -> Response:
         if self._session(request) is None:
@@ -172,6 +183,15 @@ class _Gateway:
             await socket.close(4401, "log in first")
             return
         await self._parts.relay.socket(socket, session.role)
+
+
+async def _answer(request: "Awaitable[StopState]") -> Response:
+    try:
+        state = await request
+    except ApiError as error:
+        body = {"code": error.code, "detail": error.detail, "remedy": error.remedy}
+        return _json(dict(body), error.status or 502)
+    return _json({"state": state.state, "epoch": state.epoch})
 
 
 async def _static(request: "Request") -> Response:
