@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import io
+import math
 from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -54,6 +55,20 @@ def load_robot(reference: str, arm_id: str = "panda") -> yourdfpy.URDF:
 def joint_frames(urdf: yourdfpy.URDF) -> dict[str, JointFrame]:
     """Return all joints of a robot by the name of their child link."""
     return {joint.child: _joint_frame(joint) for joint in urdf.joint_map.values()}
+
+
+def joint_limits(urdf: yourdfpy.URDF) -> dict[str, tuple[float, float]]:
+    """Return the position limits of the moving joints by name [rad] or [m]."""
+    limits = {}
+    for joint in urdf.joint_map.values():
+        if Motion.of_urdf_type(joint.type) is Motion.FIXED or joint.mimic is not None:
+            continue
+        low, high = -math.pi, math.pi
+        if joint.type != "continuous" and joint.limit is not None:
+            low = joint.limit.lower if joint.limit.lower is not None else low
+            high = joint.limit.upper if joint.limit.upper is not None else high
+        limits[joint.name] = (float(low), float(high))
+    return limits
 
 
 def _joint_frame(joint: yourdfpy.Joint) -> JointFrame:
