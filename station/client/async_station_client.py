@@ -19,6 +19,7 @@ from station.api.schemas import (
     JointStates,
     LoopReport,
     Ready,
+    Session,
     Status,
     StopState,
     StreamTicket,
@@ -108,6 +109,10 @@ class AsyncStationClient:
     async def ready(self) -> Ready:
         """Return when the loop runs with fresh cycles; an error says why not."""
         return await self._do(calls.ready())
+
+    async def session(self) -> Session:
+        """Return which role the token has."""
+        return await self._do(calls.session())
 
     async def status(self) -> Status:
         """Return the station at a glance."""

@@ -27,6 +27,7 @@ from station.api.schemas import (
     LoopReport,
     Ready,
     ReleaseRequest,
+    Session,
     Status,
     StopRequest,
     StopState,
@@ -92,6 +93,11 @@ def health() -> Call[Health]:
 def ready() -> Call[Ready]:
     """Ask whether the loop runs."""
     return _get("/ready", Ready)
+
+
+def session() -> Call[Session]:
+    """Ask which role the token has."""
+    return _get("/session", Session)
 
 
 def status() -> Call[Status]:

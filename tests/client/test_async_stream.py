@@ -62,9 +62,7 @@ def test_a_stream_survives_a_restart_of_the_station(served, monkeypatch):
     other = make_station()
     other.loop.step()
     port = served.port
-    successor = ApiServer(
-        create_app(other, Authenticator(OPERATOR)), port=port
-    )
+    successor = ApiServer(create_app(other, Authenticator(OPERATOR)), port=port)
 
     async def check(client):
         stream = client.stream("joint_states")
@@ -78,4 +76,3 @@ def test_a_stream_survives_a_restart_of_the_station(served, monkeypatch):
         assert run_with(served, check) == 2
     finally:
         successor.stop()
-

@@ -7,8 +7,12 @@ import pytest
 from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
-from station.client import ApiError, StationClient, StationUnreachableError
-from station.client import stream_options
+from station.client import (
+    ApiError,
+    StationClient,
+    StationUnreachableError,
+    stream_options,
+)
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
 

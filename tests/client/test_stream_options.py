@@ -54,7 +54,9 @@ def test_hello_is_kept_and_its_boot_id_is_in_every_frame():
     progress = StreamProgress()
     assert progress.snapshot() == {}
 
-    hello = '{"topic":"hello","seq":0,"epoch":1,"stamp":0.1,"boot_id":"b","data":{"a":1}}'
+    hello = (
+        '{"topic":"hello","seq":0,"epoch":1,"stamp":0.1,"boot_id":"b","data":{"a":1}}'
+    )
     assert progress.accept(hello) is None
     assert progress.connected
     assert progress.snapshot() == {"a": 1}

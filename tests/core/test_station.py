@@ -1,13 +1,12 @@
 """The facade: whole or not at all, from any thread."""
 
 import pytest
-from station.core.controller_loader import ControllerLoader
-from station.core.controller_manager import ControllerManager
-from station.core.switching import SwitchRequest
 
 from station.core.clock import ManualClock
 from station.core.control_loop import ControlLoop
 from station.core.controller import Controller, ControllerState
+from station.core.controller_loader import ControllerLoader
+from station.core.controller_manager import ControllerManager
 from station.core.errors import (
     ControllerExistsError,
     ControllerNotFoundError,
@@ -31,6 +30,7 @@ from station.core.robot_hw import RobotHW
 from station.core.set_point import SetPointElement, SetPointPort
 from station.core.station import Station
 from station.core.stop_latch import StopState
+from station.core.switching import SwitchRequest
 from station.core.tunables import Tunable
 
 

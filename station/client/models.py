@@ -1,0 +1,43 @@
+"""The wire models that the client's methods take and return, under the client's name."""
+
+from station.api.schemas import (
+    ClaimedResources,
+    CommandAccepted,
+    CommandElement,
+    CommandInfo,
+    ControllerSample,
+    ControllerState,
+    ControllerType,
+    Gains,
+    GainsChange,
+    JointStates,
+    LoopReport,
+    Percentiles,
+    Session,
+    Status,
+    StopState,
+    StreamFrame,
+    SwitchResult,
+    Tunable,
+)
+
+__all__ = [
+    "ClaimedResources",
+    "CommandAccepted",
+    "CommandElement",
+    "CommandInfo",
+    "ControllerSample",
+    "ControllerState",
+    "ControllerType",
+    "Gains",
+    "GainsChange",
+    "JointStates",
+    "LoopReport",
+    "Percentiles",
+    "Session",
+    "Status",
+    "StopState",
+    "StreamFrame",
+    "SwitchResult",
+    "Tunable",
+]

@@ -1,0 +1,88 @@
+"""What the Controllers panel shows and offers, without a screen."""
+
+from dataclasses import dataclass
+
+from station.client.models import ControllerState
+from station.ui.station_view import StationView
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What can be done with one controller now.
+
+    Attributes:
+        start: It can be started beside what runs.
+        stop: It can be stopped.
+        unload: It can be unloaded.
+        replaces: Running controllers that must stop for it to start.
+        reason: Why it cannot simply be started; empty when it can.
+    """
+
+    start: bool = False
+    stop: bool = False
+    unload: bool = False
+    replaces: tuple[str, ...] = ()
+    reason: str = ""
+
+
+def claims_text(controller: ControllerState) -> str:
+    """Return what a controller claims, short enough for a table cell."""
+    parts = []
+    for claim in controller.claimed_resources:
+        interface = claim.hardware_interface.rpartition("::")[2]
+        interface = interface.removesuffix("Interface")
+        if claim.resources:
+            parts.append(f"{interface}: {_joints_text(claim.resources)}")
+    return "; ".join(parts) or "nothing"
+
+
+def offer_for(view: StationView, name: str) -> Offer:
+    """Return what can be done with the controller of that name."""
+    controller = view.controller(name)
+    if controller is None:
+        return Offer(reason="No controller is loaded. Load one below.")
+    if view.link != "live":
+        return Offer(reason=view.blocked())
+    if controller.state == "running":
+        return Offer(stop=True, reason="It runs. Stop it before unloading it.")
+    holders = _holders(view, controller)
+    if holders:
+        return Offer(
+            unload=True,
+            replaces=holders,
+            reason=f"Its joints are held by {', '.join(holders)}.",
+        )
+    blocked = view.blocked()
+    return Offer(start=not blocked, unload=True, reason=blocked)
+
+
+def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
+    """Return the running controllers that hold a resource this one claims."""
+    wanted = _resources(controller)
+    return tuple(
+        other.name
+        for other in view.controllers
+        if other.state == "running" and wanted & _resources(other)
+    )
+
+
+def _resources(controller: ControllerState) -> frozenset[str]:
+    return frozenset(
+        resource
+        for claim in controller.claimed_resources
+        for resource in claim.resources
+    )
+
+
+def _joints_text(resources: list[str]) -> str:
+    """Shorten `panda_joint1 … panda_joint7` to its ends when they are numbered."""
+    names = sorted(resources)
+    if len(names) < 3:
+        return ", ".join(names)
+    stem = names[0].rstrip("0123456789")
+    numbers = [name.removeprefix(stem) for name in names]
+    first = numbers[0]
+    expected = [str(int(first or 0) + i) for i in range(len(names))]
+    if first.isdigit() and numbers == expected:
+        return f"{stem}{first}…{numbers[-1]}"
+    return f"{names[0]} and {len(names) - 1} more"

@@ -1,0 +1,141 @@
+"""Put the dashboard together: the robot in 3D, the tabs, and what keeps them fresh.
+
+Everything that touches Viser runs on Viser's own event loop, so that no two threads
+ever set widgets at the same time.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import viser
+import yourdfpy  # type: ignore[import-untyped]  # ships no types
+
+from station.client import AsyncStationClient
+from station.ui.gateway_state import BarState
+from station.ui.panels.controllers_panel import ControllersPanel
+from station.ui.panels.operate_panel import OperatePanel
+from station.ui.panels.tune_panel import TunePanel
+from station.ui.reporter import Reporter
+from station.ui.robot_model import joint_limits
+from station.ui.scene import RobotScene
+from station.ui.station_link import StationLink
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from station.ui.panels.panel import Panel
+
+_logger = logging.getLogger(__name__)
+
+SCENE_PERIOD = 1.0 / 50.0
+PANEL_PERIOD = 0.1
+_PANEL_WIDTH = 430.0
+_BRAND = (34, 110, 196)
+
+
+class Dashboard:
+    """The dashboard of one station, in one Viser server.
+
+    Args:
+        server: Where it is shown.
+        client: The station; used from Viser's event loop only.
+        urdf: The robot, with its visual meshes loaded; None shows no robot.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        client: AsyncStationClient,
+        urdf: yourdfpy.URDF | None,
+    ) -> None:
+        self._server = server
+        self._client = client
+        self._link = StationLink(client)
+        self._reporter = Reporter(self._link.now)
+        self._failures = 0
+        self._scene = None if urdf is None else RobotScene(server, urdf)
+        _set_theme(server)
+        tabs = server.gui.add_tab_group()
+        with tabs.add_tab("Operate"):
+            limits = {} if urdf is None else joint_limits(urdf)
+            self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
+        with tabs.add_tab("Controllers"):
+            controllers = ControllersPanel(server.gui, self._link, self._reporter)
+        with tabs.add_tab("Tune"):
+            self._tune = TunePanel(server.gui, self._link, self._reporter)
+        self._panels: list[Panel] = [self._operate, controllers, self._tune]
+        self._running: Future[None] | None = None
+
+    def start(self) -> None:
+        """Begin to follow the station."""
+        loop = self._server.get_event_loop()
+        self._running = asyncio.run_coroutine_threadsafe(self._run(), loop)
+
+    def stop(self) -> None:
+        """Stop following it; waits for a moment."""
+        if self._running is not None:
+            self._running.cancel()
+
+    def bar(self) -> BarState:
+        """Return what the status strip shows now; may be called by any thread."""
+        view = self._link.view()
+        message = self._reporter.message or view.failure
+        status = view.status
+        if status is None:
+            return BarState(view.link, view.age, message=message)
+        return BarState(
+            link=view.link,
+            age=view.age,
+            mode=status.robot_mode,
+            stop_state=status.stop_state,
+            stop_reason=status.stop_reason,
+            rate_hz=status.loop.achieved_rate,
+            lateness_p99=status.loop.lateness.p99,
+            epoch=status.epoch,
+            message=message,
+        )
+
+    async def _run(self) -> None:
+        async with self._client, asyncio.TaskGroup() as tasks:
+            tasks.create_task(self._link.run())
+            tasks.create_task(self._operate.run())
+            tasks.create_task(self._tune.run())
+            tasks.create_task(self._repeat(self._show_robot, SCENE_PERIOD))
+            tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
+
+    def _show_robot(self) -> None:
+        if self._scene is not None:
+            self._scene.show(self._link.positions)
+
+    def _refresh_panels(self) -> None:
+        view = self._link.view()
+        watched: set[str] = set()
+        for panel in self._panels:
+            panel.refresh(view)
+            watched |= panel.watched()
+        self._link.watch(watched)
+
+    async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
+        """Call `refresh` for ever; a failure is logged once and shown, not fatal."""
+        while True:
+            try:
+                refresh()
+            except Exception as error:  # the boundary of the screen's updates
+                self._failures += 1
+                if self._failures in {1, 10, 100, 1000}:
+                    _logger.exception("update %d of the screen failed", self._failures)
+                self._reporter.say("The dashboard failed", repr(error), None)
+            await asyncio.sleep(period)
+
+
+def _set_theme(server: viser.ViserServer) -> None:
+    server.gui.configure_theme(
+        dark_mode=False,
+        show_logo=False,
+        show_share_button=False,
+        brand_color=_BRAND,
+    )
+    server.gui.main_panel.dock_right()
+    server.gui.main_panel.set_width(_PANEL_WIDTH)

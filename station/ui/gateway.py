@@ -1,0 +1,213 @@
+"""The only way into the dashboard: login, checks, the page's frame, the stop button.
+
+```
+browser ── cookie, Host, Origin ──▶ gateway ── secret header ──▶ Viser (loopback)
+                                       └── stop, login ── station.client ──▶ station
+```
+
+Viser has no login, and its page may lose a click. So this gateway stands before it:
+nothing is shown or done without a session, and the stop button is the gateway's own.
+"""
+
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict, dataclass
+from importlib import resources
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qs, urlencode
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.responses import JSONResponse, RedirectResponse, Response
+from starlette.routing import Route, WebSocketRoute
+
+from station.client import ApiError
+from station.ui.gateway_guard import GatewayGuard, session_cookie
+from station.ui.sessions import Role, Session, Sessions
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.websockets import WebSocket
+
+    from station.client.models import StopState
+    from station.ui.gateway_state import BarState
+    from station.ui.origins import OriginPolicy
+    from station.ui.viser_relay import ViserRelay
+
+_STATIC_TYPES = {
+    "page.css": "text/css; charset=utf-8",
+    "page.js": "text/javascript; charset=utf-8",
+    "login.js": "text/javascript; charset=utf-8",
+}
+_VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
+_MAX_FORM_BYTES = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayParts:
+    """What the gateway is made of.
+
+    Attributes:
+        role_of: Asks the station which role a token has; None for a wrong token.
+            Raises `ApiError` when the station does not answer.
+        stop: Stops the robot. Raises `ApiError` when that is not confirmed.
+        release: Takes a stop back; with True, the second step: allows motion again.
+        bar: Returns what the status strip shows now.
+        relay: The way to Viser.
+        origins: Which Host and Origin headers are answered.
+        sessions: The logged-in browsers.
+    """
+
+    role_of: Callable[[str], Awaitable[Role | None]]
+    stop: Callable[[], Awaitable["StopState"]]
+    release: Callable[[bool], Awaitable["StopState"]]
+    bar: Callable[[], "BarState"]
+    relay: "ViserRelay"
+    origins: "OriginPolicy"
+    sessions: Sessions
+
+
+def build_gateway(parts: GatewayParts) -> Starlette:
+    """Return the gateway as an ASGI application."""
+    gateway = _Gateway(parts)
+    return Starlette(
+        routes=[
+            Route("/", gateway.page),
+            Route("/login", gateway.login_page),
+            Route("/login", gateway.login, methods=["POST"]),
+            Route("/logout", gateway.logout, methods=["POST"]),
+            Route("/session", gateway.session),
+            Route("/state", gateway.state),
+            Route("/stop", gateway.stop, methods=["POST"]),
+            Route("/release", gateway.release, methods=["POST"]),
+            Route("/arm", gateway.arm, methods=["POST"]),
+            Route("/static/{name}", _static),
+            Route("/ui/", gateway.viser_page),
+            WebSocketRoute("/ui", gateway.viser_socket),
+            WebSocketRoute("/ui/", gateway.viser_socket),
+        ],
+        middleware=[Middleware(GatewayGuard, origins=parts.origins)],
+    )
+
+
+class _Gateway:
+    def __init__(self, parts: GatewayParts) -> None:
+        self._parts = parts
+
+    def _session(self, connection: "Request | WebSocket") -> Session | None:
+        cookie = connection.cookies.get(session_cookie(connection.scope))
+        return self._parts.sessions.find(cookie)
+
+    async def page(self, request: "Request") -> Response:
+        if self._session(request) is None:
+            return RedirectResponse("/login", 303)
+        return _file("page.html", "text/html; charset=utf-8")
+
+    async def login_page(self, request: "Request") -> Response:
+        token = request.query_params.get("token")
+        if token is not None:
+            return await self._log_in(request, token)
+        return _file("login.html", "text/html; charset=utf-8")
+
+    async def login(self, request: "Request") -> Response:
+        body = await request.body()
+        if len(body) > _MAX_FORM_BYTES:
+            return Response(status_code=413)
+        fields = parse_qs(body.decode("utf-8", errors="replace"))
+        return await self._log_in(request, fields.get("token", [""])[0])
+
+    async def _log_in(self, request: "Request", token: str) -> Response:
+        try:
+            role = await self._parts.role_of(token.strip()) if token.strip() else None
+        except ApiError:
+            return RedirectResponse("/login?" + urlencode({"refused": "link"}), 303)
+        if role is None:
+            return RedirectResponse("/login?" + urlencode({"refused": "token"}), 303)
+        session = self._parts.sessions.open(role)
+        answer = RedirectResponse("/", 303)
+        answer.set_cookie(
+            session_cookie(request.scope),
+            session.identifier,
+            httponly=True,
+            samesite="strict",
+            secure=request.url.scheme == "https",
+        )
+        return answer
+
+    async def logout(self, request: "Request") -> Response:
+        name = session_cookie(request.scope)
+        self._parts.sessions.close(request.cookies.get(name))
+        answer = RedirectResponse("/login", 303)
+        answer.delete_cookie(name, httponly=True, samesite="strict")
+        return answer
+
+    async def session(self, request: "Request") -> Response:
+        session = self._session(request)
+        return _no_session() if session is None else _json({"role": session.role.value})
+
+    async def state(self, request: "Request") -> Response:
+        session = self._session(request)
+        if session is None:
+            return _no_session()
+        return _json({**asdict(self._parts.bar()), "role": session.role.value})
+
+    async def stop(self, request: "Request") -> Response:
+        if self._session(request) is None:
+            return _no_session()
+        return await _answer(self._parts.stop())
+
+    async def release(self, request: "Request") -> Response:
+        return await self._let_go(request, arm=False)
+
+    async def arm(self, request: "Request") -> Response:
+        return await self._let_go(request, arm=True)
+
+    async def _let_go(self, request: "Request", *, arm: bool) -> Response:
+        session = self._session(request)
+        if session is None:
+            return _no_session()
+        if session.role is not Role.OPERATOR:
+            return _json({"code": "forbidden", "detail": "Viewers only watch."}, 403)
+        return await _answer(self._parts.release(arm))
+
+    async def viser_page(self, request: "Request") -> Response:
+        if self._session(request) is None:
+            return RedirectResponse("/login", 303)
+        if not set(request.query_params) <= _VIEW_PARAMETERS:
+            # `?websocket=` and `?playbackPath=` make Viser's page load from elsewhere.
+            return RedirectResponse("/ui/", 303)
+        return await self._parts.relay.page()
+
+    async def viser_socket(self, socket: "WebSocket") -> None:
+        session = self._session(socket)
+        if session is None:
+            await socket.close(4401, "log in first")
+            return
+        await self._parts.relay.socket(socket, session.role)
+
+
+async def _answer(request: "Awaitable[StopState]") -> Response:
+    try:
+        state = await request
+    except ApiError as error:
+        body = {"code": error.code, "detail": error.detail, "remedy": error.remedy}
+        return _json(dict(body), error.status or 502)
+    return _json({"state": state.state, "epoch": state.epoch})
+
+
+async def _static(request: "Request") -> Response:
+    name = request.path_params["name"]
+    kind = _STATIC_TYPES.get(name)
+    return Response(status_code=404) if kind is None else _file(name, kind)
+
+
+def _file(name: str, media_type: str) -> Response:
+    content = resources.files("station.ui").joinpath("static", name).read_bytes()
+    return Response(content, media_type=media_type)
+
+
+def _json(content: dict[str, object], status: int = 200) -> Response:
+    return JSONResponse(content, status)
+
+
+def _no_session() -> Response:
+    return _json({"code": "no_session", "detail": "Log in first."}, 401)

@@ -1,0 +1,89 @@
+"""Checks that stand before every request, and headers that go with every answer."""
+
+from typing import TYPE_CHECKING
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import PlainTextResponse
+from starlette.websockets import WebSocketClose
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+    from station.ui.origins import OriginPolicy
+
+_SAFE_METHODS = frozenset({"GET", "HEAD"})
+_PAGE_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; "
+    "frame-ancestors 'none'"
+)
+# Viser's page is one file with its scripts, workers and WebAssembly inside.
+_VISER_POLICY = (
+    "default-src 'none'; "
+    "script-src 'self' 'unsafe-inline' 'unsafe-eval' 'wasm-unsafe-eval' blob: data:; "
+    "worker-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self' data: blob:; "
+    "form-action 'none'; base-uri 'none'; frame-ancestors 'self'"
+)
+
+
+def session_cookie(scope: "Scope") -> str:
+    """Return the cookie's name: browsers share cookies among the ports of a host."""
+    server = scope.get("server")
+    return f"station_dashboard_{server[1] if server else 0}"
+
+
+class GatewayGuard:
+    """ASGI middleware: refuses foreign hosts and pages, and seals the answers.
+
+    Args:
+        app: What it stands before.
+        origins: Which Host and Origin headers are answered.
+    """
+
+    def __init__(self, app: "ASGIApp", origins: "OriginPolicy") -> None:
+        self._app = app
+        self._origins = origins
+
+    async def __call__(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
+        """Answer a request or pass it on."""
+        if scope["type"] not in {"http", "websocket"}:
+            await self._app(scope, receive, send)
+            return
+        refusal = self._refusal(scope)
+        if refusal and scope["type"] == "websocket":
+            await WebSocketClose(4403, refusal)(scope, receive, send)
+        elif refusal:
+            await PlainTextResponse(refusal + "\n", 403)(scope, receive, send)
+        else:
+            await self._app(scope, receive, _sealing(scope, send))
+
+    def _refusal(self, scope: "Scope") -> str:
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        if not self._origins.allows_host(host):
+            return f"This dashboard does not answer to the host {host!r}."
+        changes = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
+        if changes and not self._origins.allows_origin(headers.get("origin"), host):
+            return "Only the dashboard's own pages may do this."
+        return ""
+
+
+def _sealing(scope: "Scope", send: "Send") -> "Send":
+    viser = scope["path"].startswith("/ui")
+
+    async def sealed(message: "Message") -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            headers["Cache-Control"] = "no-store"
+            headers["Content-Security-Policy"] = (
+                _VISER_POLICY if viser else _PAGE_POLICY
+            )
+            headers["X-Content-Type-Options"] = "nosniff"
+            headers["Referrer-Policy"] = "no-referrer"
+            headers["Cross-Origin-Opener-Policy"] = "same-origin"
+            headers["Cross-Origin-Resource-Policy"] = "same-origin"
+        await send(message)
+
+    return sealed

@@ -1,0 +1,205 @@
+"""Run the dashboard as a process of its own, until a signal or its parent's end."""
+
+import asyncio
+import contextlib
+import logging
+import os
+import signal
+import socket
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import uvicorn
+from starlette.applications import Starlette
+from typing_extensions import override
+
+from station.client import ApiError, AsyncStationClient
+from station.ui.dashboard import Dashboard
+from station.ui.gateway import GatewayParts, build_gateway
+from station.ui.origins import OriginPolicy
+from station.ui.robot_model import load_robot
+from station.ui.sessions import Role, Sessions
+from station.ui.viser_door import open_viser
+from station.ui.viser_relay import ViserRelay
+
+_logger = logging.getLogger(__name__)
+
+_PARENT_PERIOD = 0.2
+_CLOSING_TIME = 1
+_REQUEST_TIMEOUT = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class DashboardConfig:
+    """What the dashboard needs to know.
+
+    Attributes:
+        url: The station's API, e.g. `http://127.0.0.1:8000`.
+        token: The token the dashboard itself acts with; an operator's.
+        host: Address to listen at.
+        port: TCP port; 0: any free one.
+        robot_description: The robot to draw, `example-robot-data:<robot>` or a URDF;
+            empty draws none.
+        arm_id: Takes the place of `panda` in a Panda's joint names.
+        host_names: Further names under which users reach the dashboard.
+        ends_with_parent: Stop when the process that started this one ends.
+    """
+
+    url: str
+    token: str
+    host: str = "127.0.0.1"
+    port: int = 8080
+    robot_description: str = "example-robot-data:panda"
+    arm_id: str = "panda"
+    host_names: tuple[str, ...] = ()
+    ends_with_parent: bool = False
+
+
+def run_dashboard(
+    config: DashboardConfig, on_ready: Callable[[str], None] = lambda _: None
+) -> int:
+    """Run the dashboard until SIGINT, SIGTERM or, when asked to, its parent's end.
+
+    Args:
+        config: What it needs to know.
+        on_ready: Called with the dashboard's address once it answers.
+
+    Returns:
+        The exit code: 0.
+
+    Raises:
+        OSError: The port cannot be had.
+        RobotModelError: The robot cannot be drawn.
+    """
+    parent = os.getppid()
+    listener = _listen(config)
+    with listener, contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_serve(config, listener, on_ready, parent))
+    return 0
+
+
+def dashboard_url(host: str, port: int) -> str:
+    """Return the address of a dashboard, as a browser takes it."""
+    name = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host, host)
+    return f"http://{f'[{name}]' if ':' in name and '[' not in name else name}:{port}"
+
+
+def _listen(config: DashboardConfig) -> socket.socket:
+    family = socket.AF_INET6 if ":" in config.host else socket.AF_INET
+    return socket.create_server((config.host, config.port), family=family)
+
+
+async def _serve(
+    config: DashboardConfig,
+    listener: socket.socket,
+    on_ready: Callable[[str], None],
+    parent: int,
+) -> None:
+    ended = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, ended.set)
+    urdf = None
+    if config.robot_description:
+        urdf = load_robot(config.robot_description, config.arm_id)
+    guarded = open_viser("Control station")
+    api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
+    relay = ViserRelay(guarded.port, guarded.secret)
+    dashboard = Dashboard(
+        guarded.server,
+        AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT),
+        urdf,
+    )
+    server = _Server(_gateway(config, api, dashboard, relay))
+    dashboard.start()
+    try:
+        serving = asyncio.create_task(server.serve(sockets=[listener]))
+        on_ready(dashboard_url(config.host, listener.getsockname()[1]))
+        await _wait_for_end(ended, serving, parent if config.ends_with_parent else None)
+        server.should_exit = True
+        await serving
+    finally:
+        dashboard.stop()
+        guarded.stop()
+        await relay.close()
+        await api.close()
+
+
+async def _wait_for_end(
+    ended: asyncio.Event, serving: asyncio.Task[None], parent: int | None
+) -> None:
+    while not ended.is_set() and not serving.done():
+        if parent is not None and os.getppid() != parent:
+            _logger.info("the process that started the dashboard has ended")
+            return
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(ended.wait(), _PARENT_PERIOD)
+
+
+def _gateway(
+    config: DashboardConfig,
+    api: AsyncStationClient,
+    dashboard: Dashboard,
+    relay: ViserRelay,
+) -> Starlette:
+    async def role_of(token: str) -> Role | None:
+        return await ask_role(config.url, token)
+
+    return build_gateway(
+        GatewayParts(
+            role_of=role_of,
+            stop=lambda: api.stop("stop button of the dashboard"),
+            release=lambda arm: api.release_stop(arm=arm),
+            bar=dashboard.bar,
+            relay=relay,
+            origins=OriginPolicy(config.host, config.host_names),
+            sessions=Sessions(),
+        )
+    )
+
+
+async def ask_role(url: str, token: str) -> Role | None:
+    """Ask the station which role a token has.
+
+    Args:
+        url: The station's API.
+        token: What somebody entered.
+
+    Returns:
+        The role, or None for a wrong token.
+
+    Raises:
+        ApiError: The station does not answer, or not as a station does.
+    """
+    if not token.isascii() or not token.isprintable():
+        return None
+    async with AsyncStationClient(url, token, timeout=_REQUEST_TIMEOUT) as client:
+        try:
+            return Role((await client.session()).role)
+        except ApiError as error:
+            if error.status in {401, 403}:
+                return None
+            raise
+
+
+class _Server(uvicorn.Server):
+    """Uvicorn that leaves signals to `_serve` and does not wait for browsers."""
+
+    def __init__(self, app: Starlette) -> None:
+        super().__init__(
+            uvicorn.Config(
+                app,
+                log_level="warning",
+                access_log=False,
+                ws="websockets-sansio",
+                ws_per_message_deflate=False,
+                timeout_graceful_shutdown=_CLOSING_TIME,
+                server_header=False,
+            )
+        )
+
+    @override
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Take no signal: uvicorn would raise it again after its end."""
+        yield

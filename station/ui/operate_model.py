@@ -1,0 +1,139 @@
+"""Which controller the joint sliders command, and how fast a set-point may move.
+
+The sliders follow the robot until somebody touches one. Then the touched element
+travels to its target at a limited speed, so that a click at the far end of a slider is
+no step for the robot. Anything unexpected (a stop, another controller, a refusal) lets
+go: the sliders follow again.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from station.client.models import CommandElement
+from station.ui.station_view import StationView
+
+HOLD = 1.0
+"""How long a slider stays as it was left before it follows the robot again [s]."""
+POSITION_UNITS = frozenset({"rad", "m"})
+
+
+@dataclass(frozen=True, slots=True)
+class Operated:
+    """The controller that the sliders command.
+
+    Attributes:
+        name: Its name; empty when there is none.
+        elements: The numbers of its set-point, in order.
+        reason: Why the sliders are greyed; empty when they are not.
+    """
+
+    name: str = ""
+    elements: tuple[CommandElement, ...] = ()
+    reason: str = ""
+
+
+def choose_operated(view: StationView) -> Operated:
+    """Return the running controller that takes set-points, or why there is none."""
+    for controller in view.controllers:
+        elements = view.elements.get(controller.name, ())
+        if controller.state == "running" and elements:
+            return Operated(controller.name, tuple(elements), view.blocked())
+    if view.blocked():
+        return Operated(reason=view.blocked())
+    running = [c.name for c in view.controllers if c.state == "running"]
+    what = f"Only {', '.join(running)} runs" if running else "No controller runs"
+    return Operated(
+        reason=f"{what}, and nothing that runs takes set-points. Start a group "
+        "controller in the Controllers tab."
+    )
+
+
+class SetPointRamp:
+    """A set-point on its way from where the robot was told to be to where it should.
+
+    Args:
+        elements: The numbers of the set-point; positions are limited in speed,
+            everything else is sent as it is.
+    """
+
+    def __init__(self, elements: Sequence[CommandElement]) -> None:
+        self._limited = [element.unit in POSITION_UNITS for element in elements]
+        self._current: list[float] | None = None
+        self._target: list[float] | None = None
+        self._touched_at: dict[int, float] = {}
+
+    @property
+    def commanding(self) -> bool:
+        """A touch has not been carried out fully yet."""
+        return self._target is not None
+
+    @property
+    def remaining(self) -> float:
+        """Largest distance to go among the elements limited in speed [rad] or [m]."""
+        if self._target is None or self._current is None:
+            return 0.0
+        pairs = zip(self._target, self._current, strict=True)
+        return max((abs(target - now) for target, now in pairs), default=0.0)
+
+    def follow(self, set_point: Sequence[float]) -> None:
+        """Take over what the controller was told last, while nobody commands.
+
+        Args:
+            set_point: One number per element, in their units.
+        """
+        if self._target is None:
+            self._current = list(set_point)
+
+    def touch(self, index: int, value: float, now: float) -> bool:
+        """Set the target of one element.
+
+        Args:
+            index: Which element.
+            value: Where it should go, in its unit.
+            now: Monotonic time [s].
+
+        Returns:
+            False while it is not known where the robot was told to be.
+        """
+        if self._current is None:
+            return False
+        if self._target is None:
+            self._target = list(self._current)
+        self._target[index] = value
+        self._touched_at[index] = now
+        return True
+
+    def let_go(self) -> None:
+        """Forget the target; follow the robot again."""
+        self._target = None
+        self._current = None
+        self._touched_at.clear()
+
+    def step(self, dt: float, speed: float) -> list[float] | None:
+        """Return the next set-point to send, or None when there is nothing to send.
+
+        Args:
+            dt: Time since the last step [s].
+            speed: Fastest change of a position [rad/s] or [m/s], > 0.
+        """
+        if self._target is None or self._current is None:
+            return None
+        reach = speed * dt
+        for i, target in enumerate(self._target):
+            away = target - self._current[i]
+            if self._limited[i] and abs(away) > reach:
+                self._current[i] += reach if away > 0.0 else -reach
+            else:
+                self._current[i] = target
+        command = list(self._current)
+        if command == self._target:
+            self._target = None
+        return command
+
+    def shown(self, index: int, now: float) -> float | None:
+        """Return what slider `index` should show, or None to leave it as it is."""
+        if now - self._touched_at.get(index, float("-inf")) < HOLD:
+            return None
+        if self._target is not None:
+            return self._target[index]
+        return None if self._current is None else self._current[index]

@@ -1,0 +1,153 @@
+"""The Controllers tab: what is loaded, start and stop it, load more."""
+
+from typing import Any
+
+import viser
+import yaml
+from typing_extensions import override
+
+from station.ui.controllers_model import Offer, offer_for
+from station.ui.load_examples import example_parameters, suggested_name
+from station.ui.markup import controller_table, hint, warning
+from station.ui.panels.panel import Panel
+from station.ui.reporter import Event, Reporter
+from station.ui.station_link import StationLink
+from station.ui.station_view import StationView
+from station.ui.widgets import NONE, set_options, set_value
+
+
+class ControllersPanel(Panel):
+    """Table of the controllers, and what can be done with the chosen one.
+
+    Args:
+        gui: Where the tab is built.
+        link: The station.
+        reporter: Says what went wrong.
+    """
+
+    def __init__(
+        self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
+    ) -> None:
+        self._link = link
+        self._reporter = reporter
+        self._table = gui.add_html(hint("Waiting for the station …"))
+        self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
+        self._start = gui.add_button("Start", color="green", disabled=True)
+        self._stop = gui.add_button("Stop", color="orange", disabled=True)
+        self._unload = gui.add_button("Unload", color="gray", disabled=True)
+        self._reason = gui.add_html("")
+        self._start.on_click(reporter.guarded(self._on_start))
+        self._stop.on_click(reporter.guarded(self._on_stop))
+        self._unload.on_click(reporter.guarded(self._on_unload))
+        self._load = LoadForm(gui, link, reporter)
+
+    @override
+    def refresh(self, view: StationView) -> None:
+        """Show the controllers and what can be done with the chosen one."""
+        self._table.content = controller_table(view.controllers)
+        set_options(self._chosen, tuple(c.name for c in view.controllers))
+        offer = offer_for(view, self._chosen.value)
+        self._start.label = _start_label(offer)
+        blocked = bool(view.blocked())
+        self._start.disabled = not (offer.start or (offer.replaces and not blocked))
+        self._stop.disabled = not offer.stop
+        self._unload.disabled = not offer.unload
+        self._reason.content = hint(offer.reason) if offer.reason else ""
+        self._load.refresh(view)
+
+    async def _on_start(self, event: Event[Any]) -> None:
+        name = self._chosen.value
+        offer = offer_for(self._link.view(), name)
+        result = await self._link.client.switch_controllers(
+            start=[name], stop=offer.replaces
+        )
+        await self._link.refresh_controllers()
+        steps = [abs(jump) for jump in result.jump.values() if jump is not None]
+        stopped = f", stopped {', '.join(result.stopped)}" if result.stopped else ""
+        self._reporter.done(
+            f"Started {', '.join(result.started)}{stopped}. "
+            f"Largest step of a command: {max(steps, default=0.0):.4f}.",
+            event.client,
+        )
+
+    async def _on_stop(self, event: Event[Any]) -> None:
+        result = await self._link.client.switch_controllers(stop=[self._chosen.value])
+        await self._link.refresh_controllers()
+        text = f"Stopped {', '.join(result.stopped)}; the robot holds its pose."
+        self._reporter.done(text, event.client)
+
+    async def _on_unload(self, event: Event[Any]) -> None:
+        gone = await self._link.client.unload_controller(self._chosen.value)
+        await self._link.refresh_controllers()
+        self._reporter.done(f"Unloaded {gone.name}.", event.client)
+
+
+class LoadForm:
+    """Name, type and parameters of a controller to load.
+
+    Args:
+        gui: Where the form is built.
+        link: The station.
+        reporter: Says what went wrong.
+    """
+
+    def __init__(
+        self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
+    ) -> None:
+        self._link = link
+        self._reporter = reporter
+        self._example = ""
+        with gui.add_folder("Load a controller"):
+            self._type = gui.add_dropdown("Type", (NONE,), disabled=True)
+            self._name = gui.add_text("Name", "")
+            self._params = gui.add_text("Parameters", "", multiline=True)
+            self._problem = gui.add_html("")
+            self._button = gui.add_button("Load", disabled=True)
+        self._type.on_update(reporter.guarded(self._on_type))
+        self._button.on_click(reporter.guarded(self._on_load))
+
+    def refresh(self, view: StationView) -> None:
+        """Offer the types that the station has."""
+        types = tuple(t.type for t in view.types if "Group" in t.type)
+        types += tuple(t.type for t in view.types if "Group" not in t.type)
+        before = self._type.value
+        set_options(self._type, types)
+        if self._type.value != before or not self._example:
+            self._suggest(view)
+        self._button.disabled = view.link != "live" or not types
+
+    def _suggest(self, view: StationView) -> None:
+        """Prefill name and parameters, so that Load works at once."""
+        if self._type.value == NONE or not view.positions:
+            return
+        taken = [c.name for c in view.controllers]
+        self._example = example_parameters(self._type.value, view.positions)
+        set_value(self._name, suggested_name(self._type.value, taken))
+        set_value(self._params, self._example)
+
+    async def _on_type(self, _event: Event[Any]) -> None:
+        self._suggest(self._link.view())
+
+    async def _on_load(self, event: Event[Any]) -> None:
+        try:
+            params = yaml.safe_load(self._params.value) or {}
+        except yaml.YAMLError as error:
+            self._problem.content = warning(f"The parameters are not YAML: {error}")
+            return
+        if not isinstance(params, dict):
+            text = "The parameters must be `key: value` lines, or a JSON object."
+            self._problem.content = warning(text)
+            return
+        self._problem.content = ""
+        loaded = await self._link.client.load_controller(
+            self._name.value.strip(), self._type.value, params
+        )
+        await self._link.refresh_controllers()
+        self._reporter.done(f"Loaded {loaded.name}. Start it above.", event.client)
+        self._suggest(self._link.view())
+
+
+def _start_label(offer: Offer) -> str:
+    if offer.replaces:
+        return f"Stop {', '.join(offer.replaces)} and start this"
+    return "Start"

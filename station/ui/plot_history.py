@@ -1,0 +1,97 @@
+"""The last seconds of a controller's samples, thinned out for a chart."""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from station.client.models import ControllerSample
+
+MAX_POINTS = 500
+"""Most points of a chart; more do not keep up in a browser."""
+_CAPACITY = 6000
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """What a chart draws, shape (n,) each, n <= `MAX_POINTS`.
+
+    Attributes:
+        time: Time before now [s], <= 0, ascending.
+        desired: Set-point; NaN where there is none.
+        actual: Measured value.
+        error: Their difference.
+    """
+
+    time: Array
+    desired: Array
+    actual: Array
+    error: Array
+
+
+class PlotHistory:
+    """Keeps the samples of one controller; a restart of the station clears it."""
+
+    def __init__(self) -> None:
+        self._samples: deque[ControllerSample] = deque(maxlen=_CAPACITY)
+
+    def append(self, sample: ControllerSample) -> None:
+        """Keep a sample; one that is not newer than the last starts afresh."""
+        if self._samples:
+            last = self._samples[-1]
+            if sample.stamp == last.stamp:
+                return
+            if sample.stamp < last.stamp or sample.name != last.name:
+                self._samples.clear()
+        self._samples.append(sample)
+
+    @property
+    def names(self) -> list[str]:
+        """What the numbers of the samples belong to."""
+        return self._samples[-1].name if self._samples else []
+
+    def curves(self, index: int, window: float) -> Curves:
+        """Return the newest part of one element's history.
+
+        Args:
+            index: Which element of the samples.
+            window: How far to look back [s], > 0.
+        """
+        samples = list(self._samples)
+        if not samples:
+            empty = np.zeros(0)
+            return Curves(empty, empty, empty, empty)
+        end = samples[-1].stamp
+        rows = [
+            (s.stamp - end, s.desired[index], s.actual[index], s.error[index])
+            for s in samples
+            if s.stamp >= end - window
+        ]
+        table = np.array(rows, dtype=np.float64)  # (n, 4); None becomes NaN
+        table = table[_kept(table, MAX_POINTS)]
+        return Curves(table[:, 0], table[:, 1], table[:, 2], table[:, 3])
+
+
+def _kept(table: Array, limit: int) -> NDArray[np.intp]:
+    """Return which rows to draw so that no peak of the curves is lost.
+
+    Each bucket of rows keeps the rows where `actual` and `error` have their smallest
+    and largest value.
+
+    Args:
+        table: Rows of time, desired, actual, error, shape (n, 4).
+        limit: Most rows to keep.
+    """
+    n = len(table)
+    if n <= limit:
+        return np.arange(n)
+    kept: set[int] = {0, n - 1}
+    for bucket in np.array_split(np.arange(n), max((limit - 2) // 4, 1)):
+        part = np.nan_to_num(table[bucket])
+        for column in (2, 3):
+            kept.add(int(bucket[part[:, column].argmin()]))
+            kept.add(int(bucket[part[:, column].argmax()]))
+    return np.array(sorted(kept))

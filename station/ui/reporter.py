@@ -1,0 +1,85 @@
+"""Make what goes wrong in a widget's callback visible: on screen and in the log."""
+
+import logging
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any, TypeVar
+
+import viser
+from pydantic import ValidationError
+
+from station.client import ApiError
+
+_logger = logging.getLogger(__name__)
+
+_Handle = TypeVar("_Handle")
+Event = viser.GuiEvent[_Handle]
+
+_MESSAGE_LIFETIME = 20.0
+_NOTIFICATION_SECONDS = 12.0
+
+
+class Reporter:
+    """Shows refusals to who acted, and keeps the last one for the status bar.
+
+    Args:
+        now: Monotonic clock [s].
+    """
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self._now = now
+        self._message = ""
+        self._said_at = float("-inf")
+
+    @property
+    def message(self) -> str:
+        """The last refusal or failure, while it is fresh; else empty."""
+        fresh = self._now() - self._said_at < _MESSAGE_LIFETIME
+        return self._message if fresh else ""
+
+    def guarded(
+        self, callback: Callable[[Event[Any]], Awaitable[None]]
+    ) -> Callable[[Event[Any]], Coroutine[None, None, None]]:
+        """Return `callback` so that nothing it raises gets lost.
+
+        Only what a person did reaches the callback: Viser also calls it when the
+        dashboard itself sets a widget's value.
+        """
+
+        async def run(event: Event[Any]) -> None:
+            if event.client is None:
+                return
+            try:
+                await callback(event)
+            except ApiError as error:
+                self.refused(error, event.client)
+            except ValidationError as error:
+                first = error.errors()[0]
+                self.say("Not sent", f"{first['loc']}: {first['msg']}", event.client)
+            except Exception as error:  # the boundary of UI callbacks
+                _logger.exception("a dashboard callback failed")
+                text = f"{type(error).__name__}: {error}"
+                self.say("The dashboard failed", text, event.client)
+
+        return run
+
+    def refused(self, error: ApiError, client: viser.ClientHandle | None) -> None:
+        """Show a refusal of the station as it is worded."""
+        lines = [error.detail, error.remedy]
+        lines += [f"{e.field}: {e.message}" for e in error.errors[:3]]
+        self.say(error.code, " ".join(line for line in lines if line), client)
+
+    def say(self, title: str, text: str, client: viser.ClientHandle | None) -> None:
+        """Show a message to one browser, and to all in the status bar."""
+        _logger.info("%s: %s", title, text)
+        self._message = f"{title}: {text}"
+        self._said_at = self._now()
+        if client is not None:
+            client.add_notification(
+                title, text, color="red", auto_close_seconds=_NOTIFICATION_SECONDS
+            )
+
+    def done(self, text: str, client: viser.ClientHandle | None) -> None:
+        """Tell who acted that it was done; takes the last refusal off the bar."""
+        self._message = ""
+        if client is not None:
+            client.add_notification("Done", text, color="green", auto_close_seconds=4.0)

@@ -1,0 +1,110 @@
+"""The robot in 3D: drawn once, then moved by its joint frames."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import viser
+import yourdfpy  # type: ignore[import-untyped]  # ships no types
+from trimesh.scene.transforms import SceneGraph
+
+from station.ui.joint_frames import JointFrame, Motion
+from station.ui.robot_model import joint_frames
+
+_ROOT = "/robot"
+_SMALLEST_STEP = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class _MovingFrame:
+    joint: JointFrame
+    handle: viser.FrameHandle
+
+
+class RobotScene:
+    """A robot in a Viser scene. To be used from Viser's event loop only.
+
+    Args:
+        server: The scene's server.
+        urdf: The robot, with its visual meshes loaded.
+    """
+
+    def __init__(self, server: viser.ViserServer, urdf: yourdfpy.URDF) -> None:
+        self._server = server
+        self._shown: dict[str, float] = {}
+        _prepare_room(server)
+        self._moving = _draw(server, urdf)
+
+    def show(self, positions: Mapping[str, float]) -> None:
+        """Move the robot's joints.
+
+        Args:
+            positions: Joint positions by name [rad] or [m]; joints that are not
+                named stay, names that the robot does not have are skipped.
+        """
+        with self._server.atomic():
+            for frame in self._moving:
+                q = frame.joint.position_among(positions)
+                name = frame.joint.name
+                if q is None or abs(q - self._shown.get(name, 9e9)) < _SMALLEST_STEP:
+                    continue
+                self._shown[name] = q
+                if frame.joint.motion is Motion.ROTATION:
+                    frame.handle.wxyz = frame.joint.wxyz_at(q)
+                else:
+                    frame.handle.position = frame.joint.position_at(q)
+
+
+def _prepare_room(server: viser.ViserServer) -> None:
+    """Set the floor, the light and a camera that sees the whole arm."""
+    server.scene.add_grid(
+        "/floor",
+        width=6.0,
+        height=6.0,
+        cell_size=0.1,
+        section_size=1.0,
+        cell_color=(150, 160, 172),
+        section_color=(105, 118, 133),
+        cell_thickness=0.6,
+        section_thickness=1.0,
+        fade_distance=9.0,
+        shadow_opacity=0.2,
+    )
+    server.scene.add_frame(
+        "/base_axes", axes_length=0.15, axes_radius=0.004, origin_radius=0.006
+    )
+    server.initial_camera.position = (1.55, -1.35, 1.05)
+    server.initial_camera.look_at = (0.2, 0.0, 0.42)
+
+
+def _draw(server: viser.ViserServer, urdf: yourdfpy.URDF) -> list[_MovingFrame]:
+    joints = joint_frames(urdf)
+    graph = urdf.scene.graph
+    server.scene.add_frame(_ROOT, show_axes=False)
+    moving = []
+    for child, joint in joints.items():
+        handle = server.scene.add_frame(
+            _node_name(graph, child),
+            show_axes=False,
+            wxyz=joint.wxyz_at(0.0),
+            position=joint.position_at(0.0),
+        )
+        if joint.motion is not Motion.FIXED:
+            moving.append(_MovingFrame(joint, handle))
+    for name, mesh in urdf.scene.geometry.items():
+        drawn = mesh.copy()
+        # Baked in, because this transform may scale or mirror.
+        drawn.apply_transform(urdf.get_transform(name, _parent(graph, name)))
+        server.scene.add_mesh_trimesh(_node_name(graph, name), drawn)
+    return moving
+
+
+def _parent(graph: SceneGraph, name: str) -> str:
+    return str(graph.transforms.parents[name])
+
+
+def _node_name(graph: SceneGraph, name: str) -> str:
+    """Return the path of a frame, so that Viser nests the frames as the robot does."""
+    path = [name]
+    while path[-1] != graph.base_frame:
+        path.append(_parent(graph, path[-1]))
+    return "/".join([_ROOT, *reversed(path[:-1])])

@@ -1,0 +1,80 @@
+"""Browser sessions of the gateway: who has logged in, and in which role."""
+
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+SESSION_LIFETIME = 12 * 3600.0
+"""How long a login lasts [s]; every request renews it."""
+
+
+class Role(Enum):
+    """What a browser may do: watch, or also act."""
+
+    VIEWER = "viewer"
+    OPERATOR = "operator"
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """One logged-in browser.
+
+    Attributes:
+        identifier: Random value of its cookie.
+        role: What it may do.
+    """
+
+    identifier: str
+    role: Role
+
+
+class Sessions:
+    """Keeps the logged-in browsers; forgets those that stay away.
+
+    The station's token itself never becomes a cookie: a stolen cookie is worth
+    nothing at the API and nothing after a restart of the dashboard.
+
+    Args:
+        now: Monotonic clock [s].
+        limit: Most sessions kept; the oldest goes first.
+    """
+
+    def __init__(
+        self, now: Callable[[], float] = time.monotonic, limit: int = 256
+    ) -> None:
+        self._now = now
+        self._limit = limit
+        self._sessions: dict[str, tuple[Session, float]] = {}
+
+    def open(self, role: Role) -> Session:
+        """Start a session and return it."""
+        self._forget_expired()
+        while len(self._sessions) >= self._limit:
+            del self._sessions[next(iter(self._sessions))]
+        session = Session(secrets.token_urlsafe(32), role)
+        self._sessions[session.identifier] = (session, self._now())
+        return session
+
+    def find(self, identifier: str | None) -> Session | None:
+        """Return the session behind a cookie and renew it, or None."""
+        self._forget_expired()
+        entry = self._sessions.pop(identifier or "", None)
+        if entry is None:
+            return None
+        session = entry[0]
+        self._sessions[session.identifier] = (session, self._now())
+        return session
+
+    def close(self, identifier: str | None) -> None:
+        """End a session; one that is not known is ended already."""
+        self._sessions.pop(identifier or "", None)
+
+    def _forget_expired(self) -> None:
+        oldest = self._now() - SESSION_LIFETIME
+        expired = [
+            key for key, (_, used_at) in self._sessions.items() if used_at < oldest
+        ]
+        for key in expired:
+            del self._sessions[key]

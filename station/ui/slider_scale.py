@@ -1,0 +1,75 @@
+"""Ranges and steps of sliders: wide enough to be useful, fine enough to be set."""
+
+import math
+from dataclasses import dataclass
+
+_DEFAULT_SPAN = {"rad": math.pi, "m": 1.0, "rad/s": 1.0, "m/s": 0.5, "Nm": 10.0}
+
+
+@dataclass(frozen=True, slots=True)
+class SliderScale:
+    """What a slider needs.
+
+    Attributes:
+        minimum: Left end.
+        maximum: Right end, > minimum.
+        step: Distance between two positions of the thumb.
+    """
+
+    minimum: float
+    maximum: float
+    step: float
+
+    def clamp(self, value: float) -> float:
+        """Return the nearest value the slider can show."""
+        return min(max(value, self.minimum), self.maximum)
+
+
+def command_scale(
+    unit: str, minimum: float | None, maximum: float | None
+) -> SliderScale:
+    """Return the scale for one element of a set-point.
+
+    Args:
+        unit: The element's unit.
+        minimum: Smallest value allowed; None where unlimited.
+        maximum: Largest value allowed; None where unlimited.
+    """
+    span = _DEFAULT_SPAN.get(unit, 1.0)
+    low = -span if minimum is None else minimum
+    high = span if maximum is None else maximum
+    # Inwards, so that no end lies outside of what the station allows.
+    low, high = math.ceil(low * 1e3 - 1e-6) / 1e3, math.floor(high * 1e3 + 1e-6) / 1e3
+    if high <= low:
+        high = low + 1e-3
+    return SliderScale(low, high, 1e-3)
+
+
+def gain_scale(
+    value: float, minimum: float | None, maximum: float | None
+) -> SliderScale:
+    """Return the scale for a gain whose allowed range may be vast.
+
+    The slider ends at a round number above twice the present value; the number
+    entry beside it takes the whole allowed range.
+
+    Args:
+        value: Present value.
+        minimum: Smallest value allowed; None where unlimited.
+        maximum: Largest value allowed; None where unlimited.
+    """
+    reach = _round_up(max(2.0 * abs(value), 1.0))
+    low = (-reach if value < 0.0 else 0.0) if minimum is None else max(minimum, -reach)
+    high = reach if maximum is None else min(maximum, reach)
+    if high <= low:
+        high = low + 1.0
+    return SliderScale(low, high, _round_up((high - low) / 1000.0))
+
+
+def _round_up(value: float) -> float:
+    """Return the next of 1, 2, 5, 10, 20, … that is at least `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    for factor in (1.0, 2.0, 5.0):
+        if value <= factor * power * (1.0 + 1e-9):
+            return float(f"{factor * power:.12g}")
+    return float(f"{10.0 * power:.12g}")

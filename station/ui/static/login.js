@@ -1,0 +1,19 @@
+// Says why a login was refused, and skips the form for who is logged in already
+// (a link from another site does not bring the cookie, this request does).
+"use strict";
+
+const REFUSALS = {
+  token: "That is not a token of this station. Every start of the station makes a new one.",
+  link: "The station does not answer, so the token cannot be checked. Is it running?",
+};
+
+const reason = new URLSearchParams(location.search).get("refused");
+if (reason in REFUSALS) {
+  const line = document.getElementById("refusal");
+  line.textContent = REFUSALS[reason];
+  line.hidden = false;
+}
+
+fetch("/session").then((answer) => {
+  if (answer.ok) location.replace("/");
+});

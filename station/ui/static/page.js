@@ -1,0 +1,134 @@
+// The bar above the 3D view: status, and a stop that does not depend on Viser's page.
+"use strict";
+
+const POLL_MS = 300;
+const PATIENCE_MS = 2000;
+const MOTION = {
+  armed: "allowed",
+  stopped: "STOPPED",
+  released: "released, not allowed yet",
+};
+
+const element = (id) => document.getElementById(id);
+const show = (id, text) => {
+  if (element(id).textContent !== text) element(id).textContent = text;
+};
+
+let noticeUntil = 0;
+function notice(text, holdMs = 8000) {
+  const line = element("notice");
+  line.textContent = text;
+  line.hidden = !text;
+  noticeUntil = Date.now() + holdMs;
+}
+
+async function post(path) {
+  const answer = await fetch(path, {
+    method: "POST",
+    signal: AbortSignal.timeout(5000),
+  });
+  const body = await answer.json();
+  if (!answer.ok) throw new Error(`${body.detail} ${body.remedy ?? ""}`);
+  return body;
+}
+
+async function stop() {
+  element("stop").classList.add("busy");
+  try {
+    await post("/stop");
+    notice("");
+  } catch (error) {
+    notice(`The stop is NOT confirmed: ${error.message}`, 60000);
+  } finally {
+    element("stop").classList.remove("busy");
+    refresh();
+  }
+}
+
+async function act(path) {
+  try {
+    await post(path);
+  } catch (error) {
+    notice(error.message);
+  }
+  refresh();
+}
+
+function linkText(state) {
+  if (state.link === "live") return "live";
+  if (state.age === null) return "no data yet";
+  return `${state.link}, data ${state.age.toFixed(1)} s old`;
+}
+
+function render(state) {
+  const bar = element("bar");
+  bar.dataset.link = state.link;
+  bar.dataset.stop = state.stop_state;
+  show("link", linkText(state));
+  show("motion", MOTION[state.stop_state] ?? "–");
+  show("mode", state.mode || "–");
+  show("rate", state.rate_hz === null ? "–" : `${state.rate_hz.toFixed(0)} Hz`);
+  const late = state.lateness_p99;
+  show("lateness", late === null ? "–" : `${(late * 1e3).toFixed(2)} ms`);
+  show("epoch", state.epoch === null ? "–" : String(state.epoch));
+  element("motion").title = state.stop_reason;
+  const operator = state.role === "operator";
+  element("role").hidden = operator;
+  element("release").hidden = !operator || state.stop_state !== "stopped";
+  element("arm").hidden = !operator || state.stop_state !== "released";
+  if (Date.now() > noticeUntil) {
+    element("notice").textContent = state.message;
+    element("notice").hidden = !state.message;
+  }
+}
+
+async function refresh() {
+  try {
+    const answer = await fetch("/state", {
+      signal: AbortSignal.timeout(PATIENCE_MS),
+    });
+    if (answer.status === 401) return location.replace("/login");
+    render(await answer.json());
+  } catch {
+    element("bar").dataset.link = "lost";
+    show("link", "dashboard not answering");
+  }
+}
+
+async function poll() {
+  await refresh();
+  setTimeout(poll, POLL_MS);
+}
+
+const TEXT_INPUTS = new Set(["text", "search", "password", "number", ""]);
+function isTyping(target) {
+  if (!target || !target.tagName) return false;
+  if (target.tagName === "TEXTAREA" || target.isContentEditable) return true;
+  return (
+    target.tagName === "INPUT" &&
+    TEXT_INPUTS.has(target.getAttribute("type") ?? "")
+  );
+}
+
+// Both the press and the release are swallowed: Space would click a focused button.
+function onKey(event) {
+  const stops = event.key === "Escape" || event.key === " ";
+  if (!stops || isTyping(event.target)) return;
+  event.preventDefault();
+  event.stopPropagation();
+  if (event.type === "keydown" && !event.repeat) stop();
+}
+
+function listen(target) {
+  target.addEventListener("keydown", onKey, true);
+  target.addEventListener("keyup", onKey, true);
+}
+
+listen(window);
+element("view").addEventListener("load", () => {
+  listen(element("view").contentWindow);
+});
+element("stop").addEventListener("click", stop);
+element("release").addEventListener("click", () => act("/release"));
+element("arm").addEventListener("click", () => act("/arm"));
+poll();

@@ -1,0 +1,187 @@
+"""Keep up with a station: streams and polls it, and says how old the data is.
+
+Everything here runs on one event loop. What fails is tried again for ever; until then
+the data ages, and the panels grey it.
+"""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection
+
+from pydantic import ValidationError
+
+from station.client import ApiError, AsyncStationClient
+from station.client.models import (
+    CommandElement,
+    ControllerSample,
+    ControllerState,
+    ControllerType,
+    JointStates,
+    Status,
+    StreamFrame,
+)
+from station.ui.plot_history import PlotHistory
+from station.ui.station_view import StationView
+
+JOINT_RATE = 60.0
+"""Joint states per second for the 3D view [Hz]."""
+SAMPLE_RATE = 30.0
+"""Controller samples per second for the plots [Hz]."""
+_STATUS_PERIOD = 0.5
+_CONTROLLERS_PERIOD = 0.4
+_RETRY = 0.5
+
+
+class StationLink:
+    """What the dashboard knows of the station, kept up to date by `run`.
+
+    Args:
+        client: The station; owned by the caller.
+        now: Monotonic clock [s].
+    """
+
+    def __init__(
+        self, client: AsyncStationClient, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.client = client
+        self.now = now
+        self.histories: dict[str, PlotHistory] = {}
+        self._heard_at: float | None = None
+        self._failure = ""
+        self._status: Status | None = None
+        self._controllers: tuple[ControllerState, ...] = ()
+        self._types: tuple[ControllerType, ...] = ()
+        self._positions: dict[str, float] = {}
+        self._elements: dict[str, tuple[CommandElement, ...]] = {}
+        self._samples: dict[str, ControllerSample] = {}
+        self._followers: dict[str, asyncio.Task[None]] = {}
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """The newest joint positions by name [rad] or [m]; not to be changed."""
+        return self._positions
+
+    def view(self) -> StationView:
+        """Return the newest of everything, frozen."""
+        return StationView(
+            now=self.now(),
+            heard_at=self._heard_at,
+            failure=self._failure,
+            status=self._status,
+            controllers=self._controllers,
+            types=self._types,
+            positions=dict(self._positions),
+            elements=dict(self._elements),
+            samples=dict(self._samples),
+        )
+
+    async def run(self) -> None:
+        """Keep up until cancelled."""
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._follow_joints())
+                tasks.create_task(self._repeat(self.refresh_status, _STATUS_PERIOD))
+                tasks.create_task(
+                    self._repeat(self.refresh_controllers, _CONTROLLERS_PERIOD)
+                )
+        finally:
+            self.watch(())
+
+    def watch(self, names: Collection[str]) -> None:
+        """Follow the samples of these controllers, and of no others."""
+        for name in [name for name in self._followers if name not in names]:
+            self._followers.pop(name).cancel()
+            self.histories.pop(name, None)
+            self._samples.pop(name, None)
+        for name in names:
+            task = self._followers.get(name)
+            if task is None or task.done():
+                self.histories.setdefault(name, PlotHistory())
+                self._followers[name] = asyncio.create_task(self._follow_sample(name))
+
+    async def refresh_status(self) -> None:
+        """Ask how the station is; a restarted one is looked at afresh."""
+        status = await self.client.status()
+        restarted = self._status is not None and status.boot_id != self._status.boot_id
+        if restarted or not self._types:
+            self._elements.clear()
+            self._types = tuple(await self.client.controller_types())
+        self._status = status
+        self._heard()
+
+    async def refresh_controllers(self) -> None:
+        """Ask which controllers there are, and what the running ones take."""
+        controllers = tuple(await self.client.controllers())
+        running = {c.name for c in controllers if c.state == "running"}
+        for name in [name for name in self._elements if name not in running]:
+            del self._elements[name]
+        for name in running - self._elements.keys():
+            self._elements[name] = await self._elements_of(name)
+        self._controllers = controllers
+        self._heard()
+
+    async def _elements_of(self, name: str) -> tuple[CommandElement, ...]:
+        """Return what a controller's set-points consist of; nothing if it has none.
+
+        Raises:
+            ApiError: The station does not answer.
+        """
+        try:
+            return tuple((await self.client.last_command(name)).elements)
+        except ApiError as error:
+            if error.status == 0:
+                raise
+            return ()
+
+    def _heard(self) -> None:
+        self._heard_at = self.now()
+        self._failure = ""
+
+    async def _repeat(
+        self, refresh: Callable[[], Awaitable[None]], period: float
+    ) -> None:
+        while True:
+            try:
+                await refresh()
+            except ApiError as error:
+                self._failure = str(error)
+            await asyncio.sleep(period)
+
+    async def _follow_joints(self) -> None:
+        async for frame in self._frames("joint_states", JOINT_RATE):
+            joints = _joint_states(frame)
+            if joints is not None:
+                self._positions = dict(zip(joints.name, joints.position, strict=True))
+                self._heard()
+
+    async def _follow_sample(self, name: str) -> None:
+        async for frame in self._frames(f"controller_state/{name}", SAMPLE_RATE):
+            sample = _controller_sample(frame)
+            if sample is not None:
+                self._samples[name] = sample
+                self.histories[name].append(sample)
+
+    async def _frames(self, topic: str, rate: float) -> AsyncIterator[StreamFrame]:
+        """Yield a stream's frames; begin again when the station refuses it."""
+        while True:
+            with contextlib.suppress(ApiError):  # Polling says what is wrong.
+                async for frame in self.client.stream(topic, rate=rate):
+                    yield frame
+            await asyncio.sleep(_RETRY)
+
+
+def _joint_states(frame: StreamFrame) -> JointStates | None:
+    """Return a frame's joints, or None: some positions are not finite, say."""
+    try:
+        return JointStates.model_validate({"stamp": frame.stamp, **frame.data})
+    except ValidationError:
+        return None
+
+
+def _controller_sample(frame: StreamFrame) -> ControllerSample | None:
+    """Return a frame's sample, or None when the controller has none now."""
+    try:
+        return ControllerSample.model_validate({"stamp": frame.stamp, **frame.data})
+    except ValidationError:
+        return None

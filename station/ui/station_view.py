@@ -1,0 +1,88 @@
+"""What the dashboard knows of the station at one moment, as frozen data."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from station.client.models import (
+    CommandElement,
+    ControllerSample,
+    ControllerState,
+    ControllerType,
+    Status,
+)
+
+STALE_AFTER = 0.7
+"""Data older than this must not be taken for the present [s]."""
+LOST_AFTER = 3.0
+"""Data older than this means that the link is down [s]."""
+
+_NO_POSITIONS: Mapping[str, float] = MappingProxyType({})
+_NO_ELEMENTS: Mapping[str, tuple[CommandElement, ...]] = MappingProxyType({})
+_NO_SAMPLES: Mapping[str, ControllerSample] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class StationView:
+    """The newest of everything that has come from the station.
+
+    Attributes:
+        now: Monotonic time at which this view was made [s].
+        heard_at: When the station was heard last, same clock [s]; None: never.
+        failure: Why the last request failed; empty when it did not.
+        status: The station at a glance; None before the first answer.
+        controllers: All loaded controllers.
+        types: Controller types that can be loaded.
+        positions: Joint positions by name [rad] or [m].
+        elements: What running controllers take as set-point, by controller.
+        samples: What watched controllers did last, by controller.
+    """
+
+    now: float = 0.0
+    heard_at: float | None = None
+    failure: str = ""
+    status: Status | None = None
+    controllers: tuple[ControllerState, ...] = ()
+    types: tuple[ControllerType, ...] = ()
+    positions: Mapping[str, float] = field(default_factory=lambda: _NO_POSITIONS)
+    elements: Mapping[str, tuple[CommandElement, ...]] = field(
+        default_factory=lambda: _NO_ELEMENTS
+    )
+    samples: Mapping[str, ControllerSample] = field(default_factory=lambda: _NO_SAMPLES)
+
+    @property
+    def age(self) -> float | None:
+        """How old the newest data is [s]; None before the first."""
+        return None if self.heard_at is None else max(self.now - self.heard_at, 0.0)
+
+    @property
+    def link(self) -> str:
+        """`live`, `stale` or `lost`."""
+        age = self.age
+        if age is None or age > LOST_AFTER:
+            return "lost"
+        return "stale" if age > STALE_AFTER else "live"
+
+    @property
+    def epoch(self) -> int | None:
+        """The station's epoch; None while it is not known."""
+        return None if self.status is None else self.status.epoch
+
+    def controller(self, name: str) -> ControllerState | None:
+        """Return a loaded controller by name, or None."""
+        for controller in self.controllers:
+            if controller.name == name:
+                return controller
+        return None
+
+    def blocked(self) -> str:
+        """Say why nothing can be commanded at all; empty when it can."""
+        if self.link != "live":
+            return f"The link to the station is {self.link}."
+        if self.status is None:
+            return "The station has not said yet how it is."
+        if self.status.stop_state == "stopped":
+            return "The robot is stopped. Release the stop and allow motion first."
+        if self.status.stop_state == "released":
+            return "The stop is released, but motion is not allowed yet."
+        return ""

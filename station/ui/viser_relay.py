@@ -1,0 +1,129 @@
+"""Pass a browser's requests on to Viser, and its frames both ways."""
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import httpx
+from starlette.responses import PlainTextResponse, Response
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, WebSocketException
+from websockets.typing import Subprotocol
+
+from station.ui.viser_door import SECRET_HEADER
+from station.ui.viser_frames import may_pass
+
+if TYPE_CHECKING:
+    from station.ui.sessions import Role
+
+_MAX_FRAME_BYTES = 64 * 1024 * 1024
+_NO_UPSTREAM = 1013
+# Codes that an endpoint may not send: 1005, 1006 and 1015 only report.
+_UNSENDABLE = frozenset({1005, 1006, 1015})
+
+
+class ViserRelay:
+    """The gateway's connection to Viser.
+
+    Args:
+        port: Loopback port Viser listens on.
+        secret: What opens its door.
+    """
+
+    def __init__(self, port: int, secret: str) -> None:
+        self._address = f"127.0.0.1:{port}"
+        self._headers = {SECRET_HEADER: secret}
+        self._http = httpx.AsyncClient(trust_env=False, timeout=5.0)
+        self._page: bytes | None = None
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._http.aclose()
+
+    async def page(self) -> Response:
+        """Return Viser's page; it is one file and never changes."""
+        if self._page is None:
+            try:
+                answer = await self._http.get(
+                    f"http://{self._address}/", headers=self._headers
+                )
+            except httpx.TransportError:
+                return PlainTextResponse("The 3D view is not running.\n", 502)
+            if not answer.is_success:
+                return PlainTextResponse("The 3D view refused to open.\n", 502)
+            self._page = answer.content
+        return Response(self._page, media_type="text/html; charset=utf-8")
+
+    async def socket(self, browser: WebSocket, role: "Role") -> None:
+        """Connect a browser with Viser until either closes.
+
+        Args:
+            browser: The browser's WebSocket, not accepted yet.
+            role: Decides which of its frames pass.
+        """
+        offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
+        try:
+            upstream = await connect(
+                f"ws://{self._address}/",
+                additional_headers=self._headers,
+                subprotocols=offered or None,
+                compression=None,
+                max_size=_MAX_FRAME_BYTES,
+                proxy=None,
+                ping_interval=None,
+                close_timeout=0.5,
+            )
+        except (OSError, WebSocketException):
+            await browser.close(_NO_UPSTREAM, "the 3D view is not running")
+            return
+        async with upstream:
+            await browser.accept(subprotocol=upstream.subprotocol)
+            await _relay(browser, upstream, role)
+
+
+async def _relay(browser: WebSocket, upstream: ClientConnection, role: "Role") -> None:
+    downwards = asyncio.create_task(_to_browser(browser, upstream))
+    upwards = asyncio.create_task(_to_viser(browser, upstream, role))
+    try:
+        await asyncio.wait({downwards, upwards}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        downwards.cancel()
+        upwards.cancel()
+        await asyncio.gather(downwards, upwards, return_exceptions=True)
+
+
+async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
+    """Send Viser's frames on; forward its close code at the end."""
+    try:
+        async for frame in upstream:
+            if isinstance(frame, bytes):
+                await browser.send_bytes(frame)
+            else:
+                await browser.send_text(frame)
+    except (ConnectionClosed, WebSocketDisconnect):
+        pass  # Either end has gone; the code below tells the other.
+    if browser.application_state is WebSocketState.CONNECTED:
+        await browser.close(*_closing(upstream.close_code, upstream.close_reason))
+
+
+async def _to_viser(
+    browser: WebSocket, upstream: ClientConnection, role: "Role"
+) -> None:
+    """Send the browser's frames on, those that may pass; forward its close code."""
+    while True:
+        message = await browser.receive()
+        if message["type"] == "websocket.disconnect":
+            await upstream.close(*_closing(message.get("code"), message.get("reason")))
+            return
+        frame = message.get("bytes")
+        if frame is not None and may_pass(frame, role):
+            try:
+                await upstream.send(frame)
+            except ConnectionClosed:
+                return
+
+
+def _closing(code: int | None, reason: str | None) -> tuple[int, str]:
+    if code is None or code in _UNSENDABLE:
+        return 1001, ""
+    return code, reason or ""
