@@ -35,6 +35,12 @@ from station.core.limits.position_joint_limits import (
     PositionJointSaturationHandle,
     PositionJointSoftLimitsHandle,
 )
+from station.core.limits.rate_joint_limits import (
+    PositionJointRateLimitsHandle,
+    PositionJointRateLimitsInterface,
+    VelocityJointRateLimitsHandle,
+    VelocityJointRateLimitsInterface,
+)
 from station.core.limits.urdf import (
     joint_limits_from_urdf,
     soft_joint_limits_from_urdf,
@@ -55,11 +61,15 @@ __all__ = [
     "JointLimitsError",
     "JointLimitsHandle",
     "JointLimitsInterface",
+    "PositionJointRateLimitsHandle",
+    "PositionJointRateLimitsInterface",
     "PositionJointSaturationHandle",
     "PositionJointSaturationInterface",
     "PositionJointSoftLimitsHandle",
     "PositionJointSoftLimitsInterface",
     "SoftJointLimits",
+    "VelocityJointRateLimitsHandle",
+    "VelocityJointRateLimitsInterface",
     "VelocityJointSaturationHandle",
     "VelocityJointSaturationInterface",
     "VelocityJointSoftLimitsHandle",
