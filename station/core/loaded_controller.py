@@ -269,7 +269,9 @@ def find_guards(
         for handle in interface.handles():
             slots = handle.command_slots()
             if slots and handle.name in claim.resources:
-                guards.append(CommandGuard(interface, handle.name, slots))
+                guards.append(
+                    CommandGuard(interface.origin(handle.name), handle.name, slots)
+                )
     return guards
 
 

@@ -35,16 +35,27 @@ class ResourceHandle:
 
 
 def check_storage(
-    name: str, what: str, storage: list[float] | None, index: int
+    name: str,
+    what: str,
+    storage: list[float] | None,
+    index: int,
+    kind: str = "data pointer",
 ) -> list[float]:
     """Return `storage` when it is a list that has the slot `index`.
+
+    Args:
+        name: Name of the resource.
+        what: What the storage holds, as the error message says it.
+        storage: The storage.
+        index: The slot.
+        kind: What the original calls the storage in its message.
 
     Raises:
         HardwareInterfaceError: The storage is None, or `index` is outside of it.
     """
     if storage is None:
         raise HardwareInterfaceError(
-            f"Cannot create handle '{name}'. {what} data pointer is null.",
+            f"Cannot create handle '{name}'. {what} {kind} is null.",
             remedy="Pass the list of floats in which the robot keeps this value.",
             details={"resource": name},
         )
@@ -122,6 +133,7 @@ class HardwareResourceManager(ResourceManager[H]):
     def __init__(self) -> None:
         super().__init__()
         self._claims: set[str] = set()
+        self._origins: dict[str, HardwareResourceManager[H]] = {}
 
     @override
     def get_handle(self, name: str) -> H:
@@ -134,6 +146,22 @@ class HardwareResourceManager(ResourceManager[H]):
         if self.claims_resources:
             self._claims.add(name)
         return handle
+
+    @override
+    def merge(self, managers: Iterable[ResourceManager[H]]) -> None:
+        for manager in managers:
+            super().merge([manager])
+            if isinstance(manager, HardwareResourceManager):
+                for name in manager.get_names():
+                    self._origins[name] = manager.origin(name)
+
+    def origin(self, name: str) -> "HardwareResourceManager[H]":
+        """Return the manager in which `name` was registered at first.
+
+        Another one only for an interface that combines those of several robots: the
+        robot's own interface knows how its resources rest.
+        """
+        return self._origins.get(name, self)
 
     def claim(self, name: str) -> None:
         """Claim the resource `name` without asking for its handle."""
