@@ -14,6 +14,10 @@ CONTROLLERS: dict[str, str] = {
     "effort_controllers/JointGroupPositionController": (
         "station.controllers.effort_controllers:JointGroupPositionController"
     ),
+    "effort_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.effort_controllers"
+        ":JointTrajectoryController"
+    ),
     "effort_controllers/JointPositionController": (
         "station.controllers.effort_controllers:JointPositionController"
     ),
@@ -26,11 +30,19 @@ CONTROLLERS: dict[str, str] = {
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"
     ),
+    "position_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.position_controllers"
+        ":JointTrajectoryController"
+    ),
     "position_controllers/JointPositionController": (
         "station.controllers.position_controllers:JointPositionController"
     ),
     "velocity_controllers/JointGroupVelocityController": (
         "station.controllers.velocity_controllers:JointGroupVelocityController"
+    ),
+    "velocity_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.velocity_controllers"
+        ":JointTrajectoryController"
     ),
     "velocity_controllers/JointPositionController": (
         "station.controllers.velocity_controllers:JointPositionController"

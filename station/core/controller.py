@@ -12,6 +12,7 @@ from typing import ClassVar, Generic, NamedTuple, TypeVar
 from typing_extensions import override
 
 from station.core.errors import ControllerLoadError
+from station.core.goal import GoalPort  # noqa: TC001 - a native attribute
 from station.core.interfaces.interface_manager import interface_type_name
 from station.core.interfaces.resource_manager import HardwareResourceManager
 from station.core.parameters import Parameters
@@ -63,6 +64,7 @@ class ControllerBase:
     Attributes:
         state: Where it is in its life; set by this class and the manager only.
         set_points: Where set-points arrive; None when it takes none.
+        goals: Where goals arrive; None when it takes none.
         joint_names: Names of what `sample` describes.
         sample: What it did last; a new object each time, None before the first.
     """
@@ -70,6 +72,7 @@ class ControllerBase:
     def __init__(self) -> None:
         self.state = ControllerState.CONSTRUCTED
         self.set_points: SetPointPort | None = None
+        self.goals: GoalPort | None = None
         self.joint_names: list[str] = []
         self.sample: ControllerSample | None = None
 

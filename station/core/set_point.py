@@ -51,7 +51,8 @@ class SetPointPort:
         clock: The clock that measures it.
 
     Attributes:
-        last: The last set-point picked up; None before the first.
+        last: The last set-point picked up; None when there was none since the controller
+            started.
     """
 
     def __init__(
@@ -122,9 +123,7 @@ class SetPointPort:
         return True
 
     def clear(self) -> None:
-        """Void a set-point that has not been picked up (control thread only).
-
-        Nothing is left that could expire.
-        """
+        """Void every set-point, picked up or not (control thread only)."""
         self._slot.clear()
+        self.last = None
         self._deadline = inf

@@ -91,6 +91,15 @@ class FakeRobotHW(RobotHW):
             self.time += period
             controller.update_request(self.time, period)
 
+    def run_with_position(self, controller, count=1, period=0.001, stuck=()):
+        """Run `count` cycles; joints that are not `stuck` follow position commands."""
+        for _ in range(count):
+            self.step(controller, period=period)
+            for index, command in enumerate(self.positions_commanded):
+                if index not in stuck:
+                    self.velocity[index] = (command - self.position[index]) / period
+                    self.position[index] = command
+
     def run_with_effort(self, controller, count, period=0.001):
         """Run `count` cycles with unit masses under the commanded efforts."""
         for _ in range(count):

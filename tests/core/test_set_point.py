@@ -86,11 +86,12 @@ def test_a_set_point_may_be_valid_for_ever(port, clock):
     assert not port.take_expiry()
 
 
-def test_clearing_voids_the_slot_and_the_time_limit(port, clock):
+def test_clearing_voids_all_set_points_and_the_time_limit(port, clock):
     port.post([0.1, 0.1])
     port.take()
     port.post([0.2, 0.2])
     port.clear()
     clock.advance(1.0)
+    assert port.last is None
     assert port.take() is None
     assert not port.take_expiry()

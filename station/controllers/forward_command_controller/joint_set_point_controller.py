@@ -121,7 +121,6 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     @override
     def starting(self, time: float) -> None:
         self._set_point = self.rest()
-        self._port.last = self._set_point
 
     def _element(self, joint: JointDescription) -> SetPointElement:
         lower, upper = self.quantity.range(joint)

@@ -70,6 +70,21 @@ class JointPids:
             for pid, error in zip(self.pids, errors, strict=True)
         ]
 
+    def compute_commands_with_rates(
+        self, errors: list[float], rates: list[float], period: float
+    ) -> list[float]:
+        """Return the commands for `errors` with known rates, shape (n,) all.
+
+        Args:
+            errors: Set-point minus measured value, in the unit of the error.
+            rates: Rates of the errors, in the unit of the error per second.
+            period: Time since the last cycle [s]; the commands are 0 when it is 0.
+        """
+        return [
+            pid.compute_command_with_rate(error, rate, period)
+            for pid, error, rate in zip(self.pids, errors, rates, strict=True)
+        ]
+
     def gain_schema(self) -> Mapping[str, Tunable]:
         """Return unit and range of every gain."""
         return self._schema

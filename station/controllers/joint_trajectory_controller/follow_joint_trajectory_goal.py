@@ -1,0 +1,170 @@
+"""The goal of the action follow_joint_trajectory, read from a request.
+
+Source: control_msgs@1.5.2 action/FollowJointTrajectory.action, msg/JointTolerance.msg;
+differs: times are seconds, `stamp` may stand outside of `header`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+
+from station.core.errors import InvalidTrajectoryError
+from station.core.trajectory import (
+    JointTrajectory,
+    JointTrajectoryPoint,
+    ToleranceRequest,
+)
+
+
+class ErrorCode(IntEnum):
+    """How the action ends, by the numbers of the original."""
+
+    SUCCESSFUL = 0
+    INVALID_GOAL = -1
+    INVALID_JOINTS = -2
+    OLD_HEADER_TIMESTAMP = -3
+    PATH_TOLERANCE_VIOLATED = -4
+    GOAL_TOLERANCE_VIOLATED = -5
+
+
+@dataclass(frozen=True, slots=True)
+class FollowJointTrajectoryGoal:
+    """What the action is asked for.
+
+    Attributes:
+        trajectory: Where the joints shall go; no points means: stop and hold.
+        path_tolerance: Bounds of the errors on the way, instead of the defaults.
+        goal_tolerance: Bounds of the errors at the end, instead of the defaults.
+        goal_time_tolerance: Extra time [s]; 0 keeps the default, a negative one is 0.
+    """
+
+    trajectory: JointTrajectory
+    path_tolerance: tuple[ToleranceRequest, ...] = ()
+    goal_tolerance: tuple[ToleranceRequest, ...] = ()
+    goal_time_tolerance: float = 0.0
+
+
+def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
+    """Read a goal from JSON-compatible values shaped like the action's message.
+
+    Args:
+        request: `{"trajectory": {"joint_names", "points": [{"positions", "velocities",
+            "accelerations", "time_from_start"}], "stamp"}, "path_tolerance":
+            [{"name", "position", "velocity", "acceleration"}], "goal_tolerance",
+            "goal_time_tolerance"}`; only `trajectory` is required.
+
+    Raises:
+        InvalidTrajectoryError: A field is missing, unknown or has the wrong type.
+    """
+    known = {
+        "trajectory",
+        "path_tolerance",
+        "goal_tolerance",
+        "goal_time_tolerance",
+    }
+    _refuse_unknown(request, known, "the goal")
+    trajectory = _mapping(request.get("trajectory"), "trajectory")
+    return FollowJointTrajectoryGoal(
+        _trajectory(trajectory),
+        _tolerances(request, "path_tolerance"),
+        _tolerances(request, "goal_tolerance"),
+        _number(request, "goal_time_tolerance", "goal_time_tolerance"),
+    )
+
+
+def _trajectory(message: Mapping[str, object]) -> JointTrajectory:
+    known = {"header", "joint_names", "points", "stamp"}
+    _refuse_unknown(message, known, "trajectory")
+    header = _mapping(message.get("header", {}), "trajectory/header")
+    names = message.get("joint_names")
+    if not isinstance(names, (list, tuple)) or not all(
+        isinstance(name, str) for name in names
+    ):
+        raise _wrong("trajectory/joint_names", names, "a list of joint names")
+    points = _list(message.get("points", []), "trajectory/points")
+    stamp = _number(message, "stamp", "trajectory/stamp")
+    return JointTrajectory(
+        [str(name) for name in names],
+        [
+            _point(_mapping(point, f"trajectory/points/{index}"), index)
+            for index, point in enumerate(points)
+        ],
+        stamp or _number(header, "stamp", "trajectory/header/stamp"),
+    )
+
+
+def _point(message: Mapping[str, object], index: int) -> JointTrajectoryPoint:
+    where = f"trajectory/points/{index}"
+    known = {"positions", "velocities", "accelerations", "effort", "time_from_start"}
+    _refuse_unknown(message, known, where)
+    return JointTrajectoryPoint(
+        _numbers(message, "positions", where),
+        _numbers(message, "velocities", where),
+        _numbers(message, "accelerations", where),
+        _number(message, "time_from_start", f"{where}/time_from_start"),
+    )
+
+
+def _tolerances(
+    request: Mapping[str, object], key: str
+) -> tuple[ToleranceRequest, ...]:
+    tolerances = []
+    for index, entry in enumerate(_list(request.get(key, []), key)):
+        where = f"{key}/{index}"
+        message = _mapping(entry, where)
+        _refuse_unknown(
+            message, {"name", "position", "velocity", "acceleration"}, where
+        )
+        name = message.get("name")
+        if not isinstance(name, str):
+            raise _wrong(f"{where}/name", name, "the name of a joint")
+        tolerances.append(
+            ToleranceRequest(
+                name,
+                _number(message, "position", f"{where}/position"),
+                _number(message, "velocity", f"{where}/velocity"),
+                _number(message, "acceleration", f"{where}/acceleration"),
+            )
+        )
+    return tuple(tolerances)
+
+
+def _refuse_unknown(message: Mapping[str, object], known: set[str], where: str) -> None:
+    unknown = [key for key in message if key not in known]
+    if unknown:
+        raise _wrong(where, unknown, f"made of {', '.join(sorted(known))} only")
+
+
+def _mapping(value: object, where: str) -> Mapping[str, object]:
+    if not isinstance(value, Mapping):
+        raise _wrong(where, value, "a mapping")
+    return value
+
+
+def _list(value: object, where: str) -> list[object]:
+    if not isinstance(value, (list, tuple)):
+        raise _wrong(where, value, "a list")
+    return list(value)
+
+
+def _numbers(message: Mapping[str, object], key: str, where: str) -> list[float]:
+    values = _list(message.get(key, []), f"{where}/{key}")
+    return [_as_number(value, f"{where}/{key}") for value in values]
+
+
+def _number(message: Mapping[str, object], key: str, where: str) -> float:
+    return _as_number(message.get(key, 0.0), where)
+
+
+def _as_number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise _wrong(where, value, "a number")
+    return float(value)
+
+
+def _wrong(where: str, value: object, wanted: str) -> InvalidTrajectoryError:
+    return InvalidTrajectoryError(
+        f"'{where}' is {value!r}; it must be {wanted}.",
+        remedy="Send a goal shaped like control_msgs/FollowJointTrajectoryGoal.",
+        details={"field": where, "error_code": int(ErrorCode.INVALID_GOAL)},
+    )

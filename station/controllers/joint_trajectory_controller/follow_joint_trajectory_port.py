@@ -1,0 +1,64 @@
+"""Where a joint trajectory controller takes its goals."""
+
+from collections.abc import Callable, Mapping
+
+from typing_extensions import override
+
+from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
+    parse_goal,
+)
+from station.controllers.joint_trajectory_controller.trajectory_execution import (
+    TrajectoryExecution,
+)
+from station.core.errors import ControllerStateError
+from station.core.goal import Goal, GoalPort
+from station.core.trajectory import JointTolerances, updated_tolerances
+
+
+class FollowJointTrajectoryPort(GoalPort):
+    """Checks goals and plans them; the controller executes them.
+
+    Args:
+        execution: Where planned goals go.
+        tolerances: Default bounds of the errors by joint.
+        is_running: Says whether the controller is running.
+    """
+
+    def __init__(
+        self,
+        execution: TrajectoryExecution,
+        tolerances: Mapping[str, JointTolerances],
+        is_running: Callable[[], bool],
+    ) -> None:
+        super().__init__()
+        self._execution = execution
+        self._tolerances = tolerances
+        self._is_running = is_running
+
+    @override
+    def submit(self, request: Mapping[str, object]) -> Goal:
+        """Check a follow_joint_trajectory goal and let it replace the present one.
+
+        Args:
+            request: See `parse_goal`.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: The goal is malformed or cannot be followed.
+        """
+        wanted = parse_goal(request)
+        if not self._is_running():
+            raise ControllerStateError(
+                "The controller is not running; it takes goals only then.",
+                remedy="Start it with POST /controllers/switch.",
+            )
+        goal = self.new_goal(request)
+        bounds = updated_tolerances(
+            self._tolerances,
+            wanted.path_tolerance,
+            wanted.goal_tolerance,
+            wanted.goal_time_tolerance,
+        )
+        self._execution.plan(wanted.trajectory, goal, bounds)
+        self.remember(goal)
+        return goal

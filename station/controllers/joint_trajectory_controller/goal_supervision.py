@@ -1,0 +1,169 @@
+"""Watch over a goal: is it on its path, has it arrived, and why not.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/
+joint_trajectory_controller_impl.h, JointTrajectoryController.update.
+"""
+
+from dataclasses import dataclass
+
+from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
+    ErrorCode,
+)
+from station.core.goal import Goal, GoalResult, GoalStatus
+from station.core.robot_description import JointDescription
+from station.core.trajectory import JointTrajectorySegment, SegmentTrajectory
+
+
+@dataclass(frozen=True, slots=True)
+class JointErrors:
+    """How far the joints are from where they shall be, shape (n,) each.
+
+    Attributes:
+        positions: Desired minus measured positions [rad or m].
+        velocities: Desired minus measured velocities [rad/s or m/s].
+    """
+
+    positions: list[float]
+    velocities: list[float]
+
+
+class GoalSupervision:
+    """Knows the active goal and ends it. Control thread only.
+
+    Args:
+        joints: The joints.
+
+    Attributes:
+        goal: The active goal; None when there is none.
+    """
+
+    def __init__(self, joints: list[JointDescription]) -> None:
+        self.goal: Goal | None = None
+        self._joints = joints
+        self._reached: set[int] = set()
+        self._start = 0.0
+        self._end = 0.0
+
+    def begin(
+        self, goal: Goal | None, now: float, trajectory: SegmentTrajectory
+    ) -> None:
+        """Make `goal` the active one; the one before is preempted.
+
+        Args:
+            goal: The new goal; None for a trajectory nobody waits for.
+            now: Time of the trajectory [s].
+            trajectory: What is executed from now on.
+        """
+        self.preempt("Another trajectory replaced it.")
+        self.goal = goal
+        self._reached.clear()
+        self._start = now
+        self._end = max(segments[-1].end_time for segments in trajectory)
+        if goal is not None:
+            goal.status = GoalStatus.ACTIVE
+
+    def preempt(self, reason: str) -> None:
+        """End the active goal without success or failure."""
+        if self.goal is not None:
+            self.goal.finish(GoalStatus.PREEMPTED, GoalResult(0, reason))
+            self.goal = None
+
+    def check(
+        self,
+        active: list[JointTrajectorySegment],
+        trajectory: SegmentTrajectory,
+        errors: JointErrors,
+        now: float,
+    ) -> bool:
+        """Compare the errors with their bounds; return whether the goal is aborted.
+
+        Args:
+            active: The segment each joint is on.
+            trajectory: All segments.
+            errors: The present errors.
+            now: Time of the trajectory [s].
+        """
+        goal = self.goal
+        if goal is None:
+            return False
+        duration = self._end - self._start
+        passed = (now - self._start) / duration if duration > 0.0 else 1.0
+        goal.progress = min(1.0, passed)
+        for index, segment in enumerate(active):
+            if segment.goal is not goal:
+                continue
+            result = None
+            if now < segment.end_time:
+                result = self._path_violation(index, segment, errors, now)
+            elif segment is trajectory[index][-1]:
+                result = self._goal_violation(index, segment, errors, now)
+            if result is not None:
+                goal.finish(GoalStatus.ABORTED, result)
+                self.goal = None
+                return True
+        if len(self._reached) == len(active):
+            goal.progress = 1.0
+            goal.finish(GoalStatus.SUCCEEDED, GoalResult())
+            self.goal = None
+        return False
+
+    def _path_violation(
+        self,
+        index: int,
+        segment: JointTrajectorySegment,
+        errors: JointErrors,
+        now: float,
+    ) -> GoalResult | None:
+        violation = segment.tolerances.path.violation(
+            errors.positions[index], errors.velocities[index]
+        )
+        if violation is None:
+            return None
+        code = ErrorCode.PATH_TOLERANCE_VIOLATED
+        return self._result(index, violation, now, code, "on its path")
+
+    def _goal_violation(
+        self,
+        index: int,
+        segment: JointTrajectorySegment,
+        errors: JointErrors,
+        now: float,
+    ) -> GoalResult | None:
+        violation = segment.tolerances.goal.violation(
+            errors.positions[index], errors.velocities[index]
+        )
+        if violation is None:
+            self._reached.add(index)
+            return None
+        if now < segment.end_time + segment.tolerances.goal_time:
+            return None
+        code = ErrorCode.GOAL_TOLERANCE_VIOLATED
+        return self._result(index, violation, now, code, "at its goal")
+
+    def _result(
+        self,
+        index: int,
+        violation: tuple[str, float, float],
+        now: float,
+        code: ErrorCode,
+        where: str,
+    ) -> GoalResult:
+        joint = self._joints[index]
+        quantity, error, tolerance = violation
+        unit = "m" if joint.is_linear() else "rad"
+        unit = {"velocity": f"{unit}/s", "acceleration": f"{unit}/s^2"}.get(
+            quantity, unit
+        )
+        after = now - self._start
+        return GoalResult(
+            int(code),
+            f"Joint '{joint.name}' has a {quantity} error of {error:.6g} {unit} "
+            f"{where} after {after:.3f} s; allowed are {tolerance:.6g} {unit}.",
+            {
+                "joint": joint.name,
+                "quantity": quantity,
+                "error": error,
+                "tolerance": tolerance,
+                "time": after,
+            },
+        )

@@ -1,0 +1,330 @@
+"""Follow a trajectory in time: take requests over, sample, supervise the goal.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/
+joint_trajectory_controller_impl.h.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from station.controllers.joint_trajectory_controller.goal_supervision import (
+    GoalSupervision,
+    JointErrors,
+)
+from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
+from station.core.angles import shortest_angular_distance
+from station.core.errors import InvalidTrajectoryError
+from station.core.goal import Goal, GoalResult, GoalStatus
+from station.core.robot_description import JointDescription, JointType
+from station.core.trajectory import (
+    JointTolerances,
+    JointTrajectory,
+    JointTrajectorySegment,
+    PosVelAccState,
+    SegmentTrajectory,
+    TrajectoryOptions,
+    find_segment,
+    hold_trajectory,
+    init_joint_trajectory,
+    sample_segments,
+    stop_trajectory,
+)
+from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
+
+
+@dataclass(frozen=True, slots=True)
+class _Moment:
+    """One cycle's time, swapped as a whole.
+
+    Attributes:
+        time: Station time [s].
+        period: Time since the cycle before [s].
+        uptime: Time of the trajectory [ns].
+    """
+
+    time: float = 0.0
+    period: float = 0.0
+    uptime: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """A planned trajectory, None to stop and hold, and the goal that waits for it."""
+
+    trajectory: SegmentTrajectory | None
+    goal: Goal | None
+
+
+class TrajectoryExecution:
+    """What a joint trajectory controller does, but for the hardware.
+
+    `plan` may be called from any thread; everything else belongs to the control
+    thread. A new trajectory is worked out in the caller's thread and taken up in the
+    next cycle; if the loop went on meanwhile, the bridge to it begins anew where the
+    joints shall be then.
+
+    Args:
+        joints: The joints.
+        stop_duration: Time in which a motion is ended [s]; 0 to hold the measured
+            positions at once.
+        allow_partial_joints_goal: Whether a trajectory may leave joints out.
+        speed: How fast the time of the trajectory passes.
+
+    Attributes:
+        speed: How fast the time of the trajectory passes.
+        positions: Desired positions [rad or m], shape (n,).
+        velocities: Desired velocities [rad/s or m/s], shape (n,).
+        accelerations: Desired accelerations [rad/s^2 or m/s^2], shape (n,).
+        errors: Desired minus measured states.
+
+    Source:
+        JointTrajectoryController; differs: after a violated tolerance the joints are
+        stopped and held, not moved on; only continuous joints take the shortest way in
+        the error; positions beyond a joint's limits are refused.
+    """
+
+    def __init__(
+        self,
+        joints: list[JointDescription],
+        *,
+        stop_duration: float = 0.0,
+        allow_partial_joints_goal: bool = False,
+        speed: SpeedScaling | None = None,
+    ) -> None:
+        self._joints = joints
+        self._names = [joint.name for joint in joints]
+        self._wraps = [joint.type is JointType.CONTINUOUS for joint in joints]
+        self._stop_duration = stop_duration
+        self._allow_partial = allow_partial_joints_goal
+        self.speed = SpeedScaling() if speed is None else speed
+        self.positions: list[float] = []
+        self.velocities: list[float] = []
+        self.accelerations: list[float] = []
+        self.errors = JointErrors([], [])
+        self._rates: list[float] = []
+        self._trajectory: SegmentTrajectory = []
+        self._moment = _Moment()
+        self._supervision = GoalSupervision(joints)
+        self._requests: deque[_Request] = deque()
+        self._planning = threading.Lock()
+
+    def start(
+        self, time: float, positions: list[float], velocities: list[float]
+    ) -> None:
+        """Hold the present positions, or come to rest when the joints move.
+
+        Args:
+            time: Station time [s].
+            positions: Measured positions [rad or m], shape (n,).
+            velocities: Measured velocities [rad/s or m/s], shape (n,).
+        """
+        size = len(self._joints)
+        self._requests.clear()
+        self._moment = _Moment(time)
+        self.positions = positions
+        self.velocities = velocities
+        self.accelerations = [0.0] * size
+        self.errors = JointErrors([0.0] * size, [0.0] * size)
+        self._rates = velocities
+        self._trajectory = self._resting(positions)
+
+    def stop(self) -> None:
+        """End the active goal and every goal that waits; nothing resumes later."""
+        reason = "The controller was stopped."
+        self._supervision.preempt(reason)
+        while self._requests:
+            waiting = self._requests.popleft().goal
+            if waiting is not None:
+                waiting.finish(GoalStatus.PREEMPTED, GoalResult(0, reason))
+
+    def plan(
+        self,
+        request: JointTrajectory,
+        goal: Goal | None = None,
+        tolerances: Mapping[str, JointTolerances] | None = None,
+    ) -> None:
+        """Work a request out and let the next cycle take it up.
+
+        Args:
+            request: Where to go; without points: stop and hold.
+            goal: The goal that waits for it.
+            tolerances: Bounds of the errors by joint, used with a goal.
+
+        Raises:
+            InvalidTrajectoryError: The request cannot be followed; nothing changed.
+        """
+        with self._planning:
+            if request.points:
+                planned = self._planned(request, goal, tolerances)
+                self._requests.append(_Request(planned, goal))
+            else:
+                self._requests.append(_Request(None, goal))
+
+    def advance(
+        self,
+        time: float,
+        period: float,
+        positions: list[float],
+        velocities: list[float],
+    ) -> None:
+        """Bring the desired states and the errors to the present cycle.
+
+        Args:
+            time: Station time [s].
+            period: Time since the last cycle [s], >= 0.
+            positions: Measured positions [rad or m], shape (n,).
+            velocities: Measured velocities [rad/s or m/s], shape (n,).
+        """
+        passed = self.speed.advance(period)
+        uptime = self._moment.uptime + to_nanoseconds(passed)
+        self._moment = _Moment(time, period, uptime)
+        now = to_seconds(uptime)
+        while self._requests:
+            self._take_up(self._requests[0], now, positions)
+            self._requests.popleft()
+        goal = self._supervision.goal
+        if goal is not None and goal.cancel_requested:
+            self._supervision.preempt("It was cancelled.")
+            self._trajectory = self._resting(positions)
+        active = self._sample(now, positions, velocities)
+        if self._supervision.check(active, self._trajectory, self.errors, now):
+            self._trajectory = self._resting(positions)
+
+    def query(self, time: float) -> PosVelAccState:
+        """Return the desired state at a station time [s], past or to come.
+
+        Raises:
+            InvalidTrajectoryError: The trajectory being executed begins later.
+        """
+        moment, trajectory = self._moment, self._trajectory
+        when = to_seconds(moment.uptime) + (time - moment.time)
+        states = []
+        for segments in trajectory:
+            if find_segment(segments, when) is None:
+                raise InvalidTrajectoryError(
+                    f"The time {time} s is before the trajectory being executed.",
+                    remedy=f"Ask for a later time; now it is {moment.time} s.",
+                )
+            states.append(sample_segments(segments, when))
+        return PosVelAccState(
+            [state[0] for state in states],
+            [state[1] for state in states],
+            [state[2] for state in states],
+        )
+
+    def _planned(
+        self,
+        request: JointTrajectory,
+        goal: Goal | None,
+        tolerances: Mapping[str, JointTolerances] | None,
+    ) -> SegmentTrajectory:
+        moment = self._moment
+        current = self._latest_trajectory()
+        following = moment.uptime + to_nanoseconds(moment.period * self.speed.factor)
+        planned = init_joint_trajectory(
+            request,
+            moment.time + moment.period,
+            TrajectoryOptions(
+                current=current,
+                joint_names=self._names,
+                angle_wraparound=self._wraps,
+                other_time_base=to_seconds(following),
+                allow_partial_joints_goal=self._allow_partial,
+                goal=goal,
+                tolerances=tolerances,
+            ),
+        )
+        self._check_limits(request)
+        return planned
+
+    def _latest_trajectory(self) -> SegmentTrajectory:
+        try:
+            latest = self._requests[-1].trajectory
+        except IndexError:
+            latest = None
+        return self._trajectory if latest is None else latest
+
+    def _check_limits(self, request: JointTrajectory) -> None:
+        """Refuse positions that a joint cannot reach.
+
+        Raises:
+            InvalidTrajectoryError: A position is beyond the joint's limits.
+        """
+        for column, name in enumerate(request.joint_names):
+            joint = self._joints[self._names.index(name)]
+            for index, point in enumerate(request.points):
+                position = point.positions[column]
+                if not joint.lower <= position <= joint.upper:
+                    raise InvalidTrajectoryError(
+                        f"Point {index} has the position {position} for '{name}'; "
+                        f"allowed is {joint.lower} to {joint.upper}.",
+                        remedy="Give positions within the limits of the joint.",
+                        details={"point": index, "joint": name, "reason": "limits"},
+                    )
+
+    def _take_up(self, request: _Request, now: float, positions: list[float]) -> None:
+        if request.trajectory is None:
+            self._trajectory = self._resting(positions, request.goal)
+        else:
+            self._trajectory = self._with_timely_bridges(request.trajectory, now)
+        self._supervision.begin(request.goal, now, self._trajectory)
+
+    def _resting(
+        self, positions: list[float], goal: Goal | None = None
+    ) -> SegmentTrajectory:
+        """Return a trajectory that ends the motion, from the present cycle on."""
+        now = to_seconds(self._moment.uptime)
+        if self._stop_duration == 0.0:
+            return hold_trajectory(now, positions, goal)
+        moving = zip(self.positions, self._rates, strict=True)
+        return stop_trajectory(now, self._stop_duration, list(moving), goal)
+
+    def _with_timely_bridges(
+        self, planned: SegmentTrajectory, now: float
+    ) -> SegmentTrajectory:
+        """Let bridges that should have begun already begin where the joints are due."""
+        result: SegmentTrajectory = []
+        for segments, current in zip(planned, self._trajectory, strict=True):
+            index = find_segment(segments, now)
+            bridge = None if index is None else segments[index]
+            if index is None or bridge is None or not bridge.is_bridge:
+                result.append(segments)
+                continue
+            if not bridge.start_time < now < bridge.end_time:
+                result.append(segments)
+                continue
+            position, velocity, acceleration = sample_segments(current, now)
+            here = PosVelAccState([position], [velocity], [acceleration])
+            late = bridge.starting_at(now, here)
+            result.append([*segments[:index], late, *segments[index + 1 :]])
+        return result
+
+    def _sample(
+        self, now: float, measured: list[float], velocities: list[float]
+    ) -> list[JointTrajectorySegment]:
+        """Set desired states and errors; return each joint's active segment."""
+        active: list[JointTrajectorySegment] = []
+        wanted, rates, accelerations = [], [], []
+        factor, rate = self.speed.factor, self.speed.rate
+        for segments in self._trajectory:
+            segment = segments[find_segment(segments, now) or 0]
+            active.append(segment)
+            position, velocity, acceleration = segment.spline.sample_dimension(now)
+            wanted.append(position)
+            rates.append(velocity)
+            accelerations.append(acceleration * factor * factor + velocity * rate)
+        self.positions = wanted
+        self.velocities = [velocity * factor for velocity in rates]
+        self.accelerations = accelerations
+        self._rates = rates
+        errors = [d - a for d, a in zip(wanted, measured, strict=True)]
+        for index, wraps in enumerate(self._wraps):
+            if wraps:
+                errors[index] = shortest_angular_distance(
+                    measured[index], wanted[index]
+                )
+        rate_errors = [d - a for d, a in zip(self.velocities, velocities, strict=True)]
+        self.errors = JointErrors(errors, rate_errors)
+        return active
