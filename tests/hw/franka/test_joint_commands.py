@@ -36,12 +36,12 @@ def commands() -> JointCommands:
     return commands
 
 
-def test_seed_commands_what_keeps_the_arm_where_it_is() -> None:
+def test_begin_commands_what_keeps_the_arm_where_it_is() -> None:
     state = RobotState()
     commands = JointCommands(state, NAMES)
     commands.efforts[2] = commands.velocities[2] = 3.0
     state.q_d[:] = [0.1] * 7
-    commands.seed()
+    commands.begin(ControlMode.NONE)
     assert commands.positions == [0.1] * 7
     assert commands.efforts == commands.velocities == [0.0] * 7
 
@@ -58,9 +58,10 @@ def test_seed_commands_what_keeps_the_arm_where_it_is() -> None:
 def test_limits_of_the_commanded_kinds_alone_are_enforced(
     commands: JointCommands, mode: ControlMode, expected: tuple[float, float, float]
 ) -> None:
+    commands.begin(mode)
     commands.positions[0] = commands.velocities[0] = 9.0
     commands.efforts[0] = 99.0
-    commands.enforce_limits(mode, 0.001)
+    commands.enforce_limits(0.001)
     given = commands.positions[0], commands.velocities[0], commands.efforts[0]
     assert given == pytest.approx(expected)
 
@@ -77,8 +78,9 @@ def test_limits_of_the_commanded_kinds_alone_are_enforced(
 def test_only_commanded_kinds_must_be_finite(
     commands: JointCommands, mode: ControlMode, *, expected: bool
 ) -> None:
+    commands.begin(mode)
     commands.efforts[6] = nan
-    assert commands.are_finite(mode) is expected
+    assert commands.are_finite() is expected
 
 
 def test_goals_stay_within_the_position_limits(commands: JointCommands) -> None:
