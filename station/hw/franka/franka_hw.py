@@ -159,24 +159,23 @@ class FrankaHW(RobotHW):
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        arm, commands, mode = self.arm, self.commands, self._mode
-        if arm.state.robot_mode is not RobotMode.MOVE:
+        arm, commands, state = self.arm, self.commands, self.arm.state
+        if state.robot_mode is not RobotMode.MOVE:
             return
-        if not commands.are_finite(mode):
+        if not commands.are_finite():
             arm.stop_motion()
             return
         goals = commands.goals()
         if period > 0.0:
-            commands.enforce_limits(mode, period)
-        state, filtered = arm.state, self._filter
-        if mode & ControlMode.JOINT_POSITION:
+            commands.enforce_limits(period)
+        filtered = self._filter
+        if commands.has_positions:
             q = filtered.positions(commands.positions, state, goals=goals)
             arm.command_joint_positions(q)
-        elif mode & ControlMode.JOINT_VELOCITY:
-            arm.command_joint_velocities(
-                filtered.velocities(commands.velocities, state)
-            )
-        if mode & ControlMode.JOINT_TORQUE:
+        if commands.has_velocities:
+            dq = filtered.velocities(commands.velocities, state)
+            arm.command_joint_velocities(dq)
+        if commands.has_efforts:
             arm.command_joint_torques(filtered.torques(commands.efforts, state))
 
     @override
@@ -271,7 +270,7 @@ class FrankaHW(RobotHW):
         if mode != self._mode or arm.state.robot_mode is not RobotMode.MOVE:
             arm.stop_motion()
         self._mode = mode
-        self.commands.seed()
+        self.commands.begin(mode)
         self._filter.begin(
             cutoff_frequency=self._settings.cutoff_frequency,
             rate_limiting=self._settings.rate_limiting,

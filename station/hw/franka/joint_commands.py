@@ -45,6 +45,9 @@ class JointCommands:
         positions: Commanded positions [rad], shape (7,); in place, as the next two.
         velocities: Commanded velocities [rad/s], shape (7,).
         efforts: Commanded torques without gravity [Nm], shape (7,).
+        has_positions: Whether position commands are taken.
+        has_velocities: Whether velocity commands are taken.
+        has_efforts: Whether torque commands are taken.
     """
 
     def __init__(self, state: RobotState, names: Sequence[str]) -> None:
@@ -74,7 +77,7 @@ class JointCommands:
             self._velocity_interface.register_handle(velocity)
             self._effort_interface.register_handle(effort)
             self._handles.append((position, velocity, effort))
-        self.seed()
+        self.begin(ControlMode.NONE)
 
     def interfaces(self) -> list[JointStateInterface | JointCommandInterface]:
         """Return the interfaces that controllers may ask for."""
@@ -141,12 +144,18 @@ class JointCommands:
         """Return the limits that are enforced, with their clamp counts."""
         return [self._position_limits, self._velocity_limits, self._effort_limits]
 
-    def seed(self) -> None:
-        """Command what keeps the arm where it is; forget earlier commands."""
+    def begin(self, mode: ControlMode) -> None:
+        """Take commands of the kinds in `mode` from now on.
+
+        They are seeded with what keeps the arm where it is; earlier ones are forgotten.
+        """
         self.positions[:] = self._state.q_d
         self.velocities[:] = [0.0] * _DOF
         self.efforts[:] = [0.0] * _DOF
         self._position_limits.reset()
+        self.has_positions = bool(mode & ControlMode.JOINT_POSITION)
+        self.has_velocities = bool(mode & ControlMode.JOINT_VELOCITY)
+        self.has_efforts = bool(mode & ControlMode.JOINT_TORQUE)
 
     def goals(self) -> list[float]:
         """Return the commanded positions, clipped to the position limits [rad]."""
@@ -157,30 +166,29 @@ class JointCommands:
             )
         ]
 
-    def are_finite(self, mode: ControlMode) -> bool:
-        """Tell whether all commands of the kinds in `mode` are finite.
+    def are_finite(self) -> bool:
+        """Tell whether all commands that are taken are finite.
 
         To be asked first: limits and filters may turn a NaN into a number.
         """
         total = 0.0
-        if mode & ControlMode.JOINT_POSITION:
+        if self.has_positions:
             total += sum(self.positions)
-        if mode & ControlMode.JOINT_VELOCITY:
+        if self.has_velocities:
             total += sum(self.velocities)
-        if mode & ControlMode.JOINT_TORQUE:
+        if self.has_efforts:
             total += sum(self.efforts)
         return isfinite(total)
 
-    def enforce_limits(self, mode: ControlMode, period: float) -> None:
-        """Limit the commands of the kinds in `mode`.
+    def enforce_limits(self, period: float) -> None:
+        """Limit the commands that are taken.
 
         Args:
-            mode: What is commanded.
             period: Time since the last cycle [s], > 0.
         """
-        if mode & ControlMode.JOINT_POSITION:
+        if self.has_positions:
             self._position_limits.enforce_limits(period)
-        if mode & ControlMode.JOINT_VELOCITY:
+        if self.has_velocities:
             self._velocity_limits.enforce_limits(period)
-        if mode & ControlMode.JOINT_TORQUE:
+        if self.has_efforts:
             self._effort_limits.enforce_limits(period)

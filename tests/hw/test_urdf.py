@@ -1,0 +1,38 @@
+"""Poses and trees of a URDF."""
+
+from math import pi, sqrt
+
+import pytest
+
+from station.hw.robot_description import load_robot_description
+from station.hw.urdf import Link, Pose
+from station.hw.urdf_parser import parse_urdf
+
+
+def test_pose_of_a_quarter_turn_about_z() -> None:
+    pose = Pose.from_rpy((1.0, 2.0, 3.0), (0.0, 0.0, pi / 2))
+    assert pose.xyz == (1.0, 2.0, 3.0)
+    assert pose.quaternion == pytest.approx((sqrt(0.5), 0.0, 0.0, sqrt(0.5)))
+
+
+def test_composed_pose_turns_the_inner_translation() -> None:
+    outer = Pose.from_rpy((1.0, 0.0, 0.0), (0.0, 0.0, pi / 2))
+    inner = Pose.from_rpy((2.0, 0.0, 0.5), (0.0, 0.0, pi / 2))
+    composed = outer.compose(inner)
+    assert composed.xyz == pytest.approx((1.0, 2.0, 0.5))
+    assert composed.quaternion == pytest.approx((0.0, 0.0, 0.0, 1.0))
+
+
+def test_joints_below_a_link_are_its_own() -> None:
+    urdf = parse_urdf(load_robot_description("example-robot-data:panda"))
+    below = [joint.name for joint in urdf.joints_below("panda_hand")]
+    assert below == [
+        "panda_hand_tcp_joint",
+        "panda_finger_joint1",
+        "panda_finger_joint2",
+    ]
+    assert urdf.joints_below("panda_leftfinger") == []
+
+
+def test_link_without_mass_and_shape_is_a_frame() -> None:
+    assert Link("frame", None, ()).is_frame_only
