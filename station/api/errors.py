@@ -28,6 +28,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.SwitchTimeoutError: 504,
     errors.InvalidCommandError: 422,
     errors.CommandTimeoutError: 409,
+    errors.InvalidTrajectoryError: 422,
+    errors.GoalNotFoundError: 404,
     errors.InvalidGainError: 422,
     errors.GainsChangedError: 412,
     errors.StaleEpochError: 409,
