@@ -115,5 +115,16 @@ def test_a_large_body_without_a_length_is_refused_while_it_comes(server):
     problem_of(answer, 413, "body_too_large")
 
 
+def test_answers_do_not_wait_for_acknowledgements(server):
+    with httpx.Client(base_url=server.url, headers=BEARER) as http:
+        http.get("/api/v1/joint_states")
+        begin = time.monotonic()
+        for _ in range(10):
+            http.get("/api/v1/joint_states")
+
+        # Nagle's algorithm would make it 10 times 40 ms.
+        assert time.monotonic() - begin < 0.3
+
+
 def test_it_does_not_say_what_it_is_made_of(server):
     assert "server" not in httpx.get(f"{server.url}/api/v1/health").headers

@@ -4,6 +4,7 @@ from fastapi import APIRouter, Response
 
 from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.schemas import (
     Controllers,
@@ -17,7 +18,7 @@ from station.api.schemas import (
 from station.core import switching
 from station.core.station import Station
 
-router = APIRouter(tags=["controllers"], dependencies=[Viewer])
+router = APIRouter(tags=["controllers"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 @router.get("/controllers", responses=problems())
