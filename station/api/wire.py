@@ -48,6 +48,9 @@ def controller_state(status: ControllerStatus) -> schemas.ControllerState:
             for claim in status.claimed_resources
         ],
         fault=status.fault,
+        traceback=status.traceback,
+        fallback=list(status.fallback),
+        time=percentiles(status.time),
     )
 
 
@@ -58,15 +61,17 @@ def controllers(station: Station) -> schemas.Controllers:
     )
 
 
-def switch_result(result: SwitchResult, *, dry_run: bool) -> schemas.SwitchResult:
+def switch_result(result: SwitchResult) -> schemas.SwitchResult:
     """Return what a switch did."""
     return schemas.SwitchResult(
         ok=result.ok,
         started=list(result.started),
         stopped=list(result.stopped),
+        failed=dict(result.failed),
+        ignored=list(result.plan.ignored),
         jump={name: measured(jump) for name, jump in result.jump.items()},
         cycle=result.cycle,
-        dry_run=dry_run,
+        dry_run=result.dry_run,
     )
 
 

@@ -1,4 +1,4 @@
-"""The wire models that the client's methods take and return, under the client's name."""
+"""The wire models that the client takes and returns, under the client's name."""
 
 from station.api.schemas import (
     ClaimedResources,

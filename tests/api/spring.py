@@ -77,7 +77,7 @@ def make_station(clock=None):
     """Return a station over one joint; its loop is not started."""
     hw, clock, parameters = OneJointHW(), clock or ManualClock(), Parameters()
     manager = ControllerManager(
-        hw, parameters, [TableLoader({"test/Spring": Spring})], clock
+        hw, parameters, [TableLoader({"test/Spring": "tests.api.spring:Spring"})], clock
     )
     return Station(
         ControlLoop(hw, manager, clock=clock), manager, parameters, "test/OneJointHW"

@@ -31,6 +31,7 @@ def test_frames_come_without_the_hello(served, station):
         async for frame in stream:
             assert stream.progress.connected
             return frame
+        return None
 
     frame = run_with(served, check)
     assert frame.topic == "joint_states"
@@ -71,6 +72,7 @@ def test_a_stream_survives_a_restart_of_the_station(served, monkeypatch):
                 return stream.progress.connections
             await asyncio.to_thread(served.stop)
             await asyncio.to_thread(successor.start)
+        return None
 
     try:
         assert run_with(served, check) == 2

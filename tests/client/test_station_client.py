@@ -1,10 +1,11 @@
-"""The synchronous client against a served station; its methods are tested with the routes."""
+"""The synchronous client; its methods are tested with the routes."""
 
 import inspect
 
 import httpx
 import pytest
 
+from station.api.schemas import SwitchResult
 from station.client import (
     ApiError,
     AsyncStationClient,
@@ -37,8 +38,8 @@ def test_a_switch_waits_for_its_own_timeout_too():
 
     def answer(request):
         seen.append(request.extensions["timeout"]["read"])
-        body = {"ok": True, "started": ["a"], "stopped": [], "cycle": 1}
-        return httpx.Response(200, json=body)
+        (example,) = SwitchResult.model_config["json_schema_extra"]["examples"]
+        return httpx.Response(200, json=example)
 
     with StationClient(transport=httpx.MockTransport(answer), timeout=3.0) as client:
         client.switch_controllers(start=["a"], timeout=5.0)
@@ -48,7 +49,7 @@ def test_a_switch_waits_for_its_own_timeout_too():
 
 
 def test_keys_of_a_newer_station_are_ignored():
-    def answer(request):
+    def answer(_):
         return httpx.Response(200, json={"status": "ok", "boot_id": "b", "new": 1})
 
     with StationClient(transport=httpx.MockTransport(answer)) as client:

@@ -72,8 +72,7 @@ def test_without_reconnection_a_broken_link_is_an_error(client, served):
         next(frames)
         served.stop()
         with pytest.raises(StationUnreachableError):
-            while True:
-                next(frames)
+            list(frames)
 
 
 def test_a_stream_survives_a_restart_of_the_station(client, served, monkeypatch):

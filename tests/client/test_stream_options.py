@@ -54,10 +54,8 @@ def test_hello_is_kept_and_its_boot_id_is_in_every_frame():
     progress = StreamProgress()
     assert progress.snapshot() == {}
 
-    hello = (
-        '{"topic":"hello","seq":0,"epoch":1,"stamp":0.1,"boot_id":"b","data":{"a":1}}'
-    )
-    assert progress.accept(hello) is None
+    hello = '"topic":"hello","seq":0,"epoch":1,"stamp":0.1,"boot_id":"b","data":{"a":1}'
+    assert progress.accept(f"{{{hello}}}") is None
     assert progress.connected
     assert progress.snapshot() == {"a": 1}
 
@@ -66,9 +64,11 @@ def test_hello_is_kept_and_its_boot_id_is_in_every_frame():
 
 
 @pytest.mark.parametrize(
-    ("code", "final"),
-    [(4400, True), (4401, True), (4403, True), (4404, True)]
-    + [(1001, False), (1006, False), (1011, False), (1013, False), (4408, False)],
+    ("final", "code"),
+    [
+        *((True, code) for code in (4400, 4401, 4403, 4404)),
+        *((False, code) for code in (1001, 1006, 1011, 1013, 4408)),
+    ],
 )
 def test_only_refusals_are_final(code, final):
     error = ConnectionClosedError(Close(code, "why") if code != 1006 else None, None)

@@ -4,6 +4,7 @@ from fastapi import APIRouter, Response
 
 from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.schemas import (
     Controllers,
@@ -17,7 +18,7 @@ from station.api.schemas import (
 from station.core import switching
 from station.core.station import Station
 
-router = APIRouter(tags=["controllers"], dependencies=[Viewer])
+router = APIRouter(tags=["controllers"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 @router.get("/controllers", responses=problems())
@@ -61,17 +62,20 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
     The answer says what was started and stopped, and by how much the command of each
     joint jumped. A conflict answers 409 and names who holds the joints.
     """
+    if request.strictness == "strict":
+        for name in (*request.start, *request.stop):
+            station.controller(name)  # an unknown name is a 404, not a conflict
     result = station.switch_controllers(
         switching.SwitchRequest(
             start=tuple(request.start),
             stop=tuple(request.stop),
-            strictness=switching.Strictness(request.strictness),
+            strictness=switching.Strictness[request.strictness.upper()],
             start_asap=request.start_asap,
             timeout=request.timeout,
             dry_run=request.dry_run,
         )
     )
-    return wire.switch_result(result, dry_run=request.dry_run)
+    return wire.switch_result(result)
 
 
 @router.get("/controllers/{name}", responses=problems(404))

@@ -7,11 +7,12 @@ from fastapi import APIRouter, Header, Response
 from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
+from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.schemas import Gains, GainsChange, GainsPatch
 from station.core.station import Station
 
-router = APIRouter(tags=["gains"], dependencies=[Viewer])
+router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 def etag_of(station: Station, revision: int) -> str:

@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
+from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.schemas import (
     CommandAccepted,
@@ -13,7 +14,7 @@ from station.api.schemas import (
     ControllerSample,
 )
 
-router = APIRouter(tags=["set-points"], dependencies=[Viewer])
+router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 @router.get("/controllers/{name}/command", responses=problems(404, 422))

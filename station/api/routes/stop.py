@@ -8,10 +8,11 @@ from fastapi import APIRouter
 
 from station.api import wire
 from station.api.dependencies import Operator, RoleDep, StationDep, Viewer
+from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.schemas import ReleaseRequest, StopRequest, StopState
 
-router = APIRouter(tags=["stop"], dependencies=[Viewer])
+router = APIRouter(tags=["stop"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 @router.get("/stop", responses=problems())

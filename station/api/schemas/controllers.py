@@ -50,16 +50,20 @@ class ControllerState(ResponseModel):
         type: Its plugin type.
         state: Where it is in its life.
         claimed_resources: What it claims, per interface.
-        fault: Why the station stopped it; empty when it did not.
-        time: Loop time it uses in a cycle [s]; null while it has not run.
+        fault: Why the station stopped it; empty if it did not.
+        traceback: Traceback that belongs to `fault`; empty if there was none.
+        fallback: Names of the controllers that take over when it fails.
+        time: How long its update takes [s].
     """
 
     name: str
     type: str
     state: ControllerStateName
     claimed_resources: list[ClaimedResources]
-    fault: str = ""
-    time: Percentiles | None = None
+    fault: str
+    traceback: str
+    fallback: list[str]
+    time: Percentiles
 
 
 class Controllers(ResponseModel):
@@ -133,11 +137,14 @@ class SwitchResult(ResponseModel):
     """What a switch did, or would do.
 
     Attributes:
-        ok: Everything asked for was done.
-        started: Names started, in order.
-        stopped: Names stopped, in order.
-        jump: Step of the command per joint at the switch, in the joint's unit.
-        cycle: Cycle in which it took effect.
+        ok: Every controller runs or stopped as planned.
+        started: Names that were started.
+        stopped: Names that were stopped.
+        failed: Why a controller of the request does not run, by name.
+        ignored: Why parts of a best-effort request were left out.
+        jump: How far the first commands are from those before, by joint, in the unit
+            of the command.
+        cycle: Cycle in which it was finished; 0 for a dry run.
         dry_run: Nothing was done; this is the plan.
     """
 
@@ -148,6 +155,8 @@ class SwitchResult(ResponseModel):
                     "ok": True,
                     "started": ["arm"],
                     "stopped": [],
+                    "failed": {},
+                    "ignored": [],
                     "jump": {"panda_joint1": 0.0},
                     "cycle": 1234,
                     "dry_run": False,
@@ -159,9 +168,11 @@ class SwitchResult(ResponseModel):
     ok: bool
     started: list[str]
     stopped: list[str]
-    jump: dict[str, Measured] = Field(default_factory=dict)
+    failed: dict[str, str]
+    ignored: list[str]
+    jump: dict[str, Measured]
     cycle: int
-    dry_run: bool = False
+    dry_run: bool
 
 
 class Tunable(ResponseModel):
