@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import viser
-import yourdfpy  # type: ignore[import-untyped]  # ships no types
+import yourdfpy
 from numpy.typing import NDArray
 from trimesh.scene.transforms import SceneGraph
 

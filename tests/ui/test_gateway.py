@@ -68,15 +68,16 @@ def gateway():
         yield served.url, station
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def station(gateway):
+    """The station, as if nobody had touched it."""
     gateway[1].__init__()
     return gateway[1]
 
 
 @pytest.fixture
-def browser(gateway, station):
-    """A browser without cookies, at a station that nobody has touched."""
+def browser(gateway):
+    """A browser without cookies."""
     with httpx.Client(base_url=gateway[0]) as client:
         yield client
 
