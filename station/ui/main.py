@@ -69,10 +69,8 @@ def run_dashboard(
         OSError: The port cannot be had.
         RobotModelError: The robot cannot be drawn.
     """
-    parent = os.getppid()
-    listener = _listen(config)
-    with listener, contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_serve(config, listener, on_ready, parent))
+    with _listen(config) as listener:
+        asyncio.run(_serve(config, listener, on_ready))
     return 0
 
 
