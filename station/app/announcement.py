@@ -22,20 +22,16 @@ class Announcement:
     runtime_file: str
     scheduler: str
 
-    @property
-    def login_url(self) -> str:
-        """Return the address that opens the dashboard and logs in."""
-        return f"{self.ui_url}/login?{urlencode({'token': self.token})}"
-
     def lines(self) -> list[str]:
-        """Return what to print, one line per address."""
-        dashboard = [f"Dashboard  {self.login_url}"] if self.ui_url else []
+        """Return what to print at once."""
         return [
             f"API        {self.api_url}/docs",
-            *dashboard,
             f"Token      {self.token} (also in {self.runtime_file})",
-            "Ctrl-C stops the station.",
         ]
+
+    def dashboard_line(self) -> str:
+        """Return what to print when the dashboard answers: an address that logs in."""
+        return f"Dashboard  {self.ui_url}/login?{urlencode({'token': self.token})}"
 
     def as_json(self) -> dict[str, str]:
         """Return it as JSON-compatible data; the token is in the runtime file."""

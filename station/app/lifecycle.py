@@ -6,7 +6,6 @@ dashboard is gone, the control thread ends.
 
 import contextlib
 import os
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
@@ -23,29 +22,35 @@ from station.app.runtime_file import (
     write_runtime_file,
 )
 from station.app.shutdown_signals import ShutdownSignals
-from station.app.ui_process import UiProcess, free_port
+from station.app.ui_process import UiOptions, UiProcess, free_port
 from station.config import StationConfig
 from station.core.loop_report import LoopState
 from station.core.scheduling import realtime_interpreter
 from station.core.station import Station
+from station.core.stop_latch import StopState
 from station.core.switching import SwitchRequest
 
+READY_TIMEOUT = 2.0
+"""Longest wait for the first cycles [s]."""
 HOLD_TIMEOUT = 0.3
 """Longest wait for the cycle that stops the controllers [s]."""
 SERVER_TIMEOUT = 1.5
 """Longest wait for streams to close and requests to end [s]."""
-UI_TIMEOUT = 0.7
+UI_TIMEOUT = 0.5
 """Longest wait for the dashboard after the server has stopped [s]."""
-WATCH_PERIOD = 0.25
+LOOP_TIMEOUT = 0.4
+"""Longest wait for the control thread [s]; the sum of the four is below 3."""
+WATCH_PERIOD = 0.2
 """How often the station looks whether its parts live [s]."""
 
 
-class RunningApplication:
-    """A station with its server and dashboard. For the main thread.
+class StationRun:
+    """A station with its server and dashboard, from start to end. Main thread.
 
     Args:
         config: The configuration.
-        tell: Takes the announcement once everything runs.
+        tell: Takes the announcement once the API answers.
+        tell_dashboard: Takes it once the dashboard answers.
         warn: Takes a line about something that is not as it should be.
     """
 
@@ -54,13 +59,14 @@ class RunningApplication:
         config: StationConfig,
         *,
         tell: Callable[[Announcement], None],
+        tell_dashboard: Callable[[Announcement], None],
         warn: Callable[[str], None],
     ) -> None:
         self._config = config
         self._tell = tell
+        self._tell_dashboard = tell_dashboard
         self._warn = warn
         self._ui: UiProcess | None = None
-        self._cleanup = ExitStack()
 
     def run(self) -> None:
         """Run until SIGINT, SIGTERM or SIGHUP.
@@ -68,93 +74,121 @@ class RunningApplication:
         Raises:
             StationError: It cannot start as configured, or not stop in time.
         """
-        with ShutdownSignals(self._end_at_once) as signals:
-            with contextlib.suppress(KeyboardInterrupt), self._cleanup as stack:
-                self._watch(self._start(stack), signals)
+        with (
+            ShutdownSignals(self._end_at_once) as signals,
+            contextlib.suppress(KeyboardInterrupt),
+            ExitStack() as stack,
+        ):
+            check_exposure(self._config.api.host, self._config.api.token)
+            station = self._start_loop(stack)
+            announcement = self._start_network(stack, station)
+            # Once more, although it is on the stack: it comes before all else.
+            stack.callback(_hold, station)
+            self._watch(station, announcement, signals)
 
-    def _start(self, stack: ExitStack) -> Station:
-        config = self._config
-        host = config.api.host
-        check_exposure(host, config.api.token)
-        ui_port = free_port(host, config.ui.port) if config.ui.enabled else 0
-        composition = compose(config)
+    def _start_loop(self, stack: ExitStack) -> Station:
+        composition = compose(self._config)
         station = composition.station
         for name, error in composition.not_loaded.items():
             self._warn(f"Controller '{name}' is not loaded: {error} {error.remedy}")
-        authenticator = Authenticator(config.api.token)
-        policy = HostPolicy(host_names(host))
-        server = ApiServer(
-            create_app(station, authenticator, policy), host, config.api.port
-        )
         stack.enter_context(realtime_interpreter())
-        stack.callback(station.loop.stop)
-        station.loop.start()
-        if config.start:
-            station.switch_controllers(SwitchRequest(start=config.start))
-        ui = UiProcess if config.ui.enabled else None
-        if ui is not None:
-            stack.callback(self._finish_ui)
-        stack.callback(server.stop, SERVER_TIMEOUT)
-        server.start()
-        if ui is not None:
-            self._ui = ui(server.url, authenticator.operator_token, host, ui_port)
-            self._ui.start()
-            stack.callback(self._ui.terminate)
+        stack.callback(station.loop.stop, LOOP_TIMEOUT)
         stack.callback(_hold, station)
-        self._announce(stack, station, server, authenticator, ui_port)
+        station.loop.start()
+        if self._config.start:
+            station.switch_controllers(SwitchRequest(start=self._config.start))
+        clock = station.loop.clock
+        deadline = clock.now() + READY_TIMEOUT
+        while station.ready() and clock.now() < deadline:
+            clock.sleep_until(clock.now() + 0.005)
         return station
 
-    def _announce(
-        self,
-        stack: ExitStack,
-        station: Station,
-        server: ApiServer,
-        authenticator: Authenticator,
-        ui_port: int,
-    ) -> None:
-        ui_url = f"{server.url.rpartition(':')[0]}:{ui_port}" if ui_port else ""
+    def _start_network(self, stack: ExitStack, station: Station) -> Announcement:
+        api, ui = self._config.api, self._config.ui
+        ui_port = free_port(api.host, ui.port) if ui.enabled else 0
+        authenticator = Authenticator(api.token)
+        policy = HostPolicy(host_names(api.host))
+        app = create_app(station, authenticator, policy)
+        server = ApiServer(app, api.host, api.port)
+        stack.callback(self._finish_ui)
+        stack.callback(server.stop, SERVER_TIMEOUT)
+        server.start()
+        token = authenticator.operator_token
+        if ui.enabled:
+            self._ui = UiProcess(self._ui_options(server.url, token, ui_port))
+            stack.callback(self._ui.terminate)
+            self._ui.start()
         pid = os.getpid()
-        path = write_runtime_file(
-            RunningStation(
-                url=server.url,
-                token=authenticator.operator_token,
-                viewer_token=authenticator.viewer_token,
-                ui_url=ui_url,
-                boot_id=station.boot_id,
-                pid=pid,
-                started=process_start(pid),
-            )
+        running = RunningStation(
+            url=server.url,
+            token=token,
+            viewer_token=authenticator.viewer_token,
+            ui_url=f"{server.url.rpartition(':')[0]}:{ui_port}" if ui_port else "",
+            boot_id=station.boot_id,
+            pid=pid,
+            started=process_start(pid),
         )
+        path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
         scheduler = station.loop_report().scheduler
-        if not scheduler.startswith("SCHED_FIFO"):
-            self._warn(
-                f"The control thread runs with {scheduler}: cycles may be late when "
-                "the machine is busy. Allow it with `ulimit -r 50` or CAP_SYS_NICE."
-            )
-        self._tell(
-            Announcement(
-                api_url=server.url,
-                ui_url=ui_url,
-                token=authenticator.operator_token,
-                runtime_file=str(path),
-                scheduler=scheduler,
-            )
+        return Announcement(running.url, running.ui_url, token, str(path), scheduler)
+
+    def _ui_options(self, api_url: str, token: str, port: int) -> UiOptions:
+        robot = self._config.robot_parameters()
+        return UiOptions(
+            api_url,
+            token,
+            self._config.api.host,
+            port,
+            robot_description=str(robot.get("robot_description", "")),
+            arm_id=str(robot.get("arm_id", "panda")),
         )
 
-    def _watch(self, station: Station, signals: ShutdownSignals) -> None:
-        is_ui_gone = has_failed = False
+    def _watch(
+        self, station: Station, announcement: Announcement, signals: ShutdownSignals
+    ) -> None:
+        """Tell what there is to tell until a signal comes."""
+        self._tell(announcement)
+        if not announcement.scheduler.startswith("SCHED_FIFO"):
+            self._warn(
+                f"The control thread runs with {announcement.scheduler}: cycles may "
+                "be late when the machine is busy. `ulimit -r 50` or CAP_SYS_NICE "
+                "allows SCHED_FIFO."
+            )
+        watches = [self._watch_loop(station), self._watch_ui(announcement)]
         while not signals.wait(WATCH_PERIOD):
-            code = None if self._ui is None else self._ui.exit_code()
-            if code is not None and not is_ui_gone:
-                is_ui_gone = True
-                self._warn(
-                    f"The dashboard ended (exit code {code}); the station runs on. "
-                    "Start it again with `station ui`."
-                )
-            if station.loop.state is LoopState.FAILED and not has_failed:
-                has_failed = True
-                self._warn(station.ready())
+            watches = [watch for watch in watches if not watch()]
+
+    def _watch_loop(self, station: Station) -> Callable[[], bool]:
+        def watch() -> bool:
+            if station.loop.state is not LoopState.FAILED:
+                return False
+            self._warn(f"{station.ready()} The API still answers: GET /api/v1/loop.")
+            return True
+
+        return watch
+
+    def _watch_ui(self, announcement: Announcement) -> Callable[[], bool]:
+        ui = self._ui
+        is_announced = False
+
+        def watch() -> bool:
+            nonlocal is_announced
+            if ui is None:
+                return True
+            if not is_announced and ui.answers():
+                is_announced = True
+                self._tell_dashboard(announcement)
+            code = ui.exit_code()
+            if code is None:
+                return False
+            self._warn(
+                f"The dashboard ended (exit code {code}); the station runs on. Start "
+                f"it again: station ui --connect {announcement.api_url}"
+            )
+            return True
+
+        return watch
 
     def _finish_ui(self) -> None:
         if self._ui is not None:
@@ -167,7 +201,13 @@ class RunningApplication:
 
 def _hold(station: Station) -> None:
     """Stop all controllers and wait for the cycle that does it; the robot holds."""
-    station.stop("the station ends")
-    deadline = time.monotonic() + HOLD_TIMEOUT
-    while station.loop.stop_latch.pending and time.monotonic() < deadline:
-        time.sleep(0.002)
+    loop = station.loop
+    if loop.stop_latch.state is not StopState.STOPPED:
+        station.stop("the station ends")
+    deadline = loop.clock.now() + HOLD_TIMEOUT
+    while (
+        loop.stop_latch.pending
+        and loop.state is LoopState.RUNNING
+        and loop.clock.now() < deadline
+    ):
+        loop.clock.sleep_until(loop.clock.now() + 0.002)

@@ -5,14 +5,30 @@ import signal
 import socket
 import subprocess
 import sys
+from dataclasses import dataclass
+from http.client import HTTPConnection, HTTPException
 
 from station.core.errors import StationError
 
 
 class PortTakenError(StationError, OSError):
-    """The dashboard cannot listen at its port."""
+    """The dashboard cannot listen at its port.
+
+    Args:
+        host: Where it was to listen.
+        port: Its port.
+        cause: What the system said.
+    """
 
     code = "cannot_listen"
+
+    def __init__(self, host: str, port: int, cause: OSError) -> None:
+        super().__init__(
+            f"The dashboard cannot listen on {host}:{port}: {cause.strerror or cause}.",
+            remedy=f"Choose another port (--ui-port {port + 1}, or 0 for any free "
+            "one), end what has it, or run without dashboard: --no-ui.",
+            details={"host": host, "port": port},
+        )
 
 
 def free_port(host: str, port: int) -> int:
@@ -27,44 +43,77 @@ def free_port(host: str, port: int) -> int:
         try:
             probe.bind((host, port))
         except OSError as error:
-            raise PortTakenError(
-                f"The dashboard cannot listen on {host}:{port}: {error.strerror}.",
-                remedy="Choose another port with --ui-port (0 means any free one), "
-                "end what has it, or run without dashboard: --no-ui.",
-            ) from error
+            raise PortTakenError(host, port, error) from error
         return int(probe.getsockname()[1])
+
+
+@dataclass(frozen=True, slots=True)
+class UiOptions:
+    """What the dashboard is told.
+
+    Attributes:
+        api_url: The station's API.
+        token: The operator's token.
+        host: Where the dashboard listens.
+        port: Its port, not 0.
+        robot_description: The robot to draw; empty draws none.
+        arm_id: Prefix of the robot's joints.
+    """
+
+    api_url: str
+    token: str
+    host: str
+    port: int
+    robot_description: str = ""
+    arm_id: str = "panda"
+
+    def command(self) -> list[str]:
+        """Return the command line; the token is not in it, others could read it."""
+        return [
+            *(sys.executable, "-m", "station", "ui", "--connect", self.api_url),
+            *("--host", self.host, "--port", str(self.port)),
+            *("--robot-description", self.robot_description),
+            *("--arm-id", self.arm_id, "--parent-pid", str(os.getpid())),
+        ]
 
 
 class UiProcess:
     """Runs `station ui` in a session of its own, so that Ctrl-C does not reach it.
 
-    Its standard input is a pipe that closes when this process ends, however it ends;
-    the dashboard ends itself then.
+    The dashboard ends by itself when this process ends, however it ends.
 
     Args:
-        api_url: The station's API.
-        token: The operator's token; handed over in the environment, which other users
-            cannot see.
-        host: Where the dashboard listens.
-        port: Its port, not 0.
+        options: What the dashboard is told. The token goes by the environment.
+        command: The command line; the options' own when None.
     """
 
-    def __init__(self, api_url: str, token: str, host: str, port: int) -> None:
-        self._command = [
-            *(sys.executable, "-m", "station", "ui", "--connect", api_url),
-            *("--host", host, "--port", str(port), "--until-stdin-closes"),
-        ]
-        self._token = token
+    def __init__(self, options: UiOptions, command: list[str] | None = None) -> None:
+        self._options = options
+        self._command = options.command() if command is None else command
         self._process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
         """Start the process; does not wait until the dashboard answers."""
         self._process = subprocess.Popen(
             self._command,
-            stdin=subprocess.PIPE,
-            env={**os.environ, "STATION_TOKEN": self._token},
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, "STATION_TOKEN": self._options.token},
             start_new_session=True,
         )
+
+    def answers(self) -> bool:
+        """Say whether the dashboard answers requests already."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(
+            self._options.host, self._options.host
+        )
+        connection = HTTPConnection(host, self._options.port, timeout=0.2)
+        try:
+            connection.request("GET", "/login")
+            return connection.getresponse().status < 500
+        except (OSError, HTTPException):
+            return False
+        finally:
+            connection.close()
 
     def exit_code(self) -> int | None:
         """Return the exit code; None while it runs or when it was never started."""
@@ -88,8 +137,6 @@ class UiProcess:
         except subprocess.TimeoutExpired:
             self.kill()
             process.wait()
-        if process.stdin is not None:
-            process.stdin.close()
 
     def _signal(self, number: signal.Signals) -> None:
         process = self._process

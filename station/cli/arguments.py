@@ -103,6 +103,14 @@ def _add_station_verbs(verbs: _Verbs) -> None:
     ui.add_argument("--connect", metavar="URL", help="the same as --url")
     ui.add_argument("--host", default="127.0.0.1", help="address to listen at")
     ui.add_argument("--port", type=int, default=8080, help="0: any free one")
+    ui.add_argument(
+        "--robot-description",
+        default="example-robot-data:panda",
+        help="what to draw: example-robot-data:NAME or a URDF",
+    )
+    ui.add_argument("--arm-id", default="panda", help="prefix of the joint names")
+    # Given by `station run`: the dashboard ends when that process does.
+    ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
     verbs.add(
         "doctor",
         "doctor:doctor",

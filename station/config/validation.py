@@ -9,6 +9,9 @@ from station.config.errors import ConfigError
 from station.config.models import NAME_PATTERN, PLUGIN_PATTERN, StationConfig
 from station.config.yaml_reader import KeyPath
 
+# Names of the parameter tree that are no controller's.
+RESERVED_NAMES = frozenset({"robot", "robot_description"})
+_REMEDY = "Correct the configuration and start again."
 _WANTED = {
     "string_type": "text; put it in quotes",
     "float_type": "a number",
@@ -42,14 +45,12 @@ def validate(
         config = StationConfig.model_validate(values)
     except ValidationError as error:
         problems = [_problem(details, where) for details in error.errors()]
-        raise ConfigError(
-            problems, remedy="Correct the configuration and start again."
-        ) from error
-    _check_start(config, where)
+        raise ConfigError(problems, remedy=_REMEDY) from error
+    _check_names(config, where)
     return config
 
 
-def _check_start(config: StationConfig, where: Callable[[KeyPath], str]) -> None:
+def _check_names(config: StationConfig, where: Callable[[KeyPath], str]) -> None:
     known = ", ".join(config.controllers) or "none"
     problems = [
         f"{where(('start', i))}: start[{i}] is '{name}'; allowed are the names of "
@@ -57,8 +58,13 @@ def _check_start(config: StationConfig, where: Callable[[KeyPath], str]) -> None
         for i, name in enumerate(config.start)
         if name not in config.controllers
     ]
+    problems += [
+        f"{where(('controllers', name))}: the name '{name}' is taken: the parameters "
+        "of the robot are there."
+        for name in RESERVED_NAMES & (config.controllers.keys() | config.parameters)
+    ]
     if problems:
-        raise ConfigError(problems, remedy="Describe it under 'controllers' first.")
+        raise ConfigError(problems, remedy=_REMEDY)
 
 
 def _problem(details: ErrorDetails, where: Callable[[KeyPath], str]) -> str:

@@ -23,7 +23,7 @@ _FLAGS = {
 
 def run(options: Namespace) -> int:
     """Run a station until Ctrl-C."""
-    from station.app.lifecycle import RunningApplication
+    from station.app.lifecycle import StationRun
     from station.config import load_config
 
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s: %(message)s")
@@ -38,16 +38,35 @@ def run(options: Namespace) -> int:
         options.config, controller_files=options.controllers, flags=flags
     )
 
-    def tell(announcement: "Announcement") -> None:
-        if options.json:
-            say_json(announcement.as_json())
-        else:
-            for line in announcement.lines():
-                say(line)
-        sys.stdout.flush()
-
-    RunningApplication(config, tell=tell, warn=_warn).run()
+    station = StationRun(
+        config,
+        tell=_tell_json if options.json else _tell,
+        tell_dashboard=_tell_dashboard_json if options.json else _tell_dashboard,
+        warn=_warn,
+    )
+    station.run()
     return 0
+
+
+def _tell(announcement: "Announcement") -> None:
+    for line in announcement.lines():
+        say(line)
+    sys.stdout.flush()
+
+
+def _tell_dashboard(announcement: "Announcement") -> None:
+    say(announcement.dashboard_line())
+    sys.stdout.flush()
+
+
+def _tell_json(announcement: "Announcement") -> None:
+    say_json(announcement.as_json())
+    sys.stdout.flush()
+
+
+def _tell_dashboard_json(announcement: "Announcement") -> None:
+    say_json({"ui_ready": announcement.ui_url})
+    sys.stdout.flush()
 
 
 def _warn(line: str) -> None:

@@ -52,12 +52,8 @@ def _rate(text: str | None) -> float | Literal["full"] | None:
 
 def _show(frame: "StreamFrame") -> None:
     say(f"stamp: {frame.stamp:.3f}")
-    data = frame.data
-    if isinstance(data, dict):
-        for key, value in data.items():
-            say(f"{key}: {_text(value)}")
-    else:
-        say(_text(data))
+    for key, value in frame.data.items():
+        say(f"{key}: {_text(value)}")
     say("---")
 
 

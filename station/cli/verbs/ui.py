@@ -1,0 +1,67 @@
+"""Verb `ui`: the dashboard alone, for any station."""
+
+import os
+import sys
+from argparse import Namespace
+
+from station.app.access import host_names
+from station.app.ui_process import PortTakenError
+from station.cli.connection import locate
+from station.cli.errors import NoStationError, UsageError
+from station.cli.output import say, say_json
+
+
+def ui(options: Namespace) -> int:
+    """Run the dashboard until Ctrl-C, or until the process that started it ends.
+
+    Raises:
+        NoStationError: No station, or no token for it, is known.
+        PortTakenError: The dashboard cannot listen at its port.
+        UsageError: The robot cannot be drawn.
+    """
+    url, token = locate(options.connect or options.url, options.token)
+    if token is None:
+        raise NoStationError(
+            f"No token is known for the station at {url}.",
+            remedy="Set STATION_TOKEN, or give --token.",
+        )
+    if options.parent_pid is not None and os.getppid() != options.parent_pid:
+        return 0  # the station that wanted a dashboard is gone already
+    # Imported late: Viser and the meshes take seconds.
+    from station.ui.main import DashboardConfig, run_dashboard
+    from station.ui.robot_model import RobotModelError
+
+    config = DashboardConfig(
+        url,
+        token,
+        host=options.host,
+        port=options.port,
+        robot_description=options.robot_description,
+        arm_id=options.arm_id,
+        host_names=tuple(host_names(options.host)),
+        ends_with_parent=options.parent_pid is not None,
+    )
+    tell = _quiet if options.parent_pid else _say_json if options.json else _say
+    try:
+        return run_dashboard(config, tell)
+    except RobotModelError as error:
+        raise UsageError(
+            f"The robot '{options.robot_description}' cannot be drawn: {error}",
+            remedy="Correct --robot-description; an empty one draws none.",
+        ) from error
+    except OSError as error:
+        raise PortTakenError(options.host, options.port, error) from error
+
+
+def _say(url: str) -> None:
+    say(f"Dashboard  {url}/login (log in with a token of the station)")
+    sys.stdout.flush()
+
+
+def _say_json(url: str) -> None:
+    say_json({"ui_url": url})
+    sys.stdout.flush()
+
+
+def _quiet(_: str) -> None:
+    """Say nothing: the station that started this dashboard tells its address."""

@@ -1,0 +1,130 @@
+"""Defaults, files, environment and flags are laid one over the other."""
+
+import pytest
+
+from station.config.errors import ConfigError
+from station.config.loading import load_config
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Return a function that writes a file and returns its path."""
+
+    def write_file(text, name="station.yaml"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write_file
+
+
+def test_defaults_describe_the_panda():
+    config = load_config()
+
+    assert config.robot_parameters()["arm_id"] == "panda"
+    joints = [f"panda_joint{i}" for i in range(1, 8)]
+    effort = config.controller_parameters()["effort_group_position_controller"]
+    assert effort["joints"] == joints
+    p, d = ([effort[joint]["pid"][gain] for joint in joints] for gain in "pd")
+    assert p == [600, 600, 600, 600, 250, 150, 50]
+    assert d == [30, 30, 30, 30, 10, 10, 5]
+
+
+def test_section_is_merged_key_by_key(write):
+    config = load_config(write("station: {rate: 500}\nui: {enabled: false}"))
+
+    assert config.station.rate == 500.0
+    assert config.station.real_time_factor == 1.0
+    assert config.ui.port == 8080
+    assert config.start == ["joint_state_controller"]
+
+
+def test_default_controllers_follow_the_arm_id(write):
+    config = load_config(write("robot: {arm_id: left}"))
+
+    controller = config.controller_parameters()["effort_group_position_controller"]
+    assert controller["joints"][0] == "left_joint1"
+    assert controller["left_joint7"] == {"pid": {"p": 50, "i": 0, "d": 5}}
+
+
+def test_controllers_of_a_file_replace_the_default_ones(write):
+    config = load_config(write("controllers: {arm: {type: a/B, gains: {j: {p: 1}}}}"))
+
+    assert config.controller_parameters() == {
+        "arm": {"type": "a/B", "gains": {"j": {"p": 1}}}
+    }
+    assert config.start == []
+
+
+def test_another_robot_gets_nothing_of_the_default_one(write):
+    config = load_config(write("robot: {type: mock_hw/MockRobotHW, joints: [a]}"))
+
+    assert config.robot_parameters() == {"type": "mock_hw/MockRobotHW", "joints": ["a"]}
+    assert config.controllers == {}
+    assert config.start == []
+
+
+def test_controller_files_of_ros_are_added(write):
+    ros = write(
+        "panda:\n"
+        "  arm: {type: a/B, joints: ['$(arg arm_id)_joint1']}\n"
+        "  joint_limits: {panda_joint1: {max_velocity: 1}}\n",
+        "ros.yaml",
+    )
+
+    config = load_config(controller_files=[ros])
+
+    assert config.controller_parameters()["arm"] == {
+        "type": "a/B",
+        "joints": ["panda_joint1"],
+    }
+    assert "joint_state_controller" in config.controllers
+    assert config.parameters == {"joint_limits": {"panda_joint1": {"max_velocity": 1}}}
+
+
+def test_namespace_in_the_controllers_section_is_taken_off(write):
+    text = (
+        "controllers: {panda: {arm: {type: a/B}, joint_limits: {x: 1}}}\nstart: [arm]"
+    )
+
+    config = load_config(write(text))
+
+    assert list(config.controllers) == ["arm"]
+    assert config.parameters == {"joint_limits": {"x": 1}}
+
+
+def test_flags_beat_environment_beats_file(write, monkeypatch):
+    path = write("api: {port: 1}\nui: {port: 1}\nstation: {rate: 1}")
+    monkeypatch.setenv("STATION_API__PORT", "2")
+    monkeypatch.setenv("STATION_UI__PORT", "2")
+
+    config = load_config(path, flags={"api.port": 3})
+
+    assert (config.api.port, config.ui.port, config.station.rate) == (3, 2, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("api:\n  port: 70000", "station.yaml:2:9: api.port is 70000"),
+        ("\nparameters: {}", "station.yaml:2:13: parameters is unknown"),
+        ("controllers: {arm: {p: 1}}", "controllers.arm.type is missing"),
+        ("start: [nobody]", "station.yaml:1:9: start[0] is 'nobody'"),
+        ("robot: {type: 3}", "station.yaml:1:15: robot.type is 3"),
+    ],
+)
+def test_problem_in_a_file_says_where(write, text, message):
+    with pytest.raises(ConfigError) as caught:
+        load_config(write(text))
+
+    assert message in str(caught.value)
+
+
+def test_problem_elsewhere_says_where(monkeypatch):
+    monkeypatch.setenv("STATION_API__PORT", "-1")
+
+    with pytest.raises(ConfigError) as caught:
+        load_config(flags={"station.rate": 0.0})
+
+    assert "environment variable STATION_API__PORT: api.port is -1" in str(caught.value)
+    assert "command line: station.rate is 0.0" in str(caught.value)

@@ -1,0 +1,81 @@
+"""What is wrong with a configuration is said by key, value and what is allowed."""
+
+import pytest
+
+from station.config.errors import ConfigError
+from station.config.loading import load_config
+from station.config.validation import validate
+
+MINIMAL = {
+    "station": {"rate": 1000, "real_time_factor": 1.0},
+    "robot": {"type": "a/B"},
+    "controllers": {},
+    "start": [],
+    "api": {"host": "127.0.0.1", "port": 0, "token": None},
+    "ui": {"enabled": True, "port": 0},
+}
+
+
+def place(path: tuple[str | int, ...]) -> str:
+    return f"<{'/'.join(map(str, path))}>"
+
+
+def test_minimal_configuration_is_valid():
+    assert validate(MINIMAL, place).station.rate == 1000.0
+
+
+@pytest.mark.parametrize(
+    ("section", "value", "message"),
+    [
+        ("foo", 1, "<foo>: foo is unknown; allowed are station, robot, controllers"),
+        (
+            "api",
+            {"host": "h", "port": 0, "token": None, "prot": 1},
+            "<api/prot>: api.prot is unknown; allowed are host, port, token.",
+        ),
+        (
+            "station",
+            {"rate": "fast", "real_time_factor": 1.0},
+            "<station/rate>: station.rate is 'fast'; it must be a number.",
+        ),
+        (
+            "station",
+            {"rate": 1e6, "real_time_factor": 1.0},
+            "station.rate is 1000000.0; it must be less than or equal to 10000.",
+        ),
+        ("ui", {"enabled": 1, "port": 0}, "ui.enabled is 1; it must be true or false."),
+        ("ui", {"port": 0}, "ui.enabled is missing."),
+        ("ui", 3, "ui is 3; it must be a mapping."),
+        ("start", "arm", "start is 'arm'; it must be a list."),
+        ("start", ["arm"], "<start/0>: start[0] is 'arm'; allowed are the names"),
+        ("robot", {"type": "franka"}, "it must be package/Class"),
+        ("controllers", {"arm": {}}, "controllers.arm.type is missing."),
+        ("controllers", {"a b": {"type": "a/B"}}, "controllers.a b is 'a b'; it must"),
+        ("controllers", {"robot": {"type": "a/B"}}, "'robot' is taken"),
+    ],
+)
+def test_problem_is_named(section, value, message):
+    with pytest.raises(ConfigError) as caught:
+        validate({**MINIMAL, section: value}, place)
+
+    assert message in str(caught.value)
+
+
+def test_every_problem_is_named_at_once():
+    values = {**MINIMAL, "ui": {"enabled": 1, "port": -1}, "start": [3]}
+
+    with pytest.raises(ConfigError) as caught:
+        validate(values, place)
+
+    assert len(caught.value.problems) == 3
+
+
+def test_long_values_are_shortened():
+    with pytest.raises(ConfigError) as caught:
+        validate({**MINIMAL, "start": "x" * 1000}, place)
+
+    assert len(str(caught.value)) < 200
+
+
+def test_defaults_are_valid():
+    assert load_config().start == ["joint_state_controller"]

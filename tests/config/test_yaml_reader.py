@@ -1,0 +1,116 @@
+"""YAML is read as ROS reads it, without the traps of YAML 1.1."""
+
+import math
+
+import pytest
+
+from station.config.errors import ConfigError
+from station.config.yaml_reader import parse_value, parse_yaml, read_yaml
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("600", 600),
+        ("-3", -3),
+        ("0x1F", 31),
+        ("0o17", 15),
+        ("1.5", 1.5),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("1e-3", 0.001),
+        ("1E5", 1e5),
+        ("-2.5e+3", -2500.0),
+        (".inf", math.inf),
+        ("-.INF", -math.inf),
+        ("true", True),
+        ("Off", False),
+        ("yes", True),
+        ("", None),
+        ("~", None),
+        ("null", None),
+        ("panda", "panda"),
+        ("2024-01-01", "2024-01-01"),
+        ("172.16.0.2", "172.16.0.2"),
+        ("'600'", "600"),
+        ('"true"', "true"),
+        ("!!str 600", "600"),
+        ("deg(90)", math.pi / 2),
+        ("!degrees 90", math.pi / 2),
+        ("!radians pi/2", math.pi / 2),
+        ("[1, 2.0, a]", [1, 2.0, "a"]),
+    ],
+)
+def test_scalar_is_what_it_looks_like(text, value):
+    read = parse_value(text, "test")
+
+    assert read == value
+    assert type(read) is type(value)
+
+
+def test_not_a_number_is_read_as_such():
+    assert math.isnan(parse_value(".nan", "test"))
+
+
+@pytest.mark.parametrize("text", ["010", "1:30", "1_000", "-007"])
+def test_scalar_with_two_meanings_is_refused(text):
+    with pytest.raises(ConfigError, match=r"f\.yaml:1:4: .*1\.1 and 1\.2"):
+        parse_yaml(f"a: {text}", "f.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: 1\nb: 2\na: 3", r"f\.yaml:3:1: the key 'a' is there twice"),
+        ("a: {b: 1, b: 2}", r"f\.yaml:1:11: the key 'b' is there twice"),
+        ("on: 1", r"f\.yaml:1:1: the key 'on' is not text"),
+        ("1: 1", r"f\.yaml:1:1: the key '1' is not text"),
+        ("[a]: 1", r"f\.yaml:1:1: the key \(a list or mapping\) is not text"),
+        ("a: [1, 2", r"f\.yaml:1:9: not valid YAML"),
+        ("a: 1\n\tb: 2", r"f\.yaml:2:1: not valid YAML"),
+        ("a: 1\n---\nb: 2", r"f\.yaml:2:1: not valid YAML"),
+        ("a: *nothing", r"f\.yaml:1:4: not valid YAML"),
+        ("a: &x [*x]", r"f\.yaml:1:4: an alias may not contain itself"),
+        ("a: !!python/name:os.system", r"f\.yaml:1:4: .* is unknown"),
+        ("a: !!float x", r"f\.yaml:1:4: 'x' is no number"),
+        ("<<: 1", r"f\.yaml:1:5: `<<` takes a mapping"),
+        ("- a", r"f\.yaml:1:1: .*must hold a mapping"),
+    ],
+)
+def test_refusal_says_where_and_why(text, message):
+    with pytest.raises(ConfigError, match=message):
+        parse_yaml(text, "f.yaml")
+
+
+def test_aliases_and_merges_are_followed():
+    text = "base: &b {p: 600, d: 30}\narm: {<<: *b, d: 10}\nleg: {<<: [*b, {x: 1}]}"
+
+    values = parse_yaml(text, "f.yaml").values
+
+    assert values["arm"] == {"p": 600, "d": 10}
+    assert values["leg"] == {"p": 600, "d": 30, "x": 1}
+
+
+def test_position_of_every_value_is_known():
+    document = parse_yaml("a: 1\nb:\n  c: [x, y]\n", "f.yaml")
+
+    assert document.where(("b", "c", 1)) == "f.yaml:3:10"
+    assert document.where(("b", "missing")) == "f.yaml:3:3"
+    assert document.where(("missing",)) == "f.yaml:1:1"
+
+
+def test_empty_file_is_an_empty_mapping(tmp_path):
+    (tmp_path / "f.yaml").write_text("# nothing\n")
+
+    assert read_yaml(tmp_path / "f.yaml").values == {}
+
+
+def test_unreadable_files_are_refused(tmp_path):
+    (tmp_path / "latin.yaml").write_bytes(b"a: \xe4")
+
+    with pytest.raises(ConfigError, match="No such file"):
+        read_yaml(tmp_path / "missing.yaml")
+    with pytest.raises(ConfigError, match="not UTF-8"):
+        read_yaml(tmp_path / "latin.yaml")
+    with pytest.raises(ConfigError, match="cannot be read"):
+        read_yaml(tmp_path)
