@@ -1,4 +1,4 @@
-"""Run the dashboard as a process of its own, until a signal or its starter's end."""
+"""Run the dashboard as a process of its own, until a signal or its parent's end."""
 
 import asyncio
 import contextlib
@@ -21,7 +21,7 @@ from station.ui.sessions import Role, Sessions
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
 
-_STDIN = 0
+_PARENT_PERIOD = 0.2
 _CLOSING_TIME = 1
 _REQUEST_TIMEOUT = 2.0
 
@@ -39,8 +39,7 @@ class DashboardConfig:
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
         host_names: Further names under which users reach the dashboard.
-        ends_with_stdin: Stop when standard input closes: whoever holds its other end
-            has gone.
+        ends_with_parent: Stop when the process that started this one has ended.
     """
 
     url: str
@@ -50,13 +49,13 @@ class DashboardConfig:
     robot_description: str = "example-robot-data:panda"
     arm_id: str = "panda"
     host_names: tuple[str, ...] = ()
-    ends_with_stdin: bool = False
+    ends_with_parent: bool = False
 
 
 def run_dashboard(
     config: DashboardConfig, on_ready: Callable[[str], None] = lambda _: None
 ) -> int:
-    """Run the dashboard until SIGINT, SIGTERM or, when asked to, its input's end.
+    """Run the dashboard until SIGINT, SIGTERM or, when asked to, its parent's end.
 
     Args:
         config: What it needs to know.
@@ -69,8 +68,9 @@ def run_dashboard(
         OSError: The port cannot be had.
         RobotModelError: The robot cannot be drawn.
     """
+    parent = os.getppid()
     with _listen(config) as listener:
-        asyncio.run(_serve(config, listener, on_ready))
+        asyncio.run(_serve(config, listener, on_ready, parent))
     return 0
 
 
@@ -89,13 +89,12 @@ async def _serve(
     config: DashboardConfig,
     listener: socket.socket,
     on_ready: Callable[[str], None],
+    parent: int,
 ) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    if config.ends_with_stdin:
-        loop.add_reader(_STDIN, _look_for_end, ended)
     urdf = None
     if config.robot_description:
         urdf = load_robot(config.robot_description, config.arm_id)
@@ -112,9 +111,7 @@ async def _serve(
     try:
         serving = asyncio.create_task(server.serve(sockets=[listener]))
         on_ready(dashboard_url(config.host, listener.getsockname()[1]))
-        ending = asyncio.create_task(ended.wait())
-        await asyncio.wait({ending, serving}, return_when=asyncio.FIRST_COMPLETED)
-        ending.cancel()
+        await _wait_for_end(ended, serving, parent if config.ends_with_parent else None)
         server.should_exit = True
         await serving
     finally:
@@ -124,11 +121,15 @@ async def _serve(
         await api.close()
 
 
-def _look_for_end(ended: asyncio.Event) -> None:
-    """Set `ended` when standard input has closed; what comes from it is ignored."""
-    if not os.read(_STDIN, 4096):
-        asyncio.get_running_loop().remove_reader(_STDIN)
-        ended.set()
+async def _wait_for_end(
+    ended: asyncio.Event, serving: asyncio.Task[None], parent: int | None
+) -> None:
+    """Wait for a signal, the server's end, or until `parent` is the parent no more."""
+    while not ended.is_set() and not serving.done():
+        if parent is not None and os.getppid() != parent:
+            return
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(ended.wait(), _PARENT_PERIOD)
 
 
 def _gateway(
