@@ -5,12 +5,13 @@ ever set widgets at the same time.
 """
 
 import asyncio
+import contextlib
 import logging
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import viser
-import yourdfpy  # type: ignore[import-untyped]  # ships no types
+import yourdfpy
 
 from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState
@@ -31,6 +32,7 @@ _logger = logging.getLogger(__name__)
 
 SCENE_PERIOD = 1.0 / 50.0
 PANEL_PERIOD = 0.1
+_ENDING_TIME = 0.5
 _PANEL_WIDTH = 430.0
 _BRAND = (34, 110, 196)
 
@@ -67,16 +69,27 @@ class Dashboard:
             self._tune = TunePanel(server.gui, self._link, self._reporter)
         self._panels: list[Panel] = [self._operate, controllers, self._tune]
         self._running: Future[None] | None = None
+        self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
         """Begin to follow the station."""
         loop = self._server.get_event_loop()
         self._running = asyncio.run_coroutine_threadsafe(self._run(), loop)
 
-    def stop(self) -> None:
-        """Stop following it; waits for a moment."""
-        if self._running is not None:
-            self._running.cancel()
+    async def stop(self) -> None:
+        """Stop following it; waits for the end, but not for long."""
+        if self._running is None:
+            return
+        ended = asyncio.run_coroutine_threadsafe(
+            self._end(), self._server.get_event_loop()
+        )
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(asyncio.wrap_future(ended), _ENDING_TIME)
+
+    async def _end(self) -> None:
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.wait({self._task})
 
     def bar(self) -> BarState:
         """Return what the status strip shows now; may be called by any thread."""
@@ -98,6 +111,7 @@ class Dashboard:
         )
 
     async def _run(self) -> None:
+        self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
             tasks.create_task(self._link.run())
             tasks.create_task(self._operate.run())

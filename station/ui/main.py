@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import logging
 import os
 import signal
 import socket
@@ -22,8 +21,6 @@ from station.ui.sessions import Role, Sessions
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
 
-_logger = logging.getLogger(__name__)
-
 _PARENT_PERIOD = 0.2
 _CLOSING_TIME = 1
 _REQUEST_TIMEOUT = 2.0
@@ -42,7 +39,7 @@ class DashboardConfig:
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
         host_names: Further names under which users reach the dashboard.
-        ends_with_parent: Stop when the process that started this one ends.
+        ends_with_parent: Stop when the process that started this one has ended.
     """
 
     url: str
@@ -72,8 +69,7 @@ def run_dashboard(
         RobotModelError: The robot cannot be drawn.
     """
     parent = os.getppid()
-    listener = _listen(config)
-    with listener, contextlib.suppress(KeyboardInterrupt):
+    with _listen(config) as listener:
         asyncio.run(_serve(config, listener, on_ready, parent))
     return 0
 
@@ -119,7 +115,7 @@ async def _serve(
         server.should_exit = True
         await serving
     finally:
-        dashboard.stop()
+        await dashboard.stop()
         guarded.stop()
         await relay.close()
         await api.close()
@@ -128,9 +124,9 @@ async def _serve(
 async def _wait_for_end(
     ended: asyncio.Event, serving: asyncio.Task[None], parent: int | None
 ) -> None:
+    """Wait for a signal, the server's end, or until `parent` is the parent no more."""
     while not ended.is_set() and not serving.done():
         if parent is not None and os.getppid() != parent:
-            _logger.info("the process that started the dashboard has ended")
             return
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(ended.wait(), _PARENT_PERIOD)

@@ -70,9 +70,14 @@ def _row(controller: ControllerState) -> str:
     )
     return (
         f"<tr><td {cell}><b>{escape(controller.name)}</b>"
-        f'<div style="opacity:.7;font-size:.85em">{escape(controller.type)}</div>'
+        f'<div style="opacity:.7;font-size:.85em">{_breakable(controller.type)}</div>'
         f"{fault}</td><td {cell}>"
         f'<span style="background:{colour};padding:.1em .5em;border-radius:9px;'
         f'white-space:nowrap">{escape(controller.state)}</span></td>'
         f"<td {cell}>{escape(claims_text(controller))}</td></tr>"
     )
+
+
+def _breakable(controller_type: str) -> str:
+    """Let a long type name break where its parts meet."""
+    return escape(controller_type).replace("/", "/<wbr>")

@@ -1,5 +1,6 @@
 """The last seconds of a controller's samples, thinned out for a chart."""
 
+import math
 from collections import deque
 from dataclasses import dataclass
 
@@ -73,6 +74,37 @@ class PlotHistory:
         table = np.array(rows, dtype=np.float64)  # (n, 4); None becomes NaN
         table = table[_kept(table, MAX_POINTS)]
         return Curves(table[:, 0], table[:, 1], table[:, 2], table[:, 3])
+
+
+class AxisRange:
+    """Ends of a y axis that change seldom, because a chart is rebuilt when they do.
+
+    Args:
+        least: Smallest span, so that a constant is not blown up to noise.
+    """
+
+    def __init__(self, least: float = 0.02) -> None:
+        self._least = least
+        self._ends = (0.0, 0.0)
+
+    def fit(self, *curves: Array) -> tuple[float, float]:
+        """Return ends that hold all finite values of `curves`, with some air."""
+        values = np.concatenate(curves)
+        values = values[np.isfinite(values)]
+        if not len(values):
+            return self._ends if self._ends != (0.0, 0.0) else (-1.0, 1.0)
+        low, high = float(values.min()), float(values.max())
+        span = max(high - low, self._least)
+        first, last = self._ends
+        fits = first <= low and high <= last and last - first < 4.0 * span
+        if not fits:
+            middle = 0.5 * (low + high)
+            step = 10.0 ** math.floor(math.log10(span)) / 2.0
+            reach = 0.7 * span
+            first = step * math.floor((middle - reach) / step)
+            last = step * math.ceil((middle + reach) / step)
+            self._ends = (round(first, 9), round(last, 9))
+        return self._ends
 
 
 def _kept(table: Array, limit: int) -> NDArray[np.intp]:

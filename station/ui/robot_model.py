@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
-import yourdfpy  # type: ignore[import-untyped]  # ships no types
+import yourdfpy
 from viser.transforms import SO3
 
 from station.ui.joint_frames import JointFrame, Mimic, Motion, Quaternion

@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import viser
-import yourdfpy  # type: ignore[import-untyped]  # ships no types
+import yourdfpy
+from numpy.typing import NDArray
 from trimesh.scene.transforms import SceneGraph
 
 from station.ui.joint_frames import JointFrame, Motion
@@ -72,8 +74,18 @@ def _prepare_room(server: viser.ViserServer) -> None:
     server.scene.add_frame(
         "/base_axes", axes_length=0.15, axes_radius=0.004, origin_radius=0.006
     )
-    server.initial_camera.position = (1.55, -1.35, 1.05)
-    server.initial_camera.look_at = (0.2, 0.0, 0.42)
+    server.scene.set_background_image(_backdrop(), format="png")
+    server.initial_camera.position = (1.55, -1.05, 0.95)
+    server.initial_camera.look_at = (0.18, 0.0, 0.42)
+    server.initial_camera.fov = 0.7
+
+
+def _backdrop() -> NDArray[np.uint8]:
+    """Return a soft vertical gradient, shape (rows, 2, 3)."""
+    rows = np.linspace(0.0, 1.0, 64)[:, None]
+    top, bottom = np.array([214.0, 222.0, 231.0]), np.array([246.0, 248.0, 250.0])
+    column = (1.0 - rows) * top + rows * bottom  # (64, 3)
+    return np.repeat(column[:, None, :], 2, axis=1).astype(np.uint8)
 
 
 def _draw(server: viser.ViserServer, urdf: yourdfpy.URDF) -> list[_MovingFrame]:

@@ -86,7 +86,9 @@ class StationLink:
                     self._repeat(self.refresh_controllers, _CONTROLLERS_PERIOD)
                 )
         finally:
+            followers = list(self._followers.values())
             self.watch(())
+            await asyncio.gather(*followers, return_exceptions=True)
 
     def watch(self, names: Collection[str]) -> None:
         """Follow the samples of these controllers, and of no others."""

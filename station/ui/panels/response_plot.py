@@ -4,10 +4,11 @@ import numpy as np
 import viser
 from viser import uplot
 
-from station.ui.plot_history import Curves, PlotHistory
+from station.ui.plot_history import AxisRange, Curves, PlotHistory
 
 _WINDOWS = {"5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
 _AXES = (uplot.Axis(), uplot.Axis(size=56))
+_PADDING = (12, 20, 0, 0)
 _EMPTY = np.zeros(1)
 _BLUE, _ORANGE, _RED = "#228be6", "#f08c00", "#e03131"
 
@@ -23,18 +24,21 @@ class ResponsePlot:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._shown = (0, "", 0.0)
+        self._response_range, self._error_range = AxisRange(), AxisRange()
         self._response = gui.add_uplot(
             (_EMPTY, _EMPTY, _EMPTY),
             _response_series(""),
             height=190,
-            scales=_scales(5.0),
+            scales=_scales(5.0, (-1.0, 1.0)),
+            padding=_PADDING,
             axes=_AXES,
         )
         self._error = gui.add_uplot(
             (_EMPTY, _EMPTY),
             _error_series(""),
             height=130,
-            scales=_scales(5.0),
+            scales=_scales(5.0, (-1.0, 1.0)),
+            padding=_PADDING,
             axes=_AXES,
         )
         self._window = gui.add_dropdown("Window", tuple(_WINDOWS))
@@ -55,12 +59,14 @@ class ResponsePlot:
             self._shown = (index, unit, window)
             self._response.series = _response_series(unit)
             self._error.series = _error_series(unit)
-            self._response.scales = self._error.scales = _scales(window)
         curves = history.curves(index, window)
         if len(curves.time):
-            self._draw(curves)
+            self._draw(curves, window)
 
-    def _draw(self, curves: Curves) -> None:
+    def _draw(self, curves: Curves, window: float) -> None:
+        ends = self._response_range.fit(curves.desired, curves.actual)
+        self._response.scales = _scales(window, ends)
+        self._error.scales = _scales(window, self._error_range.fit(curves.error))
         self._response.data = (curves.time, curves.desired, curves.actual)
         self._error.data = (curves.time, curves.error)
 
@@ -82,5 +88,8 @@ def _error_series(unit: str) -> tuple[uplot.Series, ...]:
     )
 
 
-def _scales(window: float) -> dict[str, uplot.Scale]:
-    return {"x": uplot.Scale(time=False, range=(-window, 0.0))}
+def _scales(window: float, ends: tuple[float, float]) -> dict[str, uplot.Scale]:
+    return {
+        "x": uplot.Scale(time=False, range=(-window, 0.0)),
+        "y": uplot.Scale(range=ends),
+    }

@@ -1,0 +1,299 @@
+"""A small station that speaks the API's contract, for tests of its client's side.
+
+Joints follow their set-points at once, controllers are what was loaded, and every
+request is remembered.
+"""
+
+import asyncio
+import json
+import time
+from dataclasses import dataclass, field
+
+from starlette.applications import Starlette
+from starlette.responses import JSONResponse
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocketDisconnect
+
+from tests.ui.served import Served
+
+OPERATOR = "operator-token"
+VIEWER = "viewer-token"
+JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
+GROUP_TYPE = "effort_controllers/JointGroupPositionController"
+START = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+_NO_TIMES = {"p50": 0.0, "p99": 1.2e-4, "p999": 2e-4, "max": 1e-3, "count": 10}
+
+
+@dataclass
+class FakeController:
+    """A loaded controller."""
+
+    name: str
+    type: str
+    state: str = "initialized"
+    gains: dict = field(default_factory=dict)
+
+    def as_json(self):
+        """Return it as the API does."""
+        claims = {"hardware_interface": "hardware_interface::EffortJointInterface"}
+        return {
+            "name": self.name,
+            "type": self.type,
+            "state": self.state,
+            "claimed_resources": [{**claims, "resources": JOINTS}],
+            "fault": "",
+            "time": None,
+        }
+
+
+class FakeStation:
+    """The station; `url` is where it answers while the context is open."""
+
+    def __init__(self):
+        self.positions = list(START)
+        self.desired = list(START)
+        self.controllers = {}
+        self.stop_state = "armed"
+        self.epoch = 1
+        self.requests = []
+        self.boot_id = "boot-1"
+        self.url = ""
+
+    def __enter__(self):
+        self._served = Served(self.app()).__enter__()
+        self.url = self._served.url
+        return self
+
+    def __exit__(self, *exc):
+        self._served.__exit__(*exc)
+
+    def load(self, name, controller_type=GROUP_TYPE, *, running=False):
+        """Load a controller without a request."""
+        gains = {f"{joint}/{key}": 600.0 for joint in JOINTS for key in ("p", "d")}
+        state = "running" if running else "initialized"
+        self.controllers[name] = FakeController(name, controller_type, state, gains)
+
+    def app(self):
+        """Return the ASGI application."""
+        routes = {
+            ("GET", "/session"): self._session,
+            ("GET", "/status"): self._status,
+            ("GET", "/controllers"): self._list,
+            ("POST", "/controllers"): self._load,
+            ("POST", "/controllers/switch"): self._switch,
+            ("DELETE", "/controllers/{name}"): self._unload,
+            ("GET", "/controllers/{name}/gains"): self._gains,
+            ("PATCH", "/controllers/{name}/gains"): self._set_gains,
+            ("GET", "/controllers/{name}/command"): self._command_info,
+            ("PUT", "/controllers/{name}/command"): self._command,
+            ("GET", "/controller-types"): self._types,
+            ("POST", "/stop"): self._stop,
+            ("POST", "/stop/release"): self._release,
+        }
+        return Starlette(
+            routes=[
+                *(
+                    Route("/api/v1" + path, self._checked(handler), methods=[method])
+                    for (method, path), handler in routes.items()
+                ),
+                WebSocketRoute("/api/v1/streams/{topic:path}", self._stream),
+            ]
+        )
+
+    def _checked(self, handler):
+        async def endpoint(request):
+            token = request.headers.get("authorization", "").removeprefix("Bearer ")
+            if token not in {OPERATOR, VIEWER}:
+                return problem(401, "unauthorized", "The token is wrong.")
+            body = await request.body()
+            content = json.loads(body) if body else {}
+            self.requests.append((request.method, request.url.path, content))
+            return handler(request.path_params.get("name", ""), content, token)
+
+        return endpoint
+
+    def _session(self, _name, _body, token):
+        role = "operator" if token == OPERATOR else "viewer"
+        return JSONResponse({"role": role})
+
+    def _status(self, *_):
+        loop = {
+            "state": "running",
+            "failure": "",
+            "rate": 1000.0,
+            "achieved_rate": 999.8,
+            "period": 0.001,
+            "cycles": 10,
+            "skipped": 0,
+            "real_time_factor": 1.0,
+            "achieved_real_time_factor": 1.0,
+            "scheduler": "fifo 80",
+            **dict.fromkeys(
+                ("lateness", "read", "update", "write", "total"), _NO_TIMES
+            ),
+        }
+        return JSONResponse({
+            "boot_id": self.boot_id,
+            "epoch": self.epoch,
+            "time": time.monotonic(),
+            "cycle": 10,
+            "robot_type": "franka_hw/FrankaHW",
+            "robot_mode": "idle",
+            "stop_state": self.stop_state,
+            "stop_reason": "",
+            "loop": loop,
+            "versions": {},
+        })
+
+    def _list(self, *_):
+        return JSONResponse({
+            "controllers": [c.as_json() for c in self.controllers.values()]
+        })
+
+    def _load(self, _name, body, _token):
+        if body["name"] in self.controllers:
+            text = f"A controller '{body['name']}' is loaded already."
+            return problem(409, "controller_exists", text, "Choose another name.")
+        self.load(body["name"], body["type"])
+        return JSONResponse(self.controllers[body["name"]].as_json(), 201)
+
+    def _switch(self, _name, body, _token):
+        for name in body.get("stop", []):
+            self.controllers[name].state = "stopped"
+        for name in body.get("start", []):
+            self.controllers[name].state = "running"
+        return JSONResponse({
+            "ok": True,
+            "started": body.get("start", []),
+            "stopped": body.get("stop", []),
+            "jump": {},
+            "cycle": 11,
+            "dry_run": False,
+        })
+
+    def _unload(self, name, *_):
+        return JSONResponse(self.controllers.pop(name).as_json())
+
+    def _gains(self, name, *_):
+        controller = self.controllers.get(name)
+        if controller is None:
+            return problem(404, "controller_not_found", f"No controller '{name}'.")
+        schema = {
+            key: {
+                "type": "number",
+                "unit": "Nm/rad" if key.endswith("p") else "Nm s/rad",
+                "minimum": 0.0,
+                "maximum": 1e4,
+                "description": "Gain.",
+            }
+            for key in controller.gains
+        }
+        return JSONResponse({
+            "values": controller.gains,
+            "schema": schema,
+            "revision": 1,
+            "etag": '"1"',
+        })
+
+    def _set_gains(self, name, body, _token):
+        gains = self.controllers[name].gains
+        previous = dict(gains)
+        gains.update(body["values"])
+        return JSONResponse({
+            "values": gains,
+            "previous": previous,
+            "revision": 2,
+            "cycle": 12,
+        })
+
+    def _command_info(self, *_):
+        elements = [
+            {"name": name, "unit": "rad", "minimum": -2.8, "maximum": 2.8}
+            for name in JOINTS
+        ]
+        return JSONResponse({"elements": elements, "last": self.desired})
+
+    def _command(self, _name, body, _token):
+        if body.get("epoch", self.epoch) != self.epoch:
+            return problem(409, "stale_epoch", "A stop came since.", "Look again.")
+        self.desired = body["command"]
+        self.positions = list(self.desired)
+        return JSONResponse({"epoch": self.epoch}, 202)
+
+    def _types(self, *_):
+        kinds = [GROUP_TYPE, "joint_state_controller/JointStateController"]
+        return JSONResponse({
+            "controller_types": [
+                {"type": kind, "base_class": "Controller", "description": ""}
+                for kind in kinds
+            ]
+        })
+
+    def _stop(self, *_):
+        self.stop_state = "stopped"
+        self.epoch += 1
+        for controller in self.controllers.values():
+            controller.state = "stopped"
+        return self._stop_answer()
+
+    def _release(self, _name, body, _token):
+        self.stop_state = "armed" if body.get("arm") else "released"
+        return self._stop_answer()
+
+    def _stop_answer(self):
+        return JSONResponse({
+            "state": self.stop_state,
+            "reason": "",
+            "epoch": self.epoch,
+        })
+
+    async def _stream(self, socket):
+        topic = socket.path_params["topic"]
+        await socket.accept()
+        frame = {"seq": 0, "epoch": self.epoch, "boot_id": self.boot_id, "stamp": 0.0}
+        await socket.send_json({"topic": "hello", **frame})
+        rate = float(socket.query_params.get("rate", 30))
+        try:
+            while True:
+                frame["seq"] += 1
+                frame["stamp"] = stamp = time.monotonic()
+                data = self._sample(topic, stamp)
+                await socket.send_json({"topic": topic, **frame, "data": data})
+                await asyncio.sleep(1.0 / rate)
+        except (WebSocketDisconnect, RuntimeError):
+            return  # The reader has gone.
+
+    def _sample(self, topic, stamp):
+        zeros = [0.0] * len(JOINTS)
+        if topic == "joint_states":
+            return {
+                "stamp": stamp,
+                "name": JOINTS,
+                "position": self.positions,
+                "velocity": zeros,
+                "effort": zeros,
+            }
+        return {
+            "stamp": stamp,
+            "name": JOINTS,
+            "desired": self.desired,
+            "actual": self.positions,
+            "error": zeros,
+            "output": zeros,
+        }
+
+
+def problem(status, code, detail, remedy=""):
+    """Return a refusal as the API words it."""
+    return JSONResponse(
+        {
+            "type": f"urn:control-station:problem:{code}",
+            "title": code,
+            "status": status,
+            "detail": detail,
+            "code": code,
+            "remedy": remedy,
+        },
+        status,
+        media_type="application/problem+json",
+    )
