@@ -44,7 +44,7 @@ def _row(controller: "ControllerState", headers: list[str]) -> list[str]:
         "type": controller.type,
         "state": controller.state,
         "claimed interfaces": "; ".join(claims) or "-",
-        "p99 of update [us]": f"{time.p99 * 1e6:.0f}" if time and time.count else "-",
+        "p99 of update [us]": f"{time.p99 * 1e6:.0f}" if time.count else "-",
         "fault": controller.fault or "-",
     }
     return [cells[header] for header in headers]
