@@ -232,10 +232,23 @@ def conflict_error(
     if holders:
         remedy = f"Stop {', '.join(repr(name) for name in holders)} in the same switch."
     return ResourceConflictError(
-        " ".join(conflict.reason for conflict in conflicts),
+        _summary(conflicts),
         remedy=remedy,
         details={"conflicts": entries, "held_by": holders},
     )
+
+
+def _summary(conflicts: Sequence[ResourceConflict]) -> str:
+    """Say the reason of each group of holders once, with what else it holds for."""
+    groups: dict[tuple[tuple[str, str], ...], list[ResourceConflict]] = {}
+    for conflict in conflicts:
+        groups.setdefault(conflict.holders, []).append(conflict)
+    sentences = []
+    for first, *others in groups.values():
+        more = sorted({one.resource for one in others} - {first.resource})
+        also = f" The same goes for {', '.join(more)}." if more else ""
+        sentences.append(first.reason + also)
+    return " ".join(sentences)
 
 
 def _describe_conflict(

@@ -166,7 +166,7 @@ def _named(gains: PidGains) -> dict[str, float]:
         "i": gains.i,
         "d": gains.d,
         "i_clamp_max": gains.i_max,
-        "i_clamp_min": gains.i_min,
+        "i_clamp_min": gains.i_min + 0.0,  # -0.0 becomes 0.0
     }
 
 

@@ -111,6 +111,8 @@ def find_conflicts(
 ) -> list[ResourceConflict]:
     """Say why some controllers cannot run together on an arm.
 
+    The first test that fails decides, so that one mistake is told once.
+
     Args:
         controllers: All controllers that would be running.
         arm_id: The arm; controllers of other arms are tested for double claims alone.
@@ -120,12 +122,12 @@ def find_conflicts(
     """
     claims = claims_of(controllers)
     own = [claim for claim in claims if arm_id_of(claim.resource) == arm_id]
-    return [
-        *_double_claims(claims),
-        *_unknown_claims(claims),
-        *_mixed_claims(own, arm_id),
-        *_partial_claims(own, arm_id),
-    ]
+    return (
+        _double_claims(claims)
+        or _unknown_claims(claims)
+        or _mixed_claims(own, arm_id)
+        or _partial_claims(own, arm_id)
+    )
 
 
 def _count_claims(claims: Iterable[Claim], arm_id: str) -> dict[ControlMode, int]:
