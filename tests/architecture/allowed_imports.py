@@ -19,8 +19,9 @@ class AllowedImportsContract(Contract):
     """Keep the direct imports of one package within a list.
 
     The package itself, the root package (which holds the version) and the standard
-    library are always allowed. A package that does not exist keeps the contract. Options: `package`, and `allowed`, whose entries are
-    third-party packages or packages of the station.
+    library are always allowed. A package that does not exist keeps the contract.
+    Options: `package`, and `allowed`, whose entries are third-party packages or
+    packages of the station.
     """
 
     type_name = "allowed_imports"
