@@ -20,8 +20,8 @@ from station.hw.urdf import Pose, Urdf
 from station.hw.urdf_parser import parse_urdf
 
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
-"""Pose in which an arm starts [rad], joints 1 to 7. Source: franka_ros
-franka_example_controllers/scripts/move_to_start.py."""
+"""Pose in which an arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
+examples/generate_joint_velocity_motion.cpp, q_goal."""
 
 
 @dataclass(frozen=True, slots=True)

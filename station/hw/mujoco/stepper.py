@@ -9,6 +9,7 @@ import ctypes
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any, cast
 
 import mujoco
 
@@ -28,14 +29,33 @@ def make_stepper(
         data: Its data. Both must outlive the function.
     """
     binding = partial(mujoco.mj_step, model, data)
-    function = _find_mj_step()
+    function = _find_function("mj_step")
     addresses = _addresses(model, data)
     if function is None or addresses is None or not _agrees(function, model):
         return binding, False
     return partial(function, *addresses), True
 
 
-def _find_mj_step() -> Callable[..., None] | None:
+def direct_function(
+    name: str, model: mujoco.MjModel, data: mujoco.MjData
+) -> Callable[[], None]:
+    """Return a MuJoCo function of model and data alone, without release of the lock.
+
+    Where the library cannot be called directly it is the binding's function.
+
+    Args:
+        name: Its name in C, e.g. `mj_fwdPosition`.
+        model: The model.
+        data: Its data. Both must outlive the function.
+    """
+    function = _find_function(name)
+    addresses = _addresses(model, data)
+    if function is None or addresses is None:
+        return partial(getattr(mujoco, name), model, data)
+    return partial(function, *addresses)
+
+
+def _find_function(name: str) -> Callable[..., None] | None:
     directory = Path(mujoco.__file__).parent
     for path in sorted(directory.glob("libmujoco*")):
         try:
@@ -43,13 +63,13 @@ def _find_mj_step() -> Callable[..., None] | None:
             library.mj_version.restype = ctypes.c_int
             if library.mj_version() != mujoco.mj_version():
                 continue
-            function = library.mj_step
+            function: Any = getattr(library, name)
         except (OSError, AttributeError):
             # Not the library, or not one that can be called like this.
             continue
         function.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
         function.restype = None
-        return function
+        return cast("Callable[..., None]", function)
     return None
 
 

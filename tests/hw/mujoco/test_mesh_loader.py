@@ -50,6 +50,7 @@ def compile_with_mesh(path: Path, scale: float):
     return spec.compile()
 
 
+@pytest.mark.slow  # The first use of trimesh takes more than a second.
 def test_ascii_stl_is_read_and_scaled(tmp_path: Path) -> None:
     path = tmp_path / "t.stl"
     path.write_text(ASCII_STL, encoding="ascii")

@@ -4,7 +4,7 @@ import mujoco
 import pytest
 
 from station.hw.mujoco import stepper
-from station.hw.mujoco.stepper import make_stepper
+from station.hw.mujoco.stepper import direct_function, make_stepper
 
 PENDULUM = """
 <mujoco><worldbody><body><joint axis="0 1 0"/><geom size="0.1" pos="1 0 0"/></body>
@@ -44,7 +44,20 @@ def test_library_of_another_version_is_not_used(
 def test_call_that_steps_otherwise_is_not_used(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(stepper, "_find_mj_step", lambda: lambda *_: None)
+    monkeypatch.setattr(stepper, "_find_function", lambda _: lambda *_: None)
     model = mujoco.MjModel.from_xml_string(PENDULUM)
     _, keeps_lock = make_stepper(model, mujoco.MjData(model))
     assert not keeps_lock
+
+
+@pytest.mark.parametrize("version", [None, 0])
+def test_any_function_of_model_and_data_can_be_called(
+    monkeypatch: pytest.MonkeyPatch, version: int | None
+) -> None:
+    if version is not None:
+        monkeypatch.setattr(stepper.mujoco, "mj_version", lambda: version)
+    model = mujoco.MjModel.from_xml_string(PENDULUM)
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.5
+    direct_function("mj_kinematics", model, data)()
+    assert data.geom_xpos[0] == pytest.approx([0.8775826, 0.0, -0.4794255])

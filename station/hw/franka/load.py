@@ -1,0 +1,54 @@
+"""What the arm carries: end effector and load as one rigid body at the flange.
+
+Source: libfranka@0.9.2 src/load_calculations.cpp, combineCenterOfMass,
+combineInertiaTensor.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """A rigid body fixed to the flange.
+
+    Attributes:
+        mass: [kg], >= 0.
+        center_of_mass: In the flange frame [m], shape (3,).
+        inertia: About the centre of mass, axes of the flange [kg m^2], 3 x 3, flat.
+    """
+
+    mass: float = 0.0
+    center_of_mass: tuple[float, ...] = (0.0, 0.0, 0.0)
+    inertia: tuple[float, ...] = (0.0,) * 9
+
+
+def combine_loads(first: Load, second: Load) -> Load:
+    """Return two bodies at the flange as one; the inertia of no mass does not count."""
+    mass = first.mass + second.mass
+    if mass == 0.0:
+        return Load()
+    center = [
+        (first.mass * a + second.mass * b) / mass
+        for a, b in zip(first.center_of_mass, second.center_of_mass, strict=True)
+    ]
+    total = [-value for value in _steiner(mass, center)]
+    for part in (first, second):
+        if part.mass == 0.0:
+            continue
+        moved = _steiner(part.mass, part.center_of_mass)
+        total = [
+            t + own + extra
+            for t, own, extra in zip(total, part.inertia, moved, strict=True)
+        ]
+    return Load(mass, tuple(center), tuple(total))
+
+
+def _steiner(mass: float, offset: Sequence[float]) -> list[float]:
+    """Return mass * (|offset|^2 I - offset offset^T), flat, shape (9,)."""
+    squared = sum(value * value for value in offset)
+    return [
+        mass * ((squared if row == column else 0.0) - offset[row] * offset[column])
+        for column in range(3)
+        for row in range(3)
+    ]
