@@ -24,6 +24,12 @@ CONTROLLERS: dict[str, str] = {
     "effort_controllers/JointVelocityController": (
         "station.controllers.effort_controllers:JointVelocityController"
     ),
+    "force_torque_sensor_controller/ForceTorqueSensorController": (
+        "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
+    ),
+    "imu_sensor_controller/ImuSensorController": (
+        "station.controllers.imu_sensor_controller:ImuSensorController"
+    ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
     ),
