@@ -33,6 +33,14 @@ CONTROLLERS: dict[str, str] = {
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
     ),
+    "pos_vel_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.pos_vel_controllers"
+        ":JointTrajectoryController"
+    ),
+    "pos_vel_acc_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.pos_vel_acc_controllers"
+        ":JointTrajectoryController"
+    ),
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"
     ),
