@@ -24,8 +24,22 @@ CONTROLLERS: dict[str, str] = {
     "effort_controllers/JointVelocityController": (
         "station.controllers.effort_controllers:JointVelocityController"
     ),
+    "force_torque_sensor_controller/ForceTorqueSensorController": (
+        "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
+    ),
+    "imu_sensor_controller/ImuSensorController": (
+        "station.controllers.imu_sensor_controller:ImuSensorController"
+    ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
+    ),
+    "pos_vel_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.pos_vel_controllers"
+        ":JointTrajectoryController"
+    ),
+    "pos_vel_acc_controllers/JointTrajectoryController": (
+        "station.controllers.joint_trajectory_controller.pos_vel_acc_controllers"
+        ":JointTrajectoryController"
     ),
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"

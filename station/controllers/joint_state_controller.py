@@ -13,6 +13,7 @@ from station.core.errors import ParameterError
 from station.core.interfaces import JointStateGroup, JointStateInterface
 from station.core.joint_states import JointStates
 from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
 
 _logger = logging.getLogger(__name__)
 
@@ -39,14 +40,13 @@ class JointStateController(Controller[JointStateInterface]):
     def __init__(self) -> None:
         super().__init__()
         self.joint_states: JointStates | None = None
-        self.publish_rate = 0.0
+        self._timer = PublishTimer(0.0)
         self._group = JointStateGroup([])
         self._extra_values: dict[str, list[float]] = {}
-        self._last_publish_time: float | None = None
 
     @override
     def init(self, interface: JointStateInterface, params: Parameters) -> None:
-        self.publish_rate = params.get_float("publish_rate")
+        self._timer = PublishTimer(params.get_float("publish_rate"))
         names = params.get_str_list("joints", interface.get_names())
         self._group = JointStateGroup([interface.get_handle(name) for name in names])
         extra = _read_extra_joints(params, names)
@@ -59,18 +59,12 @@ class JointStateController(Controller[JointStateInterface]):
     @override
     def starting(self, time: float) -> None:
         """Let the first cycle publish; a restart keeps the rhythm."""
-        if self._last_publish_time is None and self.publish_rate > 0.0:
-            self._last_publish_time = time - 1.001 / self.publish_rate
+        self._timer.start(time, at_once=True)
 
     @override
     def update(self, time: float, period: float) -> None:
         """Publish when it is due."""
-        if self.publish_rate <= 0.0 or self._last_publish_time is None:
-            return
-        interval = 1.0 / self.publish_rate
-        due = self._last_publish_time + interval
-        if due < time:
-            self._last_publish_time = due if time - due < interval else time
+        if self._timer.is_due(time):
             self.joint_states = JointStates(
                 stamp=time,
                 name=self.joint_names,

@@ -152,6 +152,8 @@ class ControllerManager:
                     details={"controller": name},
                 )
             loaded = self._factory.build(name)
+            if loaded.controller.set_points is not None:
+                loaded.controller.set_points.clock = self._clock
             self._runner.loaded = (*self._runner.loaded, loaded)
 
     def unload_controller(self, name: str) -> None:

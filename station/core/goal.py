@@ -30,7 +30,8 @@ class GoalResult:
     """How a goal ended.
 
     Attributes:
-        code: The number the action defines for this end; 0 for success.
+        code: The number the action defines for this end; 0 for success and for an end
+            from outside.
         message: One sentence for people; empty on success.
         details: The facts of the message (JSON-compatible values).
     """

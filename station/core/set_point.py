@@ -51,8 +51,8 @@ class SetPointPort:
         clock: The clock that measures it.
 
     Attributes:
-        last: The last set-point picked up; None when there was none since the controller
-            started.
+        last: The last set-point picked up; None when there was none since the
+            controller started.
     """
 
     def __init__(

@@ -54,7 +54,7 @@ class GoalSupervision:
             now: Time of the trajectory [s].
             trajectory: What is executed from now on.
         """
-        self.preempt("Another trajectory replaced it.")
+        self.end(GoalStatus.PREEMPTED, "Another trajectory replaced it.")
         self.goal = goal
         self._reached.clear()
         self._start = now
@@ -62,10 +62,15 @@ class GoalSupervision:
         if goal is not None:
             goal.status = GoalStatus.ACTIVE
 
-    def preempt(self, reason: str) -> None:
-        """End the active goal without success or failure."""
+    def end(self, status: GoalStatus, reason: str) -> None:
+        """End the active goal, if there is one, from outside.
+
+        Args:
+            status: How it ends.
+            reason: Why, one sentence.
+        """
         if self.goal is not None:
-            self.goal.finish(GoalStatus.PREEMPTED, GoalResult(0, reason))
+            self.goal.finish(status, GoalResult(0, reason))
             self.goal = None
 
     def check(

@@ -19,6 +19,7 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
 )
 from station.core.controller import Controller, ControllerSample
 from station.core.errors import ControllerStateError, ParameterError
+from station.core.goal import GoalStatus
 from station.core.interfaces import JointStateGroup
 from station.core.parameters import Parameters
 from station.core.robot_description import JointDescription, require_robot_description
@@ -148,7 +149,12 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
     @override
     def stopping(self, time: float) -> None:
         """End the active goal; it never resumes."""
-        self.execution.stop()
+        self.execution.end_goals(GoalStatus.PREEMPTED, "The controller was stopped.")
+
+    @override
+    def aborting(self, time: float) -> None:
+        """End the active goal; it never resumes."""
+        self.execution.end_goals(GoalStatus.ABORTED, "The controller failed.")
 
     @override
     def update(self, time: float, period: float) -> None:

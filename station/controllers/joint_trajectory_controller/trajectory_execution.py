@@ -121,7 +121,7 @@ class TrajectoryExecution:
             velocities: Measured velocities [rad/s or m/s], shape (n,).
         """
         size = len(self._joints)
-        self._requests.clear()
+        self.end_goals(GoalStatus.PREEMPTED, "The controller was started anew.")
         self._moment = _Moment(time)
         self.positions = positions
         self.velocities = velocities
@@ -130,14 +130,18 @@ class TrajectoryExecution:
         self._rates = velocities
         self._trajectory = self._resting(positions)
 
-    def stop(self) -> None:
-        """End the active goal and every goal that waits; nothing resumes later."""
-        reason = "The controller was stopped."
-        self._supervision.preempt(reason)
+    def end_goals(self, status: GoalStatus, reason: str) -> None:
+        """End the active goal and every goal that waits; nothing resumes later.
+
+        Args:
+            status: How they end.
+            reason: Why, one sentence.
+        """
+        self._supervision.end(status, reason)
         while self._requests:
             waiting = self._requests.popleft().goal
             if waiting is not None:
-                waiting.finish(GoalStatus.PREEMPTED, GoalResult(0, reason))
+                waiting.finish(status, GoalResult(0, reason))
 
     def plan(
         self,
@@ -186,7 +190,7 @@ class TrajectoryExecution:
             self._requests.popleft()
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
-            self._supervision.preempt("It was cancelled.")
+            self._supervision.end(GoalStatus.PREEMPTED, "It was cancelled.")
             self._trajectory = self._resting(positions)
         active = self._sample(now, positions, velocities)
         if self._supervision.check(active, self._trajectory, self.errors, now):

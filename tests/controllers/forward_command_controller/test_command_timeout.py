@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.controllers import CONTROLLERS
 from station.controllers.forward_command_controller.command_timeout import (
     TimeoutAction,
     read_command_timeout,
@@ -9,6 +10,8 @@ from station.controllers.forward_command_controller.command_timeout import (
 from station.controllers.position_controllers import JointGroupPositionController
 from station.controllers.velocity_controllers import JointGroupVelocityController
 from station.core.clock import ManualClock
+from station.core.controller_loader import TableLoader
+from station.core.controller_manager import ControllerManager
 from station.core.errors import CommandTimeoutError, ParameterError
 from station.core.parameters import Parameters, ParameterTree
 
@@ -110,6 +113,21 @@ def test_starting_forgets_a_running_time_limit(robot):
     controller.start_request(robot.time)
     robot.step(controller)
     assert controller.is_running()
+
+
+def test_the_manager_lends_its_clock(robot):
+    clock = ManualClock()
+    robot.tree.set(
+        "arm",
+        {
+            "type": "velocity_controllers/JointGroupVelocityController",
+            "joints": ["wheel"],
+        },
+    )
+    loaders = [TableLoader(CONTROLLERS)]
+    manager = ControllerManager(robot, Parameters(robot.tree), loaders, clock)
+    manager.load_controller("arm")
+    assert manager.get_controller("arm").set_points.clock is clock
 
 
 @pytest.mark.parametrize(

@@ -194,6 +194,26 @@ def test_stopping_the_controller_ends_the_goal_for_good(robot, start, make_goal)
     assert robot.position == pytest.approx(here, abs=1e-12)
 
 
+def test_a_failing_controller_aborts_its_goals(robot, start, make_goal):
+    controller = start()
+    active = controller.goals.submit(make_goal(AWAY))
+    robot.run_with_position(controller, 10)
+    waiting = controller.goals.submit(make_goal(HOME))
+    controller.abort_request(robot.time)
+    assert active.status is waiting.status is GoalStatus.ABORTED
+    assert active.result.message == "The controller failed."
+
+
+def test_a_goal_that_came_too_late_does_not_survive_a_restart(robot, start, make_goal):
+    controller = start()
+    robot.run_with_position(controller, 10)
+    goal = controller.goals.submit(make_goal(AWAY))
+    controller.start_request(robot.time)
+    robot.run_with_position(controller, 10)
+    assert goal.status is GoalStatus.PREEMPTED
+    assert robot.position == [0.0, 0.0, 0.0]
+
+
 def test_a_violated_path_tolerance_aborts_and_holds(robot, start, make_goal):
     controller = start(**TOLERANCES)
     goal = controller.goals.submit(make_goal(AWAY))

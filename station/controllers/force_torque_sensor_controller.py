@@ -1,0 +1,74 @@
+"""Publish what the robot's force-torque sensors measure at a fixed rate.
+
+Source: ros_controllers@678b92a force_torque_sensor_controller/src/
+force_torque_sensor_controller.cpp; geometry_msgs/WrenchStamped.msg.
+"""
+
+from typing import ClassVar, NamedTuple
+
+from typing_extensions import override
+
+from station.core.controller import Controller
+from station.core.interfaces import ForceTorqueSensorHandle, ForceTorqueSensorInterface
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+
+
+class WrenchStamped(NamedTuple):
+    """One measurement of a force-torque sensor.
+
+    Attributes:
+        stamp: Station time of the cycle [s].
+        frame_id: Frame in which the values are expressed.
+        force: Force [N], shape (3,).
+        torque: Torque [Nm], shape (3,).
+    """
+
+    stamp: float
+    frame_id: str
+    force: list[float]
+    torque: list[float]
+
+
+class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
+    """Publishes all force-torque sensors; commands nothing.
+
+    Parameters: `publish_rate` [Hz], required, nothing is published when it is not
+    positive.
+
+    Attributes:
+        wrenches: What was published last by sensor name, a new object each time; empty
+            before the first time. Read it from any thread.
+
+    Source:
+        ForceTorqueSensorController; differs: publications that were missed are not
+        caught up in a burst, and a restart keeps the rhythm.
+    """
+
+    hardware_interface: ClassVar[type] = ForceTorqueSensorInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.wrenches: dict[str, WrenchStamped] = {}
+        self._timer = PublishTimer(0.0)
+        self._sensors: list[ForceTorqueSensorHandle] = []
+
+    @override
+    def init(self, interface: ForceTorqueSensorInterface, params: Parameters) -> None:
+        self._timer = PublishTimer(params.get_float("publish_rate"))
+        self._sensors = [interface.get_handle(name) for name in interface.get_names()]
+
+    @override
+    def starting(self, time: float) -> None:
+        self._timer.start(time, at_once=False)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        """Publish when it is due."""
+        if self._timer.is_due(time):
+            self.wrenches = {
+                sensor.name: WrenchStamped(
+                    time, sensor.get_frame_id(), sensor.get_force(), sensor.get_torque()
+                )
+                for sensor in self._sensors
+            }

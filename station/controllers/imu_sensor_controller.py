@@ -1,0 +1,117 @@
+"""Publish what the robot's inertial measurement units measure at a fixed rate.
+
+Source: ros_controllers@678b92a imu_sensor_controller/src/imu_sensor_controller.cpp;
+sensor_msgs/Imu.msg.
+"""
+
+from typing import ClassVar, NamedTuple
+
+from typing_extensions import override
+
+from station.core.controller import Controller
+from station.core.interfaces import ImuSensorHandle, ImuSensorInterface
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+
+_UNKNOWN = [-1.0] + [0.0] * 8
+
+
+class Imu(NamedTuple):
+    """One measurement of an inertial measurement unit.
+
+    What the unit does not measure is zero and has -1 as first element of its
+    covariance; a covariance that is not known is zero.
+
+    Attributes:
+        stamp: Station time of the cycle [s].
+        frame_id: Frame of the sensor.
+        orientation: Quaternion x, y, z, w as in the message, shape (4,).
+        orientation_covariance: Row-major [rad^2], shape (9,).
+        angular_velocity: [rad/s], shape (3,).
+        angular_velocity_covariance: Row-major [rad^2/s^2], shape (9,).
+        linear_acceleration: [m/s^2], shape (3,).
+        linear_acceleration_covariance: Row-major [m^2/s^4], shape (9,).
+    """
+
+    stamp: float
+    frame_id: str
+    orientation: list[float]
+    orientation_covariance: list[float]
+    angular_velocity: list[float]
+    angular_velocity_covariance: list[float]
+    linear_acceleration: list[float]
+    linear_acceleration_covariance: list[float]
+
+
+class ImuSensorController(Controller[ImuSensorInterface]):
+    """Publishes all inertial measurement units; commands nothing.
+
+    Parameters: `publish_rate` [Hz], required, nothing is published when it is not
+    positive.
+
+    Attributes:
+        readings: What was published last by sensor name, a new object each time; empty
+            before the first time. Read it from any thread.
+
+    Source:
+        ImuSensorController; differs: publications that were missed are not caught up
+        in a burst, and a restart keeps the rhythm.
+    """
+
+    hardware_interface: ClassVar[type] = ImuSensorInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.readings: dict[str, Imu] = {}
+        self._timer = PublishTimer(0.0)
+        self._sensors: list[ImuSensorHandle] = []
+
+    @override
+    def init(self, interface: ImuSensorInterface, params: Parameters) -> None:
+        self._timer = PublishTimer(params.get_float("publish_rate"))
+        self._sensors = [interface.get_handle(name) for name in interface.get_names()]
+
+    @override
+    def starting(self, time: float) -> None:
+        self._timer.start(time, at_once=False)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        """Publish when it is due."""
+        if self._timer.is_due(time):
+            self.readings = {
+                sensor.name: _reading(sensor, time) for sensor in self._sensors
+            }
+
+
+def _reading(sensor: ImuSensorHandle, time: float) -> Imu:
+    orientation, orientation_covariance = _measured(
+        sensor.get_orientation(), sensor.get_orientation_covariance(), 4
+    )
+    angular_velocity, angular_velocity_covariance = _measured(
+        sensor.get_angular_velocity(), sensor.get_angular_velocity_covariance(), 3
+    )
+    linear_acceleration, linear_acceleration_covariance = _measured(
+        sensor.get_linear_acceleration(),
+        sensor.get_linear_acceleration_covariance(),
+        3,
+    )
+    return Imu(
+        time,
+        sensor.get_frame_id(),
+        orientation,
+        orientation_covariance,
+        angular_velocity,
+        angular_velocity_covariance,
+        linear_acceleration,
+        linear_acceleration_covariance,
+    )
+
+
+def _measured(
+    values: list[float] | None, covariance: list[float] | None, size: int
+) -> tuple[list[float], list[float]]:
+    """Return values and covariance with the message's marks for what is unknown."""
+    if covariance is None:
+        covariance = list(_UNKNOWN) if values is None else [0.0] * 9
+    return [0.0] * size if values is None else values, covariance

@@ -1,0 +1,60 @@
+"""ForceTorqueSensorController: what it publishes and when."""
+
+import pytest
+
+from station.controllers.force_torque_sensor_controller import (
+    ForceTorqueSensorController,
+)
+from station.core.errors import ParameterError
+from station.core.interfaces import ForceTorqueSensorHandle, ForceTorqueSensorInterface
+
+
+@pytest.fixture
+def force():
+    return [1.0, 2.0, 3.0]
+
+
+@pytest.fixture
+def sensing_robot(robot, force):
+    interface = ForceTorqueSensorInterface()
+    interface.register_handle(
+        ForceTorqueSensorHandle("wrist", "hand", force, [4.0, 5.0, 6.0])
+    )
+    robot.register_interface(interface)
+    return robot
+
+
+def test_it_publishes_every_sensor_at_the_rate(sensing_robot):
+    controller = sensing_robot.start(ForceTorqueSensorController, publish_rate=50)
+    published = set()
+    for _ in range(1000):
+        sensing_robot.step(controller)
+        published.update(w.stamp for w in controller.wrenches.values())
+    assert 48 <= len(published) <= 50
+    wrench = controller.wrenches["wrist"]
+    assert wrench.frame_id == "hand"
+    assert wrench.force == [1.0, 2.0, 3.0]
+    assert wrench.torque == [4.0, 5.0, 6.0]
+
+
+def test_a_published_object_never_changes(sensing_robot, force):
+    controller = sensing_robot.start(ForceTorqueSensorController, publish_rate=500)
+    sensing_robot.step(controller, count=4)
+    first = controller.wrenches
+    force[0] = 9.0
+    sensing_robot.step(controller, count=4)
+    assert first["wrist"].force == [1.0, 2.0, 3.0]
+    assert controller.wrenches["wrist"].force == [9.0, 2.0, 3.0]
+
+
+def test_it_needs_a_publish_rate_and_claims_nothing(sensing_robot):
+    with pytest.raises(ParameterError, match="'arm/publish_rate' is missing"):
+        sensing_robot.load(ForceTorqueSensorController)
+    controller = sensing_robot.load(ForceTorqueSensorController, publish_rate=50)
+    assert controller.claims[0].resources == ()
+
+
+def test_a_rate_of_zero_publishes_nothing(sensing_robot):
+    controller = sensing_robot.start(ForceTorqueSensorController, publish_rate=0)
+    sensing_robot.step(controller, count=100)
+    assert controller.wrenches == {}
