@@ -1,0 +1,30 @@
+"""The user is told every address, and where the token is."""
+
+from station.app.announcement import Announcement
+
+ANNOUNCEMENT = Announcement(
+    api_url="http://127.0.0.1:8000",
+    ui_url="http://127.0.0.1:8080",
+    token="a+b/c",
+    runtime_file="/run/station/1.json",
+    scheduler="SCHED_FIFO 50",
+)
+
+
+def test_api_and_token_have_a_line_each():
+    api, token = ANNOUNCEMENT.lines()
+
+    assert "http://127.0.0.1:8000/docs" in api
+    assert "a+b/c" in token
+    assert "/run/station/1.json" in token
+
+
+def test_dashboard_address_logs_in():
+    line = ANNOUNCEMENT.dashboard_line()
+
+    assert "http://127.0.0.1:8080/login?token=a%2Bb%2Fc" in line
+
+
+def test_json_has_no_token():
+    assert "a+b/c" not in str(ANNOUNCEMENT.as_json())
+    assert ANNOUNCEMENT.as_json()["api_url"] == "http://127.0.0.1:8000"

@@ -1,0 +1,75 @@
+"""A configuration becomes a station whose controllers are loaded."""
+
+import pytest
+
+from station.app.composition import compose
+from station.config import load_config
+from station.core.clock import ManualClock
+from station.core.errors import ParameterError, StationError
+from tests.app.mass_hw import TYPE
+
+GROUP = "position_controllers/JointGroupPositionController"
+
+
+def configure(tmp_path, controllers: str, start: str = "[]", robot: str = ""):
+    path = tmp_path / "station.yaml"
+    path.write_text(
+        f"robot: {{type: '{TYPE}', {robot}}}\n"
+        f"controllers: {{{controllers}}}\nstart: {start}\nstation: {{rate: 500}}"
+    )
+    return load_config(path)
+
+
+def test_parts_are_built_as_configured(tmp_path):
+    config = configure(tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}")
+
+    station = compose(config, ManualClock()).station
+
+    assert station.joint_names == ["joint1"]
+    assert station.loop.period == 0.002
+    assert [(c.name, c.type) for c in station.controllers()] == [("arm", GROUP)]
+    assert station.status().robot_type == TYPE
+
+
+def test_robot_gets_its_parameters(tmp_path):
+    config = configure(tmp_path, "", robot="start: 0.5")
+
+    station = compose(config, ManualClock()).station
+    station.loop.step()
+
+    assert station.latest().position == [0.5]
+
+
+def test_parameters_stay_in_the_tree(tmp_path):
+    config = configure(tmp_path, "ns: {arm: {type: a/B, p: 1}, joint_limits: {x: 1}}")
+
+    parameters = compose(config, ManualClock()).station.parameters
+
+    assert parameters.get("arm/p") == 1
+    assert parameters.get("joint_limits/x") == 1
+    assert parameters.get("robot/type") == TYPE
+
+
+def test_controller_that_cannot_be_loaded_is_left_out(tmp_path):
+    config = configure(
+        tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}, odd: {{type: no/Such}}"
+    )
+
+    composition = compose(config, ManualClock())
+
+    assert [c.name for c in composition.station.controllers()] == ["arm"]
+    assert "no/Such" in str(composition.not_loaded["odd"])
+
+
+def test_controller_to_be_started_must_load(tmp_path):
+    config = configure(tmp_path, "odd: {type: no/Such}", start="[odd]")
+
+    with pytest.raises(StationError, match="no/Such"):
+        compose(config, ManualClock())
+
+
+def test_impossible_parameter_of_the_robot_is_refused(tmp_path):
+    config = configure(tmp_path, "", robot="start: here")
+
+    with pytest.raises(ParameterError, match="'robot/start' is 'here'"):
+        compose(config, ManualClock())

@@ -1,0 +1,59 @@
+"""The first signal ends the station in order, the second at once."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from station.app.shutdown_signals import ShutdownSignals
+
+SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+
+
+def nothing() -> None:
+    """Do nothing."""
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_signal_before_the_first_wait_interrupts_the_start(number):
+    with ShutdownSignals(nothing), pytest.raises(KeyboardInterrupt):
+        os.kill(os.getpid(), number)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_signal_ends_the_wait(number):
+    with ShutdownSignals(nothing) as signals:
+        assert not signals.wait(0.0)
+        os.kill(os.getpid(), number)
+        assert signals.wait(1.0)
+
+
+def test_handlers_are_put_back():
+    before = [signal.getsignal(number) for number in SIGNALS]
+
+    with ShutdownSignals(nothing):
+        pass
+
+    assert [signal.getsignal(number) for number in SIGNALS] == before
+
+
+def test_second_signal_ends_the_process_at_once():
+    program = (
+        "import os, signal, sys\n"
+        "from station.app.shutdown_signals import ShutdownSignals\n"
+        "def clean(): os.write(1, b'killed the rest')\n"
+        "with ShutdownSignals(clean) as signals:\n"
+        "    signals.wait(0.0)\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    signals.wait(1.0)\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    os.write(1, b'lived on')\n"
+    )
+
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True)
+
+    assert ended.returncode == 128 + signal.SIGINT
+    assert ended.stdout == b"killed the rest"
+    assert ended.stderr == b""

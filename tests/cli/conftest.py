@@ -1,0 +1,140 @@
+"""A station that records what the command line asks of it."""
+
+from argparse import Namespace
+
+import pytest
+
+from station.api.schemas import (
+    CommandAccepted,
+    ControllerState,
+    ControllerType,
+    Gains,
+    GainsChange,
+    StopState,
+    StreamFrame,
+    SwitchResult,
+    Tunable,
+)
+from station.cli.main import main
+
+GROUP = "position_controllers/JointGroupPositionController"
+
+
+class FakeStation:
+    """What `StationClient` is to the command line; keeps every call."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[object, ...]] = []
+        self.states = {"arm": "running", "leg": "stopped"}
+        self.frames: list[StreamFrame] = []
+        self.refusal: BaseException | None = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def _record(self, *call: object) -> None:
+        self.calls.append(call)
+        if self.refusal is not None:
+            raise self.refusal
+
+    def controllers(self):
+        self._record("controllers")
+        return [self.controller(name) for name in self.states]
+
+    def controller(self, name):
+        claims = [{"hardware_interface": "PositionJoint", "resources": ["j1", "j2"]}]
+        return ControllerState(
+            name=name, type=GROUP, state=self.states[name], claimed_resources=claims
+        )
+
+    def controller_types(self):
+        return [ControllerType(type=GROUP, base_class="Base")]
+
+    def load_controller(self, name, type=None, params=None):  # noqa: A002
+        self._record("load", name, type, params)
+        self.states[name] = "initialized"
+        return self.controller(name)
+
+    def unload_controller(self, name):
+        self._record("unload", name)
+        return self.controller(name)
+
+    def switch_controllers(self, **request):
+        self._record("switch", request)
+        return SwitchResult(
+            ok=True,
+            started=list(request.get("start", ())),
+            stopped=list(request.get("stop", ())),
+            jump={"j1": 0.0, "j2": 0.25},
+            cycle=7,
+            dry_run=request.get("dry_run", False),
+        )
+
+    def gains(self, name):
+        tunable = Tunable(unit="Nm/rad", minimum=0.0, maximum=None)
+        return Gains(
+            values={"j1/p": 600.0}, schema={"j1/p": tunable}, revision=1, etag='"1"'
+        )
+
+    def set_gains(self, name, values):
+        self._record("set_gains", name, values)
+        previous = dict.fromkeys(values, 600.0)
+        return GainsChange(values=values, previous=previous, revision=2, cycle=9)
+
+    def command(self, name, values):
+        self._record("command", name, values)
+        return CommandAccepted(epoch=3)
+
+    def stop(self, reason):
+        self._record("stop", reason)
+        return self._stop_state("stopped")
+
+    def release_stop(self, *, arm):
+        self._record("release", arm)
+        return self._stop_state("armed" if arm else "released")
+
+    def _stop_state(self, state):
+        return StopState(state=state, reason="", epoch=2)
+
+    def stream(self, topic, **options):
+        self._record("stream", topic, options)
+        return _FakeStream(self.frames)
+
+
+class _FakeStream(list):
+    """Frames, as a stream hands them out."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+
+@pytest.fixture
+def station(monkeypatch):
+    """Return the station that every verb finds."""
+    fake = FakeStation()
+    monkeypatch.setattr("station.client.StationClient", lambda *_: fake)
+    monkeypatch.setenv("STATION_URL", "http://127.0.0.1:8000")
+    monkeypatch.setenv("STATION_TOKEN", "secret")
+    return fake
+
+
+class Outcome(Namespace):
+    """What a command line came to: `code`, `out`, `err`."""
+
+
+@pytest.fixture
+def run(capsys, station):  # noqa: ARG001 - every verb finds it
+    """Return a function that runs a command line."""
+
+    def run_line(line: str) -> Outcome:
+        code = main(line.split())
+        out, err = capsys.readouterr()
+        return Outcome(code=code, out=out, err=err)
+
+    return run_line

@@ -1,0 +1,72 @@
+"""Every verb that is listed has a function that does it."""
+
+import importlib
+
+import pytest
+
+from station.cli.arguments import build_parser
+
+LINES = {
+    "run": "run",
+    "ui": "ui",
+    "doctor": "doctor",
+    "list_controllers": "list_controllers -v --claimed-interfaces",
+    "list": "list",
+    "list_controller_types": "list_controller_types",
+    "list_types": "list_types",
+    "load_controller": "load_controller arm arm.yaml --type a/B",
+    "load": "load arm",
+    "unload_controller": "unload_controller arm",
+    "unload": "unload arm",
+    "switch_controllers": "switch_controllers --activate a b --deactivate c",
+    "start": "start a b",
+    "spawn": "spawn a",
+    "kill": "kill a",
+    "gains": "gains show arm",
+    "echo": "echo joint_states --rate full",
+    "command": "command arm 1 2",
+    "stop": "stop",
+    "release": "release --arm",
+}
+
+
+def verbs() -> set[str]:
+    """Return all verbs that the parser knows."""
+    (choices,) = [a.choices for a in build_parser()._actions if a.choices]
+    return set(choices)
+
+
+def test_every_verb_is_tried_here():
+    assert verbs() == set(LINES)
+
+
+@pytest.mark.parametrize("verb", LINES)
+def test_verb_is_parsed_and_has_its_function(verb):
+    options = build_parser().parse_args(LINES[verb].split())
+
+    module, _, function = options.handler.partition(":")
+    assert callable(getattr(importlib.import_module(module), function))
+    assert options.json is False
+
+
+@pytest.mark.parametrize("verb", sorted(set(LINES) - {"run", "doctor"}))
+def test_client_verbs_can_name_the_station(verb):
+    line = f"{LINES[verb]} --url http://x --token t --json"
+
+    options = build_parser().parse_args(line.split())
+
+    assert (options.url, options.token, options.json) == ("http://x", "t", True)
+
+
+def test_strictness_is_one_or_the_other():
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["switch_controllers", "--strict", "--best-effort"])
+
+
+def test_controller_files_add_up():
+    line = "run station.yaml --controllers a.yaml b.yaml --controllers c.yaml"
+
+    options = build_parser().parse_args(line.split())
+
+    assert options.config.name == "station.yaml"
+    assert [path.name for path in options.controllers] == ["a.yaml", "b.yaml", "c.yaml"]

@@ -1,0 +1,52 @@
+"""Whatever goes wrong is worded for people and for programs."""
+
+import pytest
+from pydantic import ValidationError
+
+from station.api.schemas import CommandRequest, FieldError
+from station.cli.errors import NoStationError, UsageError, failure_of
+from station.client import ApiError, StationUnreachableError
+
+
+def test_error_of_the_station_keeps_its_words():
+    failure = failure_of(NoStationError("None runs.", remedy="Start one."))
+
+    assert failure.as_problem() == {
+        "code": "no_station",
+        "detail": "None runs.",
+        "remedy": "Start one.",
+    }
+    assert not failure.is_usage
+    assert failure_of(UsageError("No.")).is_usage
+
+
+def test_every_field_error_is_told():
+    fields = [FieldError(field="j1/p", value="-1", message="allowed is 0 to 1")]
+
+    failure = failure_of(
+        ApiError("Gain 'j1/p'.", status=422, code="invalid_gain", errors=fields)
+    )
+
+    assert "j1/p: " in failure.detail
+    assert "allowed is 0 to 1" in failure.detail
+
+
+def test_unreachable_station_is_told():
+    failure = failure_of(StationUnreachableError("http://x", OSError("refused")))
+
+    assert failure.code == "unreachable"
+    assert "http://x" in failure.detail
+
+
+def test_what_cannot_be_sent_is_told():
+    with pytest.raises(ValidationError) as caught:
+        CommandRequest(command=[0.0, float("nan")])
+
+    failure = failure_of(caught.value)
+
+    assert "command.1 is nan" in failure.detail
+    assert "Nothing was sent" in failure.remedy
+
+
+def test_defects_are_nobodys_failure():
+    assert failure_of(ZeroDivisionError()) is None

@@ -1,0 +1,35 @@
+"""Tables are plain when nobody looks, and pretty on a terminal."""
+
+import json
+import sys
+
+from station.api.schemas import ControllerType
+from station.cli.output import say_json, say_model, say_models, say_table
+
+
+def test_columns_are_aligned(capsys):
+    say_table(["name", "state"], [["a", "running"], ["longer", "-"]])
+
+    assert capsys.readouterr().out == "name    state\na       running\nlonger  -\n"
+
+
+def test_terminal_gets_a_styled_table(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+
+    say_table(["name", "state"], [["[bold]a", "running"]])
+
+    out = capsys.readouterr().out
+    assert "[bold]a" in out
+    assert "running" in out
+
+
+def test_models_are_json_by_their_names_on_the_wire(capsys):
+    model = ControllerType(type="a/B", base_class="C")
+    wire = {"type": "a/B", "base_class": "C", "description": ""}
+
+    say_model(model)
+    say_models([model])
+    say_json({"x": 1})
+
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert lines == [wire, [wire], {"x": 1}]

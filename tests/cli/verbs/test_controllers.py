@@ -1,0 +1,66 @@
+"""Verbs that list, load and unload controllers."""
+
+import json
+
+import pytest
+
+
+def test_controllers_are_listed(run):
+    outcome = run("list_controllers")
+
+    name, state = outcome.out.splitlines()[1].split()[::2]
+    assert (outcome.code, name, state) == (0, "arm", "running")
+
+
+@pytest.mark.parametrize("option", ["--claimed-interfaces", "-v"])
+def test_claims_are_listed_when_asked_for(run, option):
+    assert "PositionJoint: j1, j2" not in run("list").out
+    assert "PositionJoint: j1, j2" in run(f"list {option}").out
+
+
+def test_list_can_be_json(run):
+    controllers = json.loads(run("list-controllers --json").out)
+
+    assert [c["name"] for c in controllers] == ["arm", "leg"]
+    assert controllers[0]["claimed_resources"][0]["resources"] == ["j1", "j2"]
+
+
+def test_empty_list_is_said_to_be(run, station):
+    station.states = {}
+
+    assert run("list").out == "No controllers are loaded.\n"
+    assert json.loads(run("list --json").out) == []
+
+
+def test_types_are_listed(run):
+    assert "JointGroupPositionController" in run("list_controller_types").out
+    assert json.loads(run("list-types --json").out)[0]["base_class"] == "Base"
+
+
+def test_controller_is_loaded_from_the_configuration(run, station):
+    assert run("load hand").code == 0
+    assert station.calls == [("load", "hand", None, None)]
+
+
+def test_controller_is_loaded_with_the_parameters_of_a_file(run, station, tmp_path):
+    path = tmp_path / "ros.yaml"
+    path.write_text("panda:\n  hand: {type: a/B, p: 1e-3}\n")
+
+    assert run(f"load_controller hand {path} --type c/D").code == 0
+    assert station.calls == [("load", "hand", "c/D", {"type": "a/B", "p": 0.001})]
+
+
+def test_file_without_the_controller_is_refused(run, station, tmp_path):
+    path = tmp_path / "ros.yaml"
+    path.write_text("hand: {type: a/B}")
+
+    outcome = run(f"load foot {path}")
+
+    assert outcome.code == 2
+    assert "it has controllers: hand" in outcome.err
+    assert station.calls == []
+
+
+def test_controller_is_unloaded(run):
+    assert run("unload leg").out == "Unloaded leg.\n"
+    assert json.loads(run("unload leg --json").out)["name"] == "leg"

@@ -1,0 +1,51 @@
+"""Verbs that move the robot or keep it from moving."""
+
+import json
+
+from station.client import StationUnreachableError
+
+
+def test_command_sends_the_set_point(run, station):
+    outcome = run("command arm 0.1 -2 -3e-1")
+
+    assert outcome.code == 0
+    assert station.calls == [("command", "arm", [0.1, -2.0, -0.3])]
+
+
+def test_stop_stops_the_robot(run, station):
+    outcome = run("stop --reason test")
+
+    assert station.calls == [("stop", "test")]
+    assert "station release" in outcome.out
+
+
+def test_stop_with_loaded_controllers_stops_these_alone(run, station):
+    assert run("stop arm leg").code == 0
+    assert station.calls == [("controllers",), ("switch", {"stop": ["arm"]})]
+
+
+def test_stop_with_any_other_word_stops_the_robot(run, station):
+    run("stop now")
+
+    assert station.calls == [("controllers",), ("stop", "now")]
+
+
+def test_stop_is_sent_even_when_the_list_fails(run, station):
+    station.refusal = StationUnreachableError("http://x", OSError("refused"))
+
+    outcome = run("stop arm")
+
+    assert outcome.code == 1
+    assert station.calls == [("controllers",), ("stop", "arm")]
+
+
+def test_release_takes_two_steps(run, station):
+    first, second = run("release"), run("release --arm")
+
+    assert station.calls == [("release", False), ("release", True)]
+    assert "nothing moves yet" in first.out
+    assert "Motion is possible" in second.out
+
+
+def test_stop_state_can_be_json(run):
+    assert json.loads(run("stop --json").out)["state"] == "stopped"

@@ -1,0 +1,82 @@
+"""Verb `run`: options become configuration, what is told becomes lines."""
+
+import json
+
+import pytest
+
+from station.app.announcement import Announcement
+
+ANNOUNCEMENT = Announcement("http://a", "http://u", "secret", "/run/x", "SCHED_FIFO 50")
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Return the list of configurations that stations were started with."""
+    configs = []
+
+    class FakeRun:
+        def __init__(self, config, *, tell, tell_dashboard, warn):
+            configs.append(config)
+            self._tell = tell, tell_dashboard
+            self._warn = warn
+
+        def run(self):
+            for tell in self._tell:
+                tell(ANNOUNCEMENT)
+            self._warn("something")
+
+    monkeypatch.setattr("station.app.lifecycle.StationRun", FakeRun)
+    return configs
+
+
+def test_options_override_the_configuration(run, started, tmp_path):
+    path = tmp_path / "station.yaml"
+    path.write_text("station: {rate: 250}\napi: {port: 1}\nui: {port: 2}")
+
+    run(f"run {path} --port 3 --host 127.0.0.2 --token secret-token")
+    run("run --rate 500 --ui-port 0 --no-ui --real-time-factor 2")
+
+    first, second = started
+    assert (first.station.rate, first.api.port, first.ui.port) == (250.0, 3, 2)
+    assert (first.api.host, first.api.token) == ("127.0.0.2", "secret-token")
+    assert (second.station.rate, second.station.real_time_factor) == (500.0, 2.0)
+    assert (second.ui.enabled, second.ui.port) == (False, 0)
+
+
+def test_controller_files_are_added(run, started, tmp_path):
+    path = tmp_path / "ros.yaml"
+    path.write_text("panda: {arm: {type: a/B}}")
+
+    run(f"run --controllers {path}")
+
+    assert "arm" in started[0].controllers
+
+
+@pytest.mark.usefixtures("started")
+def test_addresses_are_printed(run):
+    outcome = run("run")
+
+    assert outcome.code == 0
+    assert [line.split()[0] for line in outcome.out.splitlines()] == [
+        "API",
+        "Token",
+        "Dashboard",
+    ]
+    assert outcome.err == "warning: something\n"
+
+
+@pytest.mark.usefixtures("started")
+def test_addresses_can_be_json(run):
+    first, second = map(json.loads, run("run --json").out.splitlines())
+
+    assert first["api_url"] == "http://a"
+    assert second == {"ui_ready": "http://u"}
+
+
+@pytest.mark.parametrize("line", ["run --rate -5", "run no-such-file.yaml"])
+def test_wrong_configuration_is_refused(run, started, line):
+    outcome = run(line)
+
+    assert outcome.code == 1
+    assert outcome.err.startswith("error: ")
+    assert started == []
