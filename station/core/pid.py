@@ -17,9 +17,12 @@ Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 
 from dataclasses import dataclass
 from math import isfinite, isnan
+from typing import Final
 
 from station.core.errors import InvalidGainError
 from station.core.parameters import Parameters
+
+_INFINITY: Final[float] = float("inf")
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +169,7 @@ class Pid:
         Returns:
             The command, 0 where none can be computed.
         """
-        if period == 0.0 or not isfinite(error):
+        if period == 0.0 or not -_INFINITY < error < _INFINITY:
             return 0.0
         error_dot = self._d_error
         if period > 0.0:
@@ -193,7 +196,9 @@ class Pid:
         gains = self._gains
         self._p_error = error
         self._d_error = error_dot
-        if period == 0.0 or not isfinite(error) or not isfinite(error_dot):
+        if period == 0.0 or not -_INFINITY < error < _INFINITY:
+            return 0.0
+        if not -_INFINITY < error_dot < _INFINITY:
             return 0.0
         i_gain = gains.i
         i_error = self._i_error + period * error

@@ -145,10 +145,13 @@ class EffortJointSoftLimitsHandle(JointLimitsHandle):
         joint.set_command(given)
         if given < asked or asked < given:
             bound = high_velocity if given == high else low_velocity
-            self._count_clamp(asked, given, self._reason_for(asked, bound))
+            self._count_clamp(asked, given, self._reason_for(asked, given, bound))
 
-    def _reason_for(self, asked: float, velocity_bound: float) -> ClampReason:
-        if abs(asked) > self._max_effort:
+    def _reason_for(
+        self, asked: float, given: float, velocity_bound: float
+    ) -> ClampReason:
+        # A brake at full effort points away from what was asked for.
+        if abs(given) == self._max_effort and (given > 0.0) == (asked > 0.0):
             return ClampReason.EFFORT
         if abs(velocity_bound) < self._max_velocity:
             return ClampReason.SOFT_POSITION

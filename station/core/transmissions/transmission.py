@@ -99,7 +99,8 @@ def check_two_by_two(
             f"{len(actuator_reduction)} actuator reductions, {len(joint_reduction)} "
             f"joint reductions and {len(joint_offset)} joint offsets.",
         )
-    if 0.0 in (*actuator_reduction, *joint_reduction):
+    reductions = [*actuator_reduction, *joint_reduction]
+    if 0.0 in reductions:
         raise TransmissionInterfaceError(
             "Transmission reduction ratios cannot be zero.",
             remedy="Correct the <mechanicalReduction> elements: actuators "

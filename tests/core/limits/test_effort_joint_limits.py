@@ -49,6 +49,8 @@ def test_saturation_lets_effort_only_point_back(position, velocity, asked, expec
         (0.0, 0.0, 5.0, (5.0, None)),
         (0.0, -20.0, 90.0, (50.0, ClampReason.EFFORT)),
         (0.0, 2.0, 20.0, (0.0, ClampReason.VELOCITY)),
+        (0.0, 3.0, 90.0, (-5.0, ClampReason.VELOCITY)),
+        (0.0, 20.0, 90.0, (-50.0, ClampReason.VELOCITY)),
         (0.0, 3.0, 20.0, (-5.0, ClampReason.VELOCITY)),
         (0.5, 0.0, 20.0, (0.0, ClampReason.SOFT_POSITION)),
         (0.5, 1.0, 20.0, (-5.0, ClampReason.SOFT_POSITION)),
