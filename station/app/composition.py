@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from station.app.hardware import create_robot
+from station.hw.robot_loader import create_robot
 from station.config import StationConfig
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, SystemClock

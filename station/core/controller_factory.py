@@ -4,10 +4,11 @@ import re
 import traceback
 from collections.abc import Sequence
 
+from station.core.command_guard import find_guards
 from station.core.controller import ControllerBase
 from station.core.controller_loader import ControllerLoader, create_controller
 from station.core.errors import ControllerLoadError, ParameterError, StationError
-from station.core.loaded_controller import LoadedController, find_guards
+from station.core.loaded_controller import LoadedController
 from station.core.parameters import Parameters
 from station.core.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 

@@ -39,18 +39,23 @@ class ControllerLifecycle:
     ) -> str:
         """Start one controller; return why that was not possible, or nothing.
 
-        Resources that nobody commanded until now begin at rest, so that no command of
-        long ago reaches the robot; the others go on from the last command.
+        Args:
+            one: The controller; it may be running already (CM-48, CM-51).
+            time: Station time [s].
+            stopped: Controllers stopped in the same cycle; commands of resources that
+                they had, through the same interface, go on from the last command.
+            jump: Gets the step of every command, by resource.
         """
         controller = one.controller
         if controller.state is ControllerState.CONSTRUCTED:
             return "it was never initialised"
-        again = controller.state is ControllerState.RUNNING
-        taken_over = {resource for info in stopped for resource in _resources(info)}
-        for guard in one.guards:
-            if not again and guard.name not in taken_over:
-                guard.write_rest()
-            guard.remember()
+        own = (one.info,) if controller.state is ControllerState.RUNNING else ()
+        unknown = one.prepare({
+            claim for info in (*stopped, *own) for claim in _claims(info)
+        })
+        if unknown:
+            self.fail(one, time, unknown, "")
+            return unknown
         try:
             controller.start_request(time)
             bad = "" if one.is_finite() else one.bad_command()
@@ -60,7 +65,7 @@ class ControllerLifecycle:
             problem, trace = reason_of("starting", error), traceback.format_exc()
         if not problem:
             one.fault = one.traceback = ""
-            one.fresh = True
+            one.watch_first_update()
         if not trace:
             jump.update(one.jumps())
         if problem:
@@ -69,8 +74,7 @@ class ControllerLifecycle:
 
     def _check_first_update(self, one: LoadedController, time: float) -> None:
         one.fresh = False
-        port = one.controller.set_points
-        if port is not None and port.last is not None:
+        if one.got_set_point():
             return  # somebody wants it to move already
         problem = one.excessive_jump()
         if problem:
@@ -186,8 +190,13 @@ class ControllerLifecycle:
         return ""
 
 
-def _resources(info: ControllerInfo) -> list[str]:
-    return [r for claim in info.claimed_resources for r in claim.resources]
+def _claims(info: ControllerInfo) -> list[tuple[str, str]]:
+    """Return (hardware interface, resource) of everything a controller claims."""
+    return [
+        (claim.hardware_interface, resource)
+        for claim in info.claimed_resources
+        for resource in claim.resources
+    ]
 
 
 def reason_of(where: str, error: Exception) -> str:

@@ -14,6 +14,7 @@ from station.core.controller import ControllerBase, ControllerSample
 from station.core.controller_factory import ControllerFactory
 from station.core.controller_loader import ControllerLoader
 from station.core.controller_runner import ControllerRunner
+from station.core.controller_status import ControllerStatistics, ControllerStatus
 from station.core.errors import (
     ControllerExistsError,
     ControllerNotFoundError,
@@ -21,11 +22,7 @@ from station.core.errors import (
     SwitchRefusedError,
     SwitchTimeoutError,
 )
-from station.core.loaded_controller import (
-    ControllerStatistics,
-    ControllerStatus,
-    LoadedController,
-)
+from station.core.loaded_controller import LoadedController
 from station.core.parameters import Parameters
 from station.core.pending_switch import PendingSwitch, SwitchProgress
 from station.core.robot_hw import RobotHW

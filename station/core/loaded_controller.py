@@ -1,130 +1,12 @@
 """A loaded controller: its claims, the commands it may write, its faults and times."""
 
-import math
 import threading
-from dataclasses import dataclass
 
-from station.core.controller import ControllerBase, ControllerState
-from station.core.interfaces.interface_manager import interface_type_name
-from station.core.interfaces.resource_manager import HardwareResourceManager
-from station.core.robot_hw import ControllerInfo, InterfaceResources, RobotHW
-from station.core.statistics import DurationRing, Percentiles
-
-
-@dataclass(frozen=True, slots=True)
-class ControllerStatus:
-    """A controller as `controller_manager_msgs/ControllerState` has it, and more.
-
-    Attributes:
-        name: Name under which it is loaded.
-        type: Its type as the parameters have it.
-        state: Where it is in its life.
-        claimed_resources: What it claims, one entry per hardware interface (CM-85).
-        fault: Why it was stopped by the manager; empty if it was not.
-        traceback: Traceback that belongs to `fault`; empty if there was none.
-        fallback: Names of the controllers that take over when it fails.
-        time: How long its update takes [s].
-    """
-
-    name: str
-    type: str
-    state: ControllerState
-    claimed_resources: tuple[InterfaceResources, ...]
-    fault: str
-    traceback: str
-    fallback: tuple[str, ...]
-    time: Percentiles
-
-
-@dataclass(frozen=True, slots=True)
-class ControllerStatistics:
-    """A controller as `controller_manager_msgs/ControllerStatistics` has it.
-
-    Attributes:
-        name: Name under which it is loaded.
-        type: Its type.
-        timestamp: Station time of the last cycle [s].
-        running: Whether it runs.
-        max_time: Longest update [s].
-        mean_time: Mean duration of an update [s].
-        variance_time: Variance of the durations [s^2].
-        num_control_loop_overruns: Updates that took longer than the cycle's period.
-        time_last_control_loop_overrun: Station time of the last one [s].
-        time: Percentiles of the durations [s]; its `count` is the number of updates.
-    """
-
-    name: str
-    type: str
-    timestamp: float
-    running: bool
-    max_time: float
-    mean_time: float
-    variance_time: float
-    num_control_loop_overruns: int
-    time_last_control_loop_overrun: float
-    time: Percentiles
-
-
-class CommandGuard:
-    """Watches the commands of one claimed resource.
-
-    Args:
-        interface: The interface through which it is claimed.
-        name: Name of the resource.
-        slots: Where its commands are, as (storage, index).
-    """
-
-    def __init__(
-        self,
-        interface: HardwareResourceManager,  # type: ignore[type-arg]  # any handle
-        name: str,
-        slots: list[tuple[list[float], int]],
-    ) -> None:
-        self.interface = interface
-        self.name = name
-        self.slots = slots
-        self._last = [0.0 for _ in slots]
-        self._rest = self._last
-
-    def write_rest(self) -> None:
-        """Command the resource to rest where it is."""
-        values = self.interface.rest_commands(self.name)
-        for (storage, index), value in zip(self.slots, values, strict=True):
-            storage[index] = value
-
-    def remember(self) -> None:
-        """Take rest and the present commands as what a jump is measured from."""
-        self._rest = self.interface.rest_commands(self.name)
-        self._last = [storage[index] for storage, index in self.slots]
-
-    def jump(self) -> float:
-        """Return the largest step of a command, in its unit."""
-        return max(self._steps(), default=0.0)
-
-    def excess(self) -> tuple[float, float]:
-        """Return the first step that is too large and its limit; zeros if none is."""
-        limits = self.interface.start_jump_limits(self.name)
-        for step, limit in zip(self._steps(), limits, strict=True):
-            if not step <= limit:
-                return step, limit
-        return 0.0, 0.0
-
-    def _steps(self) -> list[float]:
-        """Return how far the commands are from rest or the last ones, the nearer."""
-        steps: list[float] = []
-        for position, (storage, index) in enumerate(self.slots):
-            command = storage[index]
-            from_last = abs(command - self._last[position])
-            steps.append(min(from_last, abs(command - self._rest[position])))
-        return steps
-
-    def bad_command(self) -> str:
-        """Return the first command that is no finite number as text; empty if none."""
-        for storage, index in self.slots:
-            value: object = storage[index]
-            if not isinstance(value, (int, float)) or not math.isfinite(value):
-                return repr(value)
-        return ""
+from station.core.command_guard import CommandGuard, as_pieces
+from station.core.controller import ControllerBase
+from station.core.controller_status import ControllerStatistics, ControllerStatus
+from station.core.robot_hw import ControllerInfo
+from station.core.statistics import DurationRing
 
 
 class LoadedController:
@@ -156,12 +38,13 @@ class LoadedController:
         self.controller = controller
         self.info = info
         self.guards = guards
-        self.pieces = _pieces([slot for guard in guards for slot in guard.slots])
+        self.pieces = as_pieces([slot for guard in guards for slot in guard.slots])
         self.fallback = fallback
         self.may_jump = may_jump
         self.fault = ""
         self.traceback = ""
         self.fresh = False
+        self._last_set_point: list[float] | None = None
         self.ownership = threading.Lock()
         self.durations = DurationRing(1024)
         self.total = 0.0
@@ -202,6 +85,34 @@ class LoadedController:
         """Command everything it claims to rest where it is."""
         for guard in self.guards:
             guard.write_rest()
+
+    def prepare(self, taken_over: set[tuple[str, str]]) -> str:
+        """Make the commands ready for a start; return why that is impossible.
+
+        Resources that nobody commanded until now begin at rest, so that no command of
+        long ago reaches the robot; the others go on from the last command.
+
+        Args:
+            taken_over: (hardware interface, resource) of what goes on from the last
+                command.
+        """
+        for guard in self.guards:
+            if guard.claim not in taken_over:
+                guard.write_rest()
+            if not guard.remember():
+                return f"the state of '{guard.name}' is not finite"
+        return ""
+
+    def watch_first_update(self) -> None:
+        """Note that it was started and has not been updated yet."""
+        port = self.controller.set_points
+        self.fresh = True
+        self._last_set_point = None if port is None else port.last
+
+    def got_set_point(self) -> bool:
+        """Say whether it has picked up a set-point since it was started."""
+        port = self.controller.set_points
+        return port is not None and port.last is not self._last_set_point
 
     def jumps(self) -> dict[str, float]:
         """Return how far its commands are from before it was started, by resource."""
@@ -250,48 +161,3 @@ class LoadedController:
             self.last_overrun,
             percentiles,
         )
-
-
-def find_guards(
-    hw: RobotHW, claims: tuple[InterfaceResources, ...]
-) -> list[CommandGuard]:
-    """Return a guard for every claimed resource that takes commands.
-
-    Args:
-        hw: The robot.
-        claims: What a controller claims.
-    """
-    guards: list[CommandGuard] = []
-    for claim in claims:
-        interface = _find_interface(hw, claim.hardware_interface)
-        if interface is None:
-            continue
-        for handle in interface.handles():
-            slots = handle.command_slots()
-            if slots and handle.name in claim.resources:
-                guards.append(
-                    CommandGuard(interface.origin(handle.name), handle.name, slots)
-                )
-    return guards
-
-
-def _find_interface(
-    hw: RobotHW,
-    name: str,
-) -> HardwareResourceManager | None:  # type: ignore[type-arg]  # any handle
-    for interface_type in hw.interface_types():
-        if interface_type_name(interface_type) == name:
-            interface = hw.get(interface_type)
-            return interface if isinstance(interface, HardwareResourceManager) else None
-    return None
-
-
-def _pieces(slots: list[tuple[list[float], int]]) -> list[tuple[list[float], slice]]:
-    """Return as few (storage, slice) as cover `slots`."""
-    pieces: list[tuple[list[float], slice]] = []
-    for storage, index in slots:
-        if pieces and pieces[-1][0] is storage and pieces[-1][1].stop == index:
-            pieces[-1] = (storage, slice(pieces[-1][1].start, index + 1))
-        else:
-            pieces.append((storage, slice(index, index + 1)))
-    return pieces

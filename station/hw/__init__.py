@@ -6,5 +6,9 @@ robot does not concern the others.
 """
 
 HARDWARE: dict[str, str] = {
+    "combined_robot_hw/CombinedRobotHW": (
+        "station.hw.combined_robot_hw:CombinedRobotHW"
+    ),
     "franka_hw/FrankaHW": "station.hw.franka.franka_hw:FrankaHW",
+    "mock_hw/MockRobotHW": "station.hw.mock:MockRobotHW",
 }

@@ -1,0 +1,207 @@
+"""A shipped robot without hardware, for tests, examples and dry runs.
+
+Its joints are ideal. Everything that can go wrong with a robot can be ordered: refused
+and slow switches, switches that fail, sensors that read NaN, slow cycles, exceptions.
+"""
+
+import math
+from collections.abc import Sequence
+
+from typing_extensions import override
+
+from station.core.clock import Clock, SystemClock
+from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.interfaces import (
+    EffortJointInterface,
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+    ImuSensorHandle,
+    ImuSensorInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.parameters import Parameters
+from station.core.robot_hw import ControllerInfo, RobotHW, SwitchState
+from station.hw.mock.mock_joints import IDLE, MockJoints
+from station.hw.mock.mock_script import MockScript
+
+
+class MockRobotHW(RobotHW):
+    """Type `mock_hw/MockRobotHW`.
+
+    Parameters, all optional: `joints` (list of names), `initial_positions` (one number
+    per joint), `inertia`, `damping`, `switch_cycles` (see `MockScript`).
+
+    Attributes:
+        script: What shall go wrong; may be changed at any time between two cycles.
+        switches: (started, stopped) names of every `do_switch`, oldest first.
+        clock: Clock on which slow cycles take their time.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.script = MockScript()
+        self.switches: list[tuple[tuple[str, ...], tuple[str, ...]]] = []
+        self.clock: Clock = SystemClock()
+        self.joint_names: list[str] = []
+        self.joints = MockJoints([])
+        self._ready_in: dict[str, int] = {}
+        self._measured = MockJoints([])
+
+    @override
+    def init(self, root_params: Parameters, hw_params: Parameters) -> None:
+        """Make the joints and register their interfaces.
+
+        Args:
+            root_params: Not used.
+            hw_params: The parameters named above.
+
+        Raises:
+            ParameterError: A parameter is impossible.
+        """
+        names = hw_params.get_str_list("joints", ["joint1", "joint2"])
+        if len(set(names)) != len(names):
+            raise ParameterError(
+                f"Parameter '{hw_params.resolve('joints')}' names a joint twice: "
+                f"{', '.join(names)}.",
+                remedy="Give every joint its own name.",
+            )
+        positions = hw_params.get_float_list(
+            "initial_positions", len(names), [0.0] * len(names)
+        )
+        inertia = hw_params.get_float("inertia", 1.0)
+        damping = hw_params.get_float("damping", 1.0)
+        if inertia <= 0.0 or damping < 0.0:
+            raise ParameterError(
+                f"Inertia {inertia} and damping {damping} of the mock must be > 0 and "
+                ">= 0.",
+                remedy="Leave them out for the usual ones.",
+            )
+        self.script.switch_cycles = hw_params.get_int("switch_cycles", 0)
+        self.joint_names = names
+        self.joints = MockJoints(positions, inertia, damping)
+        self._measured = MockJoints(positions)
+        self._register_interfaces()
+
+    def _register_interfaces(self) -> None:
+        states = JointStateInterface()
+        commands = (
+            (PositionJointInterface(), self.joints.position_command),
+            (VelocityJointInterface(), self.joints.velocity_command),
+            (EffortJointInterface(), self.joints.effort_command),
+        )
+        seen = self._measured
+        for index, name in enumerate(self.joint_names):
+            state = JointStateHandle(
+                name, seen.position, seen.velocity, seen.effort, index
+            )
+            states.register_handle(state)
+            for interface, storage in commands:
+                interface.register_handle(JointHandle(state, storage))
+        self.register_interface(states)
+        for interface, _ in commands:
+            self.register_interface(interface)
+        self._register_sensors()
+
+    def _register_sensors(self) -> None:
+        wrench = ForceTorqueSensorInterface()
+        wrench.register_handle(
+            ForceTorqueSensorHandle("mock_wrench", "tool0", [0.0] * 3, [0.0] * 3)
+        )
+        imu = ImuSensorInterface()
+        imu.register_handle(
+            ImuSensorHandle(
+                "mock_imu",
+                "base_link",
+                orientation=[0.0, 0.0, 0.0, 1.0],
+                angular_velocity=[0.0] * 3,
+                linear_acceleration=[0.0, 0.0, 9.81],
+            )
+        )
+        self.register_interface(wrench)
+        self.register_interface(imu)
+
+    @override
+    def read(self, time: float, period: float) -> None:
+        script = self.script
+        if script.slow_cycles:
+            self.clock.sleep_until(self.clock.now() + script.slow_cycles.pop(0))
+        if script.read_error is not None:
+            raise script.read_error
+        seen, true = self._measured, self.joints
+        seen.position[:] = true.position
+        seen.velocity[:] = true.velocity
+        seen.effort[:] = true.effort
+        for index, name in enumerate(self.joint_names):
+            if name in script.nan_sensors:
+                seen.position[index] = seen.velocity[index] = math.nan
+
+    @override
+    def write(self, time: float, period: float) -> None:
+        self.joints.advance(period)
+        for name, cycles in self._ready_in.items():
+            if cycles > 0:
+                self._ready_in[name] = cycles - 1
+
+    @override
+    def prepare_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Refuse when the script says so.
+
+        Args:
+            start: Controllers that will be started.
+            stop: Controllers that will be stopped.
+
+        Raises:
+            SwitchRefusedError: `script.refusal` is set.
+        """
+        if self.script.refusal:
+            raise SwitchRefusedError(
+                f"The mock refuses the switch: {self.script.refusal}.",
+                remedy="Clear the refusal in its script.",
+            )
+
+    @override
+    def do_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        self.switches.append((
+            tuple(info.name for info in start),
+            tuple(info.name for info in stop),
+        ))
+        for info in stop:
+            self._set_mode(info, claimed=False)
+            self._ready_in.pop(info.name, None)
+        for info in start:
+            self._set_mode(info, claimed=True)
+            self._ready_in[info.name] = self.script.switch_cycles
+
+    def _set_mode(self, info: ControllerInfo, *, claimed: bool) -> None:
+        for claim in info.claimed_resources:
+            for resource in claim.resources:
+                if resource in self.joint_names:
+                    index = self.joint_names.index(resource)
+                    mode = claim.hardware_interface if claimed else IDLE
+                    self.joints.mode[index] = mode
+
+    @override
+    def switch_result(self) -> SwitchState:
+        if self.script.failing:
+            return SwitchState.ERROR
+        waiting = any(cycles > 0 for cycles in self._ready_in.values())
+        return SwitchState.ONGOING if waiting else SwitchState.DONE
+
+    @override
+    def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
+        if controller.name in self.script.failing:
+            return SwitchState.ERROR
+        waiting = self._ready_in.get(controller.name, 0) > 0
+        return SwitchState.ONGOING if waiting else SwitchState.DONE
+
+    @override
+    def mode(self) -> str:
+        return self.script.mode
