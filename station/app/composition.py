@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from station.hw.robot_loader import create_robot
 from station.config import StationConfig
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, SystemClock
@@ -12,6 +11,7 @@ from station.core.controller_manager import ControllerManager
 from station.core.errors import StationError
 from station.core.parameters import Parameters, ParameterTree
 from station.core.station import Station
+from station.hw.robot_loader import create_robot
 
 ROBOT_NAMESPACE = "robot"
 

@@ -4,8 +4,8 @@ import sys
 import types
 
 import pytest
-
 from station.app.hardware import RobotTypeError, create_robot
+
 from station.core.robot_hw import RobotHW
 
 
