@@ -4,9 +4,9 @@ import sys
 import types
 
 import pytest
-from station.app.hardware import RobotTypeError, create_robot
 
 from station.core.robot_hw import RobotHW
+from station.hw.robot_loader import RobotTypeError, create_robot
 
 
 class MyRobotHW(RobotHW):
