@@ -72,7 +72,31 @@ class ControllerLifecycle:
             self.fail(one, time, problem, trace)
         return problem
 
-    def _check_first_update(self, one: LoadedController, time: float) -> None:
+    def start_at_once(
+        self,
+        one: LoadedController,
+        time: float,
+        stopped: tuple[ControllerInfo, ...],
+    ) -> str:
+        """Start one controller if the hardware is ready; return why not, or nothing.
+
+        Args:
+            one: The controller.
+            time: Station time [s].
+            stopped: As for `start`.
+        """
+        try:
+            ready = self.hw.switch_result_for(one.info) is SwitchState.DONE
+            problem = "" if ready else "the hardware was not ready at once"
+        except Exception as error:  # noqa: BLE001 - kept and shown
+            problem = reason_of("switch_result_for", error)
+        if problem:
+            self.fail(one, time, problem, "")
+            return problem
+        return self.start(one, time, stopped, {})
+
+    def check_first_update(self, one: LoadedController, time: float) -> None:
+        """Look at the command of the first update; the second look at a start."""
         one.fresh = False
         if one.got_set_point():
             return  # somebody wants it to move already
@@ -91,20 +115,24 @@ class ControllerLifecycle:
             one.traceback = traceback.format_exc()
             one.write_rest()
 
-    def wait(self, one: LoadedController, time: float) -> None:
-        """Tell one controller that the hardware is still switching."""
+    def wait(self, one: LoadedController, time: float) -> str:
+        """Tell one controller that the hardware is switching; return what failed."""
         try:
             one.controller.wait_request(time)
         except Exception as error:  # noqa: BLE001 - contained, kept and shown
-            self.fail(one, time, reason_of("waiting", error), traceback.format_exc())
+            problem = reason_of("waiting", error)
+            self.fail(one, time, problem, traceback.format_exc())
+            return problem
+        return ""
 
-    def abort(self, one: LoadedController, time: float) -> None:
-        """Mark one controller as not started; an exception is kept as its fault."""
+    def abort(self, one: LoadedController, time: float, problem: str) -> None:
+        """Mark one controller as not running, because of `problem`."""
+        one.fault, one.traceback, one.fresh = problem, "", False
         try:
             one.controller.abort_request(time)
         except Exception as error:  # noqa: BLE001 - contained, kept and shown
             one.controller.state = ControllerState.ABORTED
-            one.fault = reason_of("aborting", error)
+            one.fault += f" ({reason_of('aborting', error)})"
             one.traceback = traceback.format_exc()
 
     def reset(self, one: LoadedController, time: float) -> None:
@@ -115,8 +143,8 @@ class ControllerLifecycle:
 
     def fail(self, one: LoadedController, time: float, reason: str, trace: str) -> None:
         """Take a failed controller off the robot in this cycle; it becomes aborted."""
-        self.abort(one, time)
-        one.fault, one.traceback, one.fresh = reason, trace, False
+        self.abort(one, time, reason)
+        one.traceback = trace or one.traceback
         one.write_rest()
         self.do_switch([], [one.info])
 
@@ -166,14 +194,8 @@ class ControllerLifecycle:
         if not one.ownership.acquire(blocking=False):
             failed.fault += f" (fallback '{one.info.name}' is being unloaded)"
             return
-        try:
-            if self.hw.switch_result_for(one.info) is SwitchState.DONE:
-                problem = self.start(one, time, (failed.info,), {})
-            else:
-                problem = "the hardware was not ready at once"
-                self.do_switch([], [one.info])
-        finally:
-            one.ownership.release()
+        problem = self.start_at_once(one, time, (failed.info,))
+        one.ownership.release()
         if problem:
             failed.fault += f" (fallback '{one.info.name}' did not start: {problem})"
 

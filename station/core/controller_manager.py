@@ -196,7 +196,7 @@ class ControllerManager:
             SwitchRefusedError: The hardware does not let them be stopped.
             SwitchTimeoutError: They could not be stopped in time.
         """
-        self._refuse_control_thread("reload")
+        self._refuse_control_thread("reload", waits=True)
         with self._callers:
             names = [loaded.info.name for loaded in self._runner.loaded]
             if names and not force_kill:
@@ -243,7 +243,7 @@ class ControllerManager:
             ControllerStateError: Called from within a cycle, which would wait for
                 itself.
         """
-        self._refuse_control_thread("switch")
+        self._refuse_control_thread("switch", waits=True)
         with self._callers:
             return self._switch(request)
 
@@ -337,10 +337,10 @@ class ControllerManager:
 
     # What the above share
 
-    def _refuse_control_thread(self, verb: str) -> None:
+    def _refuse_control_thread(self, verb: str, *, waits: bool = False) -> None:
         runner = self._runner
         here = threading.get_ident() == runner.thread
-        if here and (runner.updating or self.pump is None):
+        if here and (runner.updating or (waits and self.pump is None)):
             raise ControllerStateError(
                 f"Cannot {verb} controllers from the control thread: it would wait for "
                 "itself.",

@@ -88,7 +88,7 @@ class ControllerRunner(ControllerLifecycle):
             self.fail(one, time, f"update wrote the {one.bad_command()}", "")
             self.fall_back(one, time)
         elif one.fresh:
-            self._check_first_update(one, time)
+            self.check_first_update(one, time)
 
     def stop_all(self, time: float) -> None:
         """Stop every controller, rest the robot, and end a switch that is under way.
@@ -102,7 +102,7 @@ class ControllerRunner(ControllerLifecycle):
                 pending.progress = SwitchProgress.RUNNING
             for one in pending.start:
                 if one.controller.state is ControllerState.WAITING:
-                    self.abort(one, time)
+                    self.abort(one, time, "everything was stopped")
             pending.error = SwitchRefusedError(
                 "Everything was stopped before the switch was finished.",
                 remedy="Release the stop, look at the state, and switch again.",
@@ -167,7 +167,7 @@ class ControllerRunner(ControllerLifecycle):
                 self.stop(one, time)
         if problem:
             for one in pending.start:
-                self.abort(one, time)
+                self.abort(one, time, problem)
                 pending.failed[one.info.name] = problem
         return not problem
 
@@ -185,11 +185,7 @@ class ControllerRunner(ControllerLifecycle):
         if not problem and pending.is_late(time):
             problem = "the hardware was not ready in time"
         for one in pending.start:
-            if problem:
-                self.abort(one, time)
-                pending.failed[one.info.name] = problem
-            else:
-                self.wait(one, time)
+            self._wait_or_abort(pending, one, time, problem)
         return bool(problem)
 
     def _start_asap(self, pending: PendingSwitch, time: float) -> bool:
@@ -205,14 +201,14 @@ class ControllerRunner(ControllerLifecycle):
     ) -> None:
         # An aborted one is asked again while others wait, and may still start: CM-71.
         name, info = one.info.name, one.info
-        if one.fault and name in pending.failed:
-            return  # it failed by itself, not by the hardware
+        if name in pending.given_up:
+            return
         try:
             if self.hw.switch_result_for(info) is SwitchState.DONE:
                 problem = self.start(one, time, pending.plan.stop, pending.jump)
-                pending.failed.pop(name, None)
+                pending.note_start(name, problem)
                 if problem:
-                    pending.failed[name] = problem
+                    self.fall_back(one, time)
                 return
             failed = self.hw.switch_result_for(info) is SwitchState.ERROR
             problem = "the hardware could not switch" if failed else ""
@@ -220,26 +216,39 @@ class ControllerRunner(ControllerLifecycle):
             problem = reason_of("switch_result_for", error)
         if not problem and pending.is_late(time):
             problem = "the hardware was not ready in time"
-        if problem:
-            self.abort(one, time)
+        self._wait_or_abort(pending, one, time, problem)
+
+    def _wait_or_abort(
+        self, pending: PendingSwitch, one: LoadedController, time: float, problem: str
+    ) -> None:
+        name = one.info.name
+        if problem and name not in pending.given_up:
+            self.abort(one, time, problem)
             pending.failed[name] = problem
-        else:
-            self.wait(one, time)
+        elif name not in pending.given_up:
+            failure = self.wait(one, time)
+            if failure:
+                pending.note_start(name, failure)
 
     def _start_all(self, pending: PendingSwitch, time: float) -> None:
         strict = pending.request.strictness is Strictness.STRICT
         begun: list[LoadedController] = []
         for one in pending.start:
+            name = one.info.name
+            if name in pending.given_up:
+                continue
             problem = self.start(one, time, pending.plan.stop, pending.jump)
+            pending.note_start(name, problem)
             if not problem:
                 begun.append(one)
-                continue
-            pending.failed[one.info.name] = problem
-            if strict and one.fault:
-                pending.error = refused(one.info.name, problem, pending)
+            elif one.controller.state is ControllerState.CONSTRUCTED:
+                continue  # CM-30: listed, and never started
+            elif strict:
+                pending.error = refused(name, problem, pending)
                 self._take_back(pending, begun, time)
                 return
-            self.fall_back(one, time)
+            else:
+                self.fall_back(one, time)
 
     def _take_back(
         self, pending: PendingSwitch, begun: list[LoadedController], time: float
@@ -250,13 +259,11 @@ class ControllerRunner(ControllerLifecycle):
             if one.controller.state is _RUNNING:
                 self.stop(one, time)
                 one.write_rest()
-        names = {info.name for info in plan.stop}
-        before = [one for one in pending.stop if one.info.name in names]
-        self.do_switch(plan.stop, [one.info for one in begun])
-        for one in before:
-            if one.controller.state is _RUNNING:
-                continue  # named twice
-            problem = self.start(one, time, plan.start, {})
+        self.do_switch(plan.stop, list(dict.fromkeys(one.info for one in begun)))
+        for one in pending.stop:
+            if one.controller.state is _RUNNING or one.info not in plan.stop:
+                continue  # named twice, or it did not run before
+            problem = self.start_at_once(one, time, plan.start)
             if problem and pending.error is not None:
                 pending.error.message += (
                     f" '{one.info.name}' could not be started again: {problem}."

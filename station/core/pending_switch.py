@@ -33,6 +33,7 @@ class PendingSwitch:
 
     Attributes:
         failed: Why a controller does not run, by name.
+        given_up: Names that failed by themselves and are not tried again.
         jump: Step of the first command by resource.
         expired: Set by the caller: give up waiting for the hardware.
         error: The switch is refused with this; None if it is not.
@@ -54,6 +55,7 @@ class PendingSwitch:
         self.time = time
         self.progress = SwitchProgress.POSTED
         self.failed: dict[str, str] = {}
+        self.given_up: set[str] = set()
         self.jump: dict[str, float] = {}
         self.expired = False
         self.error: StationError | None = None
@@ -67,6 +69,14 @@ class PendingSwitch:
         self.cycle = cycle
         self.progress = SwitchProgress.FINISHED
         self.done.release()
+
+    def note_start(self, name: str, problem: str) -> None:
+        """Note that the controller `name` was started, or `problem` if it was not."""
+        if problem:
+            self.failed[name] = problem
+            self.given_up.add(name)
+        else:
+            self.failed.pop(name, None)
 
     def is_late(self, time: float) -> bool:
         """Say whether the hardware has taken too long at station time `time` [s].
