@@ -1,0 +1,62 @@
+"""One root, builtin parents, and messages that reach the user as written."""
+
+import pytest
+
+from station.core import errors
+
+LEAVES = [
+    value
+    for value in vars(errors).values()
+    if isinstance(value, type) and issubclass(value, errors.StationError)
+]
+
+
+@pytest.mark.parametrize(
+    ("error", "builtin"),
+    [
+        (errors.ResourceNotFoundError, KeyError),
+        (errors.ParameterError, ValueError),
+        (errors.ControllerNotFoundError, KeyError),
+        (errors.ControllerTypeNotFoundError, KeyError),
+        (errors.ControllerExistsError, ValueError),
+        (errors.ControllerStateError, RuntimeError),
+        (errors.SwitchTimeoutError, TimeoutError),
+        (errors.InvalidCommandError, ValueError),
+        (errors.InvalidGainError, ValueError),
+        (errors.LoopError, RuntimeError),
+        (errors.RobotDescriptionError, ValueError),
+    ],
+)
+def test_leaves_are_caught_as_the_fitting_builtin(error, builtin):
+    with pytest.raises(builtin):
+        raise error("message")
+
+
+def test_a_conflict_is_a_refused_switch():
+    assert issubclass(errors.ResourceConflictError, errors.SwitchRefusedError)
+
+
+@pytest.mark.parametrize("error", LEAVES)
+def test_the_message_is_shown_as_written(error):
+    assert str(error("it's 'x'")) == "it's 'x'"
+
+
+def test_every_leaf_has_a_code_of_its_own():
+    codes = [leaf.code for leaf in LEAVES]
+
+    assert len(set(codes)) == len(codes)
+
+
+@pytest.mark.parametrize("error", LEAVES)
+def test_the_tree_in_the_documentation_is_complete(error):
+    assert error.__name__ in errors.__doc__
+
+
+def test_details_are_a_copy():
+    details = {"a": 1}
+
+    error = errors.StationError("x", remedy="y", details=details)
+    details["a"] = 2
+
+    assert error.details == {"a": 1}
+    assert error.remedy == "y"
