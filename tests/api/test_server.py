@@ -115,6 +115,37 @@ def test_a_large_body_without_a_length_is_refused_while_it_comes(server):
     problem_of(answer, 413, "body_too_large")
 
 
+def test_a_stop_waits_for_no_other_request(server, station, monkeypatch):
+    """More requests than the server has workers, all of them stuck."""
+    release = threading.Event()
+    arrived = threading.Semaphore(0)
+
+    def stuck():
+        arrived.release()
+        release.wait(10.0)
+        return []
+
+    monkeypatch.setattr(station, "controllers", stuck)
+
+    def ask():
+        httpx.get(f"{server.url}/api/v1/controllers", headers=BEARER, timeout=20.0)
+
+    crowd = [threading.Thread(target=ask) for _ in range(45)]
+    for thread in crowd:
+        thread.start()
+    for _ in range(40):
+        assert arrived.acquire(timeout=10.0)
+    begin = time.monotonic()
+    answer = httpx.post(f"{server.url}/api/v1/stop", headers=BEARER)
+    elapsed = time.monotonic() - begin
+    release.set()
+    for thread in crowd:
+        thread.join()
+
+    assert answer.json()["state"] == "stopped"
+    assert elapsed < 2.0
+
+
 def test_answers_do_not_wait_for_acknowledgements(server):
     with httpx.Client(base_url=server.url, headers=BEARER) as http:
         http.get("/api/v1/joint_states")
