@@ -75,15 +75,20 @@ def read_to_the_end(stream):
         stream.recv(timeout=1.0)
 
 
-def test_it_goes_quickly_while_a_client_reads_nothing(app):
+def test_it_goes_quickly_while_a_client_reads_nothing(app, station):
     server = ApiServer(app, port=0)
     server.start()
     raw = deaf_client(server)
+    (protocol,) = server._server.server_state.connections
+    while protocol.writable.is_set():  # until nothing more goes into the buffers
+        station.loop.step(250)
+        time.sleep(0.001)
 
     begin = time.monotonic()
     server.stop()
 
     assert time.monotonic() - begin < 3.0
+    assert protocol.transport.get_write_buffer_size() == 0
     raw.close()
 
 
