@@ -75,15 +75,20 @@ def read_to_the_end(stream):
         stream.recv(timeout=1.0)
 
 
-def test_it_goes_quickly_while_a_client_reads_nothing(app):
+def test_it_goes_quickly_while_a_client_reads_nothing(app, station):
     server = ApiServer(app, port=0)
     server.start()
     raw = deaf_client(server)
+    (protocol,) = server._server.server_state.connections
+    while protocol.writable.is_set():  # until nothing more goes into the buffers
+        station.loop.step(250)
+        time.sleep(0.001)
 
     begin = time.monotonic()
     server.stop()
 
     assert time.monotonic() - begin < 3.0
+    assert protocol.transport.get_write_buffer_size() == 0
     raw.close()
 
 
@@ -113,6 +118,37 @@ def test_a_large_body_without_a_length_is_refused_while_it_comes(server):
         )
 
     problem_of(answer, 413, "body_too_large")
+
+
+def test_a_stop_waits_for_no_other_request(server, station, monkeypatch):
+    """More requests than the server has workers, all of them stuck."""
+    release = threading.Event()
+    arrived = threading.Semaphore(0)
+
+    def stuck():
+        arrived.release()
+        release.wait(10.0)
+        return []
+
+    monkeypatch.setattr(station, "controllers", stuck)
+
+    def ask():
+        httpx.get(f"{server.url}/api/v1/controllers", headers=BEARER, timeout=20.0)
+
+    crowd = [threading.Thread(target=ask) for _ in range(45)]
+    for thread in crowd:
+        thread.start()
+    for _ in range(40):
+        assert arrived.acquire(timeout=10.0)
+    begin = time.monotonic()
+    answer = httpx.post(f"{server.url}/api/v1/stop", headers=BEARER)
+    elapsed = time.monotonic() - begin
+    release.set()
+    for thread in crowd:
+        thread.join()
+
+    assert answer.json()["state"] == "stopped"
+    assert elapsed < 2.0
 
 
 def test_answers_do_not_wait_for_acknowledgements(server):

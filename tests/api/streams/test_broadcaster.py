@@ -4,6 +4,7 @@ import json
 import socket
 import time
 
+import httpx
 import msgspec
 import pytest
 from websockets.exceptions import ConnectionClosed
@@ -129,6 +130,18 @@ def test_a_ticket_opens_one_stream(server, live):
         assert read(stream)["topic"] == "hello"
     again = open_stream(server, headers={}, query=f"?ticket={ticket}")
     assert close_code(again) == 4401
+
+
+def test_a_browser_that_is_logged_in_may_watch_from_the_stations_own_page(server):
+    login = httpx.post(f"{server.url}/api/v1/login", json={"token": VIEWER})
+    cookie = "; ".join(f"{name}={value}" for name, value in login.cookies.items())
+
+    with open_stream(
+        server, headers={"Cookie": cookie, "Origin": server.url}
+    ) as stream:
+        assert read(stream)["topic"] == "hello"
+    elsewhere = {"Cookie": cookie, "Origin": "http://127.0.0.1:1"}
+    assert close_code(open_stream(server, headers=elsewhere)) == 4403
 
 
 def test_a_viewer_may_watch(server):
