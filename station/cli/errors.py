@@ -79,9 +79,13 @@ def _failure_of_validation(error: Any) -> Failure:  # noqa: ANN401 - pydantic's
         f"{'.'.join(str(part) for part in e['loc'])} is {e['input']!r}: {e['msg']}"
         for e in found
     ]
-    return Failure(
-        "invalid_request",
-        "; ".join(lines) + ".",
-        "Nothing was sent. Correct the value and try again.",
-        errors=lines,
-    )
+    detail = "; ".join(lines) + "."
+    if not error.title.endswith(("Request", "Patch")):
+        return Failure(
+            "unexpected_answer",
+            f"The station's answer is not understood ({error.title}): {detail}",
+            "Use the command line of the station's own version.",
+            errors=lines,
+        )
+    remedy = "Nothing was sent. Correct the value and try again."
+    return Failure("invalid_request", detail, remedy, errors=lines)

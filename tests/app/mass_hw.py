@@ -12,6 +12,7 @@ from station.core.parameters import Parameters
 from station.core.robot_hw import RobotHW
 
 TYPE = f"{__name__}:MassHW"
+BROKEN_TYPE = f"{__name__}:BrokenHW"
 
 
 class MassHW(RobotHW):
@@ -33,3 +34,12 @@ class MassHW(RobotHW):
     @override
     def write(self, time: float, period: float) -> None:
         self.position[0] = self.command[0]
+
+
+class BrokenHW(MassHW):
+    """Cannot be written after half a second."""
+
+    @override
+    def write(self, time: float, period: float) -> None:
+        if time > 0.5:
+            raise OSError("the cable is out")

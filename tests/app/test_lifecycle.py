@@ -5,15 +5,19 @@ import json
 import os
 import signal
 import socket
+import sys
 from urllib.parse import urlsplit
 
 import pytest
 
+from station.api.server import ApiServer
+from station.app import lifecycle
 from station.app.lifecycle import StationRun
 from station.app.runtime_file import find_running
+from station.app.ui_process import UiOptions
 from station.config import load_config
 from station.core.errors import StationError
-from tests.app.mass_hw import TYPE
+from tests.app.mass_hw import BROKEN_TYPE, TYPE
 
 CONTROLLERS = (
     "{arm: {type: position_controllers/JointGroupPositionController, "
@@ -39,11 +43,17 @@ def config(tmp_path):
 
 
 class Listener:
-    """What the station tells, and what happens when it has told it."""
+    """Keeps what the station tells, and ends the station at a word of choice.
 
-    def __init__(self, when_running=lambda _: None):
+    Args:
+        until: `api`, `dashboard`, or a part of the warning that ends it.
+        when_running: Called with the announcement once the API answers.
+    """
+
+    def __init__(self, until="api", when_running=lambda _: None):
         self.announcements = []
         self.warnings = []
+        self._until = until
         self._when_running = when_running
 
     def tell(self, announcement):
@@ -51,14 +61,25 @@ class Listener:
         try:
             self._when_running(announcement)
         finally:
+            self._end(self._until == "api")
+
+    def tell_dashboard(self, _):
+        self._end(self._until == "dashboard")
+
+    def warn(self, line):
+        self.warnings.append(line)
+        self._end(self._until in line)
+
+    def _end(self, condition):
+        if condition:
             os.kill(os.getpid(), signal.SIGTERM)
 
     def run(self, config):
         StationRun(
             config,
             tell=self.tell,
-            tell_dashboard=self.tell,
-            warn=self.warnings.append,
+            tell_dashboard=self.tell_dashboard,
+            warn=self.warn,
         ).run()
 
 
@@ -74,7 +95,7 @@ def fetch(announcement, path):
 
 def test_station_is_reachable_while_it_runs(config):
     answers = []
-    listener = Listener(lambda a: answers.append(fetch(a, "controllers")))
+    listener = Listener(when_running=lambda a: answers.append(fetch(a, "controllers")))
 
     listener.run(config)
 
@@ -126,3 +147,72 @@ def test_signal_during_the_start_ends_it(config, monkeypatch):
     listener.run(config)
 
     assert listener.announcements == []
+
+
+def test_robot_is_held_before_streams_close(config, monkeypatch):
+    stations, states = [], []
+
+    def compose(given):
+        composition = lifecycle_compose(given)
+        stations.append(composition.station)
+        return composition
+
+    def stop(server, timeout):
+        states.extend(c.state.value for c in stations[0].controllers())
+        server_stop(server, timeout)
+
+    lifecycle_compose, server_stop = lifecycle.compose, ApiServer.stop
+    monkeypatch.setattr(lifecycle, "compose", compose)
+    monkeypatch.setattr(ApiServer, "stop", stop)
+
+    Listener().run(config)
+
+    assert states == ["stopped"]
+
+
+def test_refused_realtime_is_told(config, monkeypatch):
+    monkeypatch.setattr(
+        "station.core.control_loop.request_realtime_priority", lambda: "SCHED_OTHER"
+    )
+    listener = Listener(until="SCHED_OTHER")
+
+    listener.run(config)
+
+    assert any("SCHED_OTHER" in warning for warning in listener.warnings)
+
+
+def test_death_of_the_loop_is_told(config):
+    robot = config.robot.model_copy(update={"type": BROKEN_TYPE})
+    listener = Listener(until="the cable is out")
+
+    listener.run(config.model_copy(update={"robot": robot}))
+
+    assert find_running() == []
+
+
+@pytest.fixture
+def config_with_ui(config):
+    """Return the configuration of a station with a dashboard."""
+    ui = config.ui.model_copy(update={"enabled": True, "port": 0})
+    return config.model_copy(update={"ui": ui})
+
+
+def test_dashboard_is_told_when_it_answers(config_with_ui, monkeypatch):
+    serve = [sys.executable, "-m", "http.server", "--bind", "127.0.0.1"]
+    monkeypatch.setattr(UiOptions, "command", lambda ui: [*serve, str(ui.port)])
+    listener = Listener(until="dashboard")
+
+    listener.run(config_with_ui)
+
+    assert listener.announcements[0].ui_url.startswith("http://127.0.0.1:")
+    assert not [w for w in listener.warnings if "dashboard" in w]
+
+
+def test_end_of_the_dashboard_is_told(config_with_ui, monkeypatch):
+    fail = [sys.executable, "-c", "import sys; sys.exit(3)"]
+    monkeypatch.setattr(UiOptions, "command", lambda _: fail)
+    listener = Listener(until="The dashboard ended (exit code 3)")
+
+    listener.run(config_with_ui)
+
+    assert "station ui --connect" in listener.warnings[-1]

@@ -42,8 +42,8 @@ def _are_loaded(client: "StationClient", names: list[str]) -> bool:
 
     try:
         loaded = {controller.name for controller in client.controllers()}
-    except ApiError:
-        return False  # what cannot be told apart stops the robot
+    except (ApiError, ValueError):
+        return False  # no answer, or one that is not understood: stop the robot
     return loaded.issuperset(names)
 
 

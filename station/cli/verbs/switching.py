@@ -87,6 +87,8 @@ def _tell(result: "SwitchResult", *, as_json: bool) -> int:
     if jumps:
         largest = max(jumps, key=lambda joint: abs(jumps[joint] or 0.0))
         say(f"Largest jump of a command: {jumps[largest]:.2g} at {largest}.")
-    if not result.ok:
-        say("Not everything that was asked for was possible.")
+    for name, reason in result.failed.items():
+        say(f"{name} does not run: {reason}")
+    for reason in result.ignored:
+        say(f"Left out: {reason}")
     return 0 if result.ok else 1

@@ -1,0 +1,111 @@
+"""A real station in a process of its own, as a user starts it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PATIENCE = 90.0
+"""How long a loaded machine may take to start a station [s]."""
+
+
+class StationProcess:
+    """Runs `station run` with free ports; what it prints goes into files.
+
+    Args:
+        folder: Where its files go, the runtime file among them.
+        arguments: More arguments.
+    """
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self._out, self._err = folder / "stdout", folder / "stderr"
+        self.environment = {
+            **{k: v for k, v in os.environ.items() if not k.startswith("STATION_")},
+            "XDG_RUNTIME_DIR": str(folder),
+        }
+        command = [sys.executable, "-m", "station", "run", "--json"]
+        ports = ["--port", "0", "--ui-port", "0"]
+        with self._out.open("w") as out, self._err.open("w") as err:
+            self.process = subprocess.Popen(
+                [*command, *ports, *arguments],
+                cwd=ROOT,
+                env=self.environment,
+                stdout=out,
+                stderr=err,
+            )
+
+    @property
+    def errors(self) -> str:
+        """Return what it has written to stderr."""
+        return self._err.read_text()
+
+    def told(self, number: int) -> dict[str, str]:
+        """Wait for the line `number`, from 0, and return what it says."""
+        deadline = time.monotonic() + PATIENCE
+        while len(lines := self._out.read_text().splitlines(keepends=True)) <= number:
+            assert self.process.poll() is None, self.errors
+            assert time.monotonic() < deadline, "the station does not start"
+            time.sleep(0.02)
+        assert lines[number].endswith("\n")
+        return json.loads(lines[number])
+
+    def access(self) -> dict[str, str]:
+        """Wait for the API and return what the runtime file says."""
+        return json.loads(Path(self.told(0)["runtime_file"]).read_text())
+
+    def children(self) -> list[int]:
+        """Return the processes it has started."""
+        pid = self.process.pid
+        text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
+        return [int(child) for child in text.split()]
+
+    def end(self, number: signal.Signals) -> float:
+        """Send a signal and wait; return how long the process took to end [s]."""
+        begin = time.monotonic()
+        self.process.send_signal(number)
+        self.process.wait(PATIENCE)
+        return time.monotonic() - begin
+
+    def clean_up(self) -> None:
+        """End whatever is left of it."""
+        left = self.children() if self.process.poll() is None else []
+        if self.process.poll() is None:
+            self.end(signal.SIGKILL)
+        for pid in left:
+            if is_alive(pid):
+                os.killpg(pid, signal.SIGKILL)
+
+    def command(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """Run another command line in the same environment."""
+        return subprocess.run(
+            [sys.executable, "-m", "station", *arguments],
+            cwd=ROOT,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
+
+
+def is_alive(pid: int) -> bool:
+    """Return whether a process exists and has not ended."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+def wait_for_end(pid: int, timeout: float) -> bool:
+    """Return whether a process ends within `timeout` [s]."""
+    deadline = time.monotonic() + timeout
+    while is_alive(pid):
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.02)
+    return True

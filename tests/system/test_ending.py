@@ -1,0 +1,153 @@
+"""Ctrl-C ends everything that `station run` started, quickly and quietly."""
+
+import os
+import signal
+import socket
+import threading
+from pathlib import Path
+
+import pytest
+
+from station.client import ApiError, StationClient
+from tests.system.station_process import StationProcess, is_alive, wait_for_end
+
+SOON = 3.0
+"""What the station promises for its end [s]."""
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Return a function that starts a station."""
+    stations = []
+
+    def start_station(*arguments):
+        station = StationProcess(tmp_path, *arguments)
+        stations.append(station)
+        return station
+
+    yield start_station
+    for station in stations:
+        station.clean_up()
+
+
+@pytest.fixture
+def watch():
+    """Return a function that reads a stream in a thread until it ends."""
+    threads = []
+
+    def watch_stream(access, rate):
+        first = threading.Event()
+
+        def read():
+            client = StationClient(access["url"], access["token"])
+            with client, client.stream("joint_states", rate=rate, reconnect=False) as s:
+                try:
+                    for _ in s:
+                        first.set()
+                except ApiError:
+                    return
+
+        thread = threading.Thread(target=read)
+        thread.start()
+        threads.append(thread)
+        assert first.wait(60.0)
+
+    yield watch_stream
+    for thread in threads:
+        thread.join(60.0)
+
+
+def test_ctrl_c_ends_everything_with_open_streams(start, watch):
+    station = start()
+    access = station.access()
+    station.told(1)
+    (dashboard,) = station.children()
+    for rate in (50.0, 100.0, "full"):
+        watch(access, rate)
+
+    duration = station.end(signal.SIGINT)
+
+    assert station.process.returncode == 0, station.errors
+    assert duration < SOON
+    assert "Traceback" not in station.errors
+    assert not is_alive(dashboard)
+    assert not Path(station.told(0)["runtime_file"]).exists()
+
+
+def test_termination_ends_it_likewise(start, watch):
+    station = start("--no-ui")
+    watch(station.access(), "full")
+
+    duration = station.end(signal.SIGTERM)
+
+    assert station.process.returncode == 0, station.errors
+    assert duration < SOON
+    assert "Traceback" not in station.errors
+
+
+def test_stuck_dashboard_does_not_hold_it_up(start):
+    station = start()
+    station.told(1)
+    (dashboard,) = station.children()
+    os.kill(dashboard, signal.SIGSTOP)
+
+    duration = station.end(signal.SIGINT)
+
+    assert station.process.returncode == 0, station.errors
+    assert duration < SOON
+    assert not is_alive(dashboard)
+
+
+def test_dashboard_ends_with_a_station_that_was_killed(start):
+    station = start()
+    station.told(1)
+    (dashboard,) = station.children()
+
+    station.end(signal.SIGKILL)
+
+    assert wait_for_end(dashboard, 20.0)
+
+
+def test_second_signal_ends_it_at_once(start):
+    station = start("--no-ui")
+    station.access()
+    station.process.send_signal(signal.SIGINT)
+
+    station.end(signal.SIGINT)
+
+    assert station.process.returncode in {0, 128 + signal.SIGINT}
+    assert "Traceback" not in station.errors
+
+
+def test_signal_during_the_start_ends_it(start):
+    station = start("--no-ui")
+
+    station.end(signal.SIGTERM)
+
+    assert station.process.returncode in {0, -signal.SIGTERM}
+    assert "Traceback" not in station.errors
+
+
+def test_command_line_finds_the_station_and_its_absence(start):
+    station = start("--no-ui")
+    station.access()
+
+    found = station.command("list_controllers")
+    station.end(signal.SIGINT)
+    lost = station.command("list_controllers")
+
+    assert (found.returncode, found.stderr) == (0, "")
+    assert "joint_state_controller" in found.stdout
+    assert lost.returncode == 1
+    assert "No station runs" in lost.stderr
+
+
+def test_taken_port_is_told(start):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        station = start("--no-ui", "--port", port)
+        station.process.wait(90.0)
+
+    assert station.process.returncode == 1
+    assert port in station.errors
+    assert "Traceback" not in station.errors
