@@ -48,6 +48,12 @@ class ViserPage:
         self.frame.get_by_role("option", name=option, exact=True).click()
         self._settle()
 
+    def fill(self, label, text):
+        """Replace the text of an input."""
+        row = self.row(label)
+        row.locator("input:not([type=hidden]), textarea").first.fill(text)
+        self._settle()
+
     def click(self, button):
         """Click a button once it is enabled."""
         self.frame.get_by_role("button", name=button, exact=True).click()
