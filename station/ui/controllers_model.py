@@ -56,6 +56,15 @@ def offer_for(view: StationView, name: str) -> Offer:
     return Offer(start=not blocked, unload=True, reason=blocked)
 
 
+def startable_first(view: StationView) -> list[str]:
+    """Return all controllers, those first that command something but do not run."""
+
+    def rank(controller: ControllerState) -> bool:
+        return controller.state == "running" or not _resources(controller)
+
+    return [c.name for c in sorted(view.controllers, key=rank)]
+
+
 def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
     """Return the running controllers that hold a resource this one claims."""
     wanted = _resources(controller)

@@ -98,7 +98,7 @@ async def _serve(
     urdf = None
     if config.robot_description:
         urdf = load_robot(config.robot_description, config.arm_id)
-    guarded = open_viser("Control station")
+    guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)
     dashboard = Dashboard(

@@ -69,7 +69,7 @@ def _row(controller: ControllerState) -> str:
         else ""
     )
     return (
-        f"<tr><td {cell}><b>{escape(controller.name)}</b>"
+        f"<tr><td {cell}><b>{_breakable(controller.name)}</b>"
         f'<div style="opacity:.7;font-size:.85em">{_breakable(controller.type)}</div>'
         f"{fault}</td><td {cell}>"
         f'<span style="background:{colour};padding:.1em .5em;border-radius:9px;'
@@ -78,6 +78,6 @@ def _row(controller: ControllerState) -> str:
     )
 
 
-def _breakable(controller_type: str) -> str:
-    """Let a long type name break where its parts meet."""
-    return escape(controller_type).replace("/", "/<wbr>")
+def _breakable(name: str) -> str:
+    """Let a long name break where its parts meet."""
+    return escape(name).replace("/", "/<wbr>").replace("_", "_<wbr>")

@@ -1,6 +1,6 @@
 """Which gains the Tune panel shows, grouped the way people think of them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 from station.ui.station_view import StationView
 
@@ -9,8 +9,12 @@ GENERAL = "general"
 
 
 def tunable_controllers(view: StationView) -> list[str]:
-    """Return the controllers that may have gains, running ones first."""
-    names = [c.name for c in view.controllers if c.claimed_resources]
+    """Return the controllers that command something, running ones first."""
+    names = [
+        c.name
+        for c in view.controllers
+        if any(claim.resources for claim in c.claimed_resources)
+    ]
     running = {c.name for c in view.controllers if c.state == "running"}
     return sorted(names, key=lambda name: (name not in running, name))
 
@@ -44,14 +48,3 @@ def series_index(names: list[str], group: str) -> int | None:
         if group in {name, f"gains/{name}"} or group.startswith(f"{name}/"):
             return i
     return 0 if names and group == GENERAL else None
-
-
-def changed(
-    shown: Mapping[str, float], present: Mapping[str, float]
-) -> dict[str, float]:
-    """Return the gains whose shown value differs from the present one."""
-    return {
-        name: value
-        for name, value in shown.items()
-        if name in present and value != present[name]
-    }

@@ -6,8 +6,8 @@ import viser
 import yaml
 from typing_extensions import override
 
-from station.ui.controllers_model import Offer, offer_for
-from station.ui.load_examples import example_parameters, suggested_name
+from station.ui.controllers_model import Offer, offer_for, startable_first
+from station.ui.load_examples import example_parameters, suggested_name, usefulness
 from station.ui.markup import controller_table, hint, warning
 from station.ui.panels.panel import Panel
 from station.ui.reporter import Event, Reporter
@@ -45,7 +45,13 @@ class ControllersPanel(Panel):
     def refresh(self, view: StationView) -> None:
         """Show the controllers and what can be done with the chosen one."""
         self._table.content = controller_table(view.controllers)
-        set_options(self._chosen, tuple(c.name for c in view.controllers))
+        names = tuple(c.name for c in view.controllers)
+        if self._chosen.value == NONE and names:
+            # Whoever opens the tab wants to start one that moves something.
+            names_first = startable_first(view)
+            set_options(self._chosen, names)
+            set_value(self._chosen, names_first[0])
+        set_options(self._chosen, names)
         offer = offer_for(view, self._chosen.value)
         self._start.label = _start_label(offer)
         blocked = bool(view.blocked())
@@ -108,8 +114,7 @@ class LoadForm:
 
     def refresh(self, view: StationView) -> None:
         """Offer the types that the station has."""
-        types = tuple(t.type for t in view.types if "Group" in t.type)
-        types += tuple(t.type for t in view.types if "Group" not in t.type)
+        types = tuple(sorted((t.type for t in view.types), key=usefulness))
         before = self._type.value
         set_options(self._type, types)
         if self._type.value != before or not self._example:

@@ -47,6 +47,8 @@ class TunePanel(Panel):
         self._gains: Gains | None = None
         self._gains_of = ""
         self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
+        self._chosen_by_hand = False
+        self._chosen.on_update(reporter.guarded(self._on_choice))
         self._group = gui.add_dropdown("Joint", (NONE,), disabled=True)
         self._plot = ResponsePlot(gui)
         self._folder = gui.add_folder("Gains")
@@ -65,7 +67,10 @@ class TunePanel(Panel):
     @override
     def refresh(self, view: StationView) -> None:
         """Show gains and plot of the chosen joint."""
-        set_options(self._chosen, tuple(tunable_controllers(view)))
+        tunable = tunable_controllers(view)
+        set_options(self._chosen, tuple(tunable))
+        if tunable and not self._chosen_by_hand:
+            set_value(self._chosen, tunable[0])
         name = self._chosen.value
         history = self._link.histories.get(name)
         own_gains = self._gains if self._gains_of == name else None
@@ -146,6 +151,9 @@ class TunePanel(Panel):
             slider.remove()
         self._sliders.clear()
         self._built_for = ("", "")
+
+    async def _on_choice(self, _event: Event[Any]) -> None:
+        self._chosen_by_hand = True
 
     async def _on_gain(self, name: str, event: Event[Any]) -> None:
         """Send a gain once the slider has rested for a moment."""

@@ -1,0 +1,90 @@
+"""A running station and a browser that is logged in to its dashboard."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+from station.client import StationClient
+from tests.browser.viser_page import ViserPage
+
+CHROMIUM = "/usr/bin/chromium"
+FLAGS = (
+    "--no-sandbox --disable-gpu --disable-quic --no-first-run "
+    "--disable-background-networking --disable-component-update --disable-sync"
+).split()
+ARTIFACTS = Path("artifacts")
+_READY_LINES = 20
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Debian's chromium without a GPU."""
+    if not Path(CHROMIUM).exists():
+        pytest.fail(f"{CHROMIUM} is missing; install Debian's package `chromium`")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def running_station(tmp_path_factory):
+    """`station run` with its dashboard on free ports."""
+    home = tmp_path_factory.mktemp("station")
+    command = [sys.executable, "-m", "station", "run", "--port", "0", "--ui-port", "0"]
+    with subprocess.Popen(
+        [*command, "--json"],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "XDG_RUNTIME_DIR": str(home)},
+    ) as process:
+        try:
+            yield _announced(process)
+        finally:
+            process.terminate()
+            process.wait(10)
+
+
+def _announced(process):
+    told = {}
+    for _ in range(_READY_LINES):
+        told.update(json.loads(process.stdout.readline()))
+        if "ui_ready" in told:
+            break
+    token = json.loads(Path(told["runtime_file"]).read_text())["token"]
+    return SimpleNamespace(api=told["api_url"], ui=told["ui_url"], token=token)
+
+
+@pytest.fixture
+def client(running_station):
+    """A script's client of the running station."""
+    with StationClient(running_station.api, running_station.token) as client:
+        yield client
+
+
+@pytest.fixture
+def page(browser, running_station):
+    """The dashboard, logged in, with the robot drawn; no script error is let pass."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    page = context.new_page()
+    failures = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(f"{running_station.ui}/login?token={running_station.token}")
+    yield page
+    ARTIFACTS.mkdir(exist_ok=True)
+    context.close()
+    assert failures == []
+
+
+@pytest.fixture
+def viser_page(page):
+    """The part of the page that Viser draws."""
+    view = ViserPage(page)
+    view.wait_for_scene()
+    return view

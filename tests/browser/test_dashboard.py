@@ -1,0 +1,133 @@
+"""The dashboard in a real browser, at a real station."""
+
+import time
+
+import pytest
+
+from tests.browser.conftest import ARTIFACTS
+
+pytestmark = pytest.mark.slow
+
+CONTROLLER = "effort_group_position_controller"
+
+
+def _position(client, joint):
+    joints = client.joint_states()
+    return joints.position[joints.name.index(joint)]
+
+
+def _wait_until(holds, seconds=15.0):
+    """Poll `holds` until it is true; whoever calls asserts the outcome."""
+    deadline = time.monotonic() + seconds
+    while not holds() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return holds()
+
+
+def _state(client, name):
+    return client.controller(name).state
+
+
+@pytest.fixture
+def idle(client):
+    """Nothing that moves the arm runs, before and after."""
+    yield client
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    moving = [name for name in running if name != "joint_state_controller"]
+    if moving:
+        client.switch_controllers(stop=moving)
+
+
+def test_nothing_is_shown_before_login(browser, running_station):
+    page = browser.new_page()
+    page.goto(running_station.ui)
+    assert page.url.endswith("/login")
+    assert page.locator("#view").count() == 0
+    page.get_by_label("Token").fill("wrong")
+    page.get_by_role("button", name="Log in").click()
+    assert "not a token of this station" in page.get_by_role("alert").inner_text()
+    page.close()
+
+
+def test_login_leaves_no_token_in_the_address(page, running_station):
+    assert page.url == f"{running_station.ui}/"
+    page.wait_for_selector('#bar[data-link="live"]')
+    assert page.locator("#rate").inner_text().endswith("Hz")
+
+
+def test_a_controller_is_started_by_clicking_and_a_slider_moves_the_joint(
+    page, viser_page, idle
+):
+    before = _position(idle, "panda_joint1")
+    viser_page.open_tab("Controllers")
+    viser_page.select("Controller", CONTROLLER)
+    viser_page.click("Start")
+    assert _wait_until(lambda: _state(idle, CONTROLLER) == "running")
+    viser_page.open_tab("Operate")
+    viser_page.frame.get_by_text(f"Sliders command {CONTROLLER}").wait_for()
+    assert _position(idle, "panda_joint1") == pytest.approx(before, abs=2e-3)
+    viser_page.drag_slider("joint1 [rad]", 0.62)
+    assert _wait_until(lambda: _position(idle, "panda_joint1") > before + 0.4)
+    page.screenshot(path=ARTIFACTS / "dashboard_operate.png")
+    viser_page.open_tab("Tune")
+    viser_page.frame.get_by_text("p [Nm/rad]").wait_for()
+    page.wait_for_timeout(1500)
+    page.screenshot(path=ARTIFACTS / "dashboard_tune.png")
+
+
+def test_a_gain_slider_changes_the_gain(viser_page, idle):
+    idle.switch_controllers(start=[CONTROLLER])
+    name = "panda_joint1/p"
+    before = idle.gains(CONTROLLER).values[name]
+    viser_page.open_tab("Tune")
+    viser_page.frame.get_by_text("p [Nm/rad]").wait_for()
+    viser_page.drag_slider("p [Nm/rad]", 0.15)
+    assert _wait_until(lambda: idle.gains(CONTROLLER).values[name] < before)
+    idle.set_gains(CONTROLLER, {name: before})
+
+
+def test_greyed_sliders_say_why(viser_page, idle):
+    assert viser_page.frame.get_by_text("nothing that runs takes set-points").count()
+    assert viser_page.box("joint1 [rad]").is_disabled()
+
+
+def test_a_refusal_is_shown_as_the_station_words_it(page, viser_page, idle):
+    viser_page.open_tab("Controllers")
+    viser_page.fill("Name", "broken")
+    viser_page.fill("Parameters", "joints: [no_such_joint]")
+    viser_page.click("Load")
+    viser_page.frame.get_by_role("alert").get_by_text("no_such_joint").wait_for()
+    page.locator("#notice").get_by_text("no_such_joint").wait_for()
+    assert "broken" not in [c.name for c in idle.controllers()]
+
+
+def test_controllers_started_elsewhere_appear(viser_page, idle):
+    viser_page.open_tab("Controllers")
+    table = viser_page.frame.get_by_role("table", name="Loaded controllers")
+    row = table.get_by_role("row").filter(has_text="position_group_controller").last
+    idle.switch_controllers(start=["position_group_controller"])
+    row.get_by_text("running").wait_for(timeout=5000)
+
+
+@pytest.mark.parametrize("way", ["button", "key", "key in the view"])
+def test_stop_stops_and_is_released_in_two_steps(page, viser_page, idle, way):
+    idle.switch_controllers(start=[CONTROLLER])
+    if way == "button":
+        page.get_by_role("button", name="STOP").click()
+    elif way == "key":
+        page.keyboard.press("Escape")
+    else:
+        viser_page.open_tab("Controllers")
+        page.keyboard.press(" ")
+    assert _wait_until(lambda: idle.status().stop_state == "stopped")
+    page.get_by_role("button", name="Release stop").click()
+    page.get_by_role("button", name="Allow motion").click()
+    assert _wait_until(lambda: idle.status().stop_state == "armed")
+    assert _state(idle, CONTROLLER) != "running"
+
+
+def test_typing_a_space_does_not_stop(page, viser_page, idle):
+    viser_page.open_tab("Controllers")
+    viser_page.box("Name").click()
+    page.keyboard.type("a b")
+    assert idle.status().stop_state == "armed"
