@@ -3,6 +3,7 @@
 from fastapi import FastAPI
 
 import station as package
+from station.api import docs_page
 from station.api.auth import Authenticator
 from station.api.errors import add_error_handlers
 from station.api.guard import MAX_BODY_BYTES, Guard
@@ -45,6 +46,8 @@ def create_app(
         version=package.__version__,
         description=DESCRIPTION,
         openapi_url=f"{PREFIX}/openapi.json",
+        docs_url=None,
+        redoc_url=None,
         # Its spans and counters would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
@@ -56,5 +59,6 @@ def create_app(
     add_error_handlers(app)
     app.include_router(api_router)
     app.include_router(login_page)
+    app.include_router(docs_page.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
     return app
