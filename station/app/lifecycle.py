@@ -84,6 +84,8 @@ class StationRun:
             announcement = self._start_network(stack, station)
             # Once more, although it is on the stack: it comes before all else.
             stack.callback(_hold, station)
+            # Starting the server holds the interpreter; that says nothing of the loop.
+            station.reset_loop_statistics()
             self._watch(station, announcement, signals)
 
     def _start_loop(self, stack: ExitStack) -> Station:
