@@ -10,6 +10,7 @@ from station.api.schemas import (
     ControllerType,
     Gains,
     GainsChange,
+    Percentiles,
     StopState,
     StreamFrame,
     SwitchResult,
@@ -27,6 +28,7 @@ class FakeStation:
         self.calls: list[tuple[object, ...]] = []
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
+        self.failed: dict[str, str] = {}
         self.refusal: BaseException | None = None
 
     def __enter__(self):
@@ -47,7 +49,14 @@ class FakeStation:
     def controller(self, name):
         claims = [{"hardware_interface": "PositionJoint", "resources": ["j1", "j2"]}]
         return ControllerState(
-            name=name, type=GROUP, state=self.states[name], claimed_resources=claims
+            name=name,
+            type=GROUP,
+            state=self.states[name],
+            claimed_resources=claims,
+            fault="",
+            traceback="",
+            fallback=[],
+            time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
 
     def controller_types(self):
@@ -65,7 +74,9 @@ class FakeStation:
     def switch_controllers(self, **request):
         self._record("switch", request)
         return SwitchResult(
-            ok=True,
+            ok=not self.failed,
+            failed=self.failed,
+            ignored=[],
             started=list(request.get("start", ())),
             stopped=list(request.get("stop", ())),
             jump={"j1": 0.0, "j2": 0.25},

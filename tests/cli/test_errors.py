@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from station.api.schemas import CommandRequest, FieldError
+from station.api.schemas import CommandRequest, FieldError, StopState
 from station.cli.errors import NoStationError, UsageError, failure_of
 from station.client import ApiError, StationUnreachableError
 
@@ -46,6 +46,16 @@ def test_what_cannot_be_sent_is_told():
 
     assert "command.1 is nan" in failure.detail
     assert "Nothing was sent" in failure.remedy
+
+
+def test_answer_that_is_not_understood_is_told():
+    with pytest.raises(ValidationError) as caught:
+        StopState.model_validate({"state": "asleep", "reason": "", "epoch": 1})
+
+    failure = failure_of(caught.value)
+
+    assert failure.code == "unexpected_answer"
+    assert "state is 'asleep'" in failure.detail
 
 
 def test_defects_are_nobodys_failure():

@@ -54,6 +54,15 @@ def test_switch_can_be_json(run):
     assert (result["started"], result["cycle"]) == (["leg"], 7)
 
 
+def test_controller_that_does_not_run_is_told(run, station):
+    station.failed = {"leg": "its starting raised ValueError."}
+
+    outcome = run("switch_controllers --activate leg")
+
+    assert outcome.code == 1
+    assert "leg does not run: its starting raised ValueError." in outcome.out
+
+
 def test_start_starts(run, station):
     run("start leg hand")
 
