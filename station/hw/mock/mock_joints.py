@@ -3,9 +3,17 @@
 from station.core.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
+    PosVelAccJointInterface,
+    PosVelJointInterface,
     VelocityJointInterface,
 )
 
+POSITION_MODES = frozenset({
+    PositionJointInterface.type_name,
+    PosVelJointInterface.type_name,
+    PosVelAccJointInterface.type_name,
+})
+"""Modes in which a joint goes where it is commanded."""
 IDLE = ""
 """Mode of a joint that nobody claims; it stands still."""
 
@@ -24,8 +32,8 @@ class MockJoints:
 
     Attributes:
         position, velocity, effort: The true state, shape (n,).
-        position_command, velocity_command, effort_command: What controllers write,
-            shape (n,).
+        position_command, velocity_command, acceleration_command, effort_command: What
+            controllers write, shape (n,).
         mode: Name of the interface that commands a joint, `IDLE` when none does.
     """
 
@@ -38,6 +46,7 @@ class MockJoints:
         self.effort = [0.0] * count
         self.position_command = list(positions)
         self.velocity_command = [0.0] * count
+        self.acceleration_command = [0.0] * count
         self.effort_command = [0.0] * count
         self.mode = [IDLE] * count
         self._inertia = inertia
@@ -46,7 +55,7 @@ class MockJoints:
     def advance(self, period: float) -> None:
         """Let `period` [s] pass, >= 0."""
         for index, mode in enumerate(self.mode):
-            if mode == PositionJointInterface.type_name:
+            if mode in POSITION_MODES:
                 self._follow_position(index, period)
             elif mode == VelocityJointInterface.type_name:
                 self._move(index, self.velocity_command[index], period)

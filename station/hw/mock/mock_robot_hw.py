@@ -21,6 +21,10 @@ from station.core.interfaces import (
     JointStateHandle,
     JointStateInterface,
     PositionJointInterface,
+    PosVelAccJointHandle,
+    PosVelAccJointInterface,
+    PosVelJointHandle,
+    PosVelJointInterface,
     VelocityJointInterface,
 )
 from station.core.parameters import Parameters
@@ -87,22 +91,34 @@ class MockRobotHW(RobotHW):
         self._register_interfaces()
 
     def _register_interfaces(self) -> None:
+        seen, true = self._measured, self.joints
+        position, velocity = true.position_command, true.velocity_command
         states = JointStateInterface()
-        commands = (
-            (PositionJointInterface(), self.joints.position_command),
-            (VelocityJointInterface(), self.joints.velocity_command),
-            (EffortJointInterface(), self.joints.effort_command),
-        )
-        seen = self._measured
+        positions, velocities = PositionJointInterface(), VelocityJointInterface()
+        efforts = EffortJointInterface()
+        pos_vels, pos_vel_accs = PosVelJointInterface(), PosVelAccJointInterface()
         for index, name in enumerate(self.joint_names):
             state = JointStateHandle(
                 name, seen.position, seen.velocity, seen.effort, index
             )
             states.register_handle(state)
-            for interface, storage in commands:
-                interface.register_handle(JointHandle(state, storage))
-        self.register_interface(states)
-        for interface, _ in commands:
+            positions.register_handle(JointHandle(state, position))
+            velocities.register_handle(JointHandle(state, velocity))
+            efforts.register_handle(JointHandle(state, true.effort_command))
+            pos_vels.register_handle(PosVelJointHandle(state, position, velocity))
+            pos_vel_accs.register_handle(
+                PosVelAccJointHandle(
+                    state, position, velocity, true.acceleration_command
+                )
+            )
+        for interface in (
+            states,
+            positions,
+            velocities,
+            efforts,
+            pos_vels,
+            pos_vel_accs,
+        ):
             self.register_interface(interface)
         self._register_sensors()
 

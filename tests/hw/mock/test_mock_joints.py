@@ -9,7 +9,7 @@ from station.core.interfaces import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from station.hw.mock.mock_joints import MockJoints
+from station.hw.mock.mock_joints import POSITION_MODES, MockJoints
 
 
 def joint(mode, **constants):
@@ -27,8 +27,9 @@ def test_an_idle_joint_stands_still():
     assert (joints.position, joints.velocity, joints.effort) == ([1.0], [0.0], [0.0])
 
 
-def test_a_position_is_reached_in_one_cycle():
-    joints = joint(PositionJointInterface.type_name)
+@pytest.mark.parametrize("mode", sorted(POSITION_MODES))
+def test_a_position_is_reached_in_one_cycle(mode):
+    joints = joint(mode)
     joints.position_command[0] = 1.5
 
     joints.advance(0.1)

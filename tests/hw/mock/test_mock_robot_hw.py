@@ -12,6 +12,8 @@ from station.core.interfaces import (
     ImuSensorInterface,
     JointStateInterface,
     PositionJointInterface,
+    PosVelAccJointInterface,
+    PosVelJointInterface,
     VelocityJointInterface,
 )
 from station.core.parameters import Parameters
@@ -53,7 +55,13 @@ def test_its_joints_begin_where_the_parameters_say(robot):
 
 @pytest.mark.parametrize(
     "interface",
-    [EffortJointInterface, VelocityJointInterface, PositionJointInterface],
+    [
+        EffortJointInterface,
+        VelocityJointInterface,
+        PositionJointInterface,
+        PosVelJointInterface,
+        PosVelAccJointInterface,
+    ],
 )
 def test_its_joints_take_every_kind_of_command(robot, interface):
     assert robot.get(interface).get_names() == ["a", "b"]

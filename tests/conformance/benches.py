@@ -1,0 +1,112 @@
+"""Robots and parameters with which everything in the tables can run."""
+
+from collections.abc import Mapping
+from functools import cache
+
+from station.controllers import CONTROLLERS
+from station.core.clock import ManualClock
+from station.core.controller_loader import TableLoader
+from station.core.controller_manager import ControllerManager
+from station.core.errors import ControllerLoadError
+from station.core.parameters import Parameters
+from station.hw.robot_description import RobotDescription, load_robot_description
+from station.hw.robot_loader import create_robot
+
+PERIOD = 0.001
+JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
+POSE = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+"""A pose within the limits of the Panda [rad]."""
+
+MOCK = {"joints": JOINTS, "initial_positions": POSE}
+FRANKA = {
+    "arm_id": "panda",
+    "joint_names": JOINTS,
+    "robot_description": "example-robot-data:panda",
+}
+ROBOT_PARAMETERS: Mapping[str, Mapping[str, object]] = {
+    "mock_hw/MockRobotHW": MOCK,
+    "franka_hw/FrankaHW": FRANKA,
+    "combined_robot_hw/CombinedRobotHW": {
+        "robot_hardware": ["left"],
+        "left": {"type": "mock_hw/MockRobotHW", **MOCK},
+    },
+}
+"""Parameters a robot of the table needs; none for a type that is not listed."""
+
+PID = {"p": 10.0, "i": 0.0, "d": 1.0}
+CONTROLLER_PARAMETERS: Mapping[str, object] = {
+    "arm_id": "panda",
+    "joint": JOINTS[0],
+    "joints": JOINTS,
+    "joint_names": JOINTS,
+    "pid": PID,
+    "gains": dict.fromkeys(JOINTS, PID),
+    "publish_rate": 50.0,
+    **{name: {"pid": PID} for name in JOINTS},
+}
+"""Everything a controller of the table may ask for."""
+
+
+@cache
+def panda() -> RobotDescription:
+    """Return the description of the Panda, read once."""
+    return load_robot_description("example-robot-data:panda")
+
+
+class Bench:
+    """One robot with its manager; cycles are run by hand.
+
+    Args:
+        robot_type: A key of `HARDWARE`.
+    """
+
+    def __init__(self, robot_type: str = "mock_hw/MockRobotHW") -> None:
+        self.parameters = Parameters()
+        self.parameters.set("robot_description", panda().xml)
+        self.robot = create_robot(robot_type)
+        self.parameters.set("hw", dict(ROBOT_PARAMETERS.get(robot_type, {})))
+        self.robot.init(self.parameters, self.parameters.namespace("hw"))
+        self.manager = ControllerManager(
+            self.robot, self.parameters, [TableLoader(CONTROLLERS)], ManualClock()
+        )
+        self.manager.pump = self.step
+        self.time = 0.0
+
+    def step(self, cycles: int = 1) -> None:
+        """Run cycles."""
+        for _ in range(cycles):
+            self.time += PERIOD
+            self.robot.read(self.time, PERIOD)
+            self.manager.update(self.time, PERIOD)
+            self.robot.write(self.time, PERIOD)
+
+    def load(self, controller_type: str) -> None:
+        """Load a controller under the name `it`."""
+        self.parameters.set("it", {**CONTROLLER_PARAMETERS, "type": controller_type})
+        self.manager.load_controller("it")
+
+    def commands(self) -> list[float]:
+        """Return every command of every interface of the robot."""
+        commands: list[float] = []
+        for interface_type in self.robot.interface_types():
+            interface = self.robot.get(interface_type)
+            for handle in getattr(interface, "handles", list)():
+                commands += [storage[i] for storage, i in handle.command_slots()]
+        return commands
+
+
+def bench_for(controller_type: str) -> Bench:
+    """Return a bench with the controller loaded: the mock, or else a Franka.
+
+    Args:
+        controller_type: A key of `CONTROLLERS`.
+    """
+    bench = Bench()
+    try:
+        bench.load(controller_type)
+    except ControllerLoadError as error:
+        if "hardware_interface" not in error.details:
+            raise
+        bench = Bench("franka_hw/FrankaHW")
+        bench.load(controller_type)
+    return bench
