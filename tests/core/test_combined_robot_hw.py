@@ -16,7 +16,7 @@ from station.core.errors import (
 )
 from station.core.interfaces import (
     EffortJointInterface,
-    PosVelJointInterface,
+    PositionVelocityTorqueGainsJointInterface,
 )
 from station.core.parameters import Parameters
 from station.core.robot_hw import (
@@ -107,7 +107,7 @@ def test_handles_of_all_robots_are_reachable(combined):
     interface = combined.get(EffortJointInterface)
 
     assert interface.get_names() == ["l1", "l2", "r1"]
-    assert combined.get(PosVelJointInterface) is None
+    assert combined.get(PositionVelocityTorqueGainsJointInterface) is None
 
 
 def test_reading_and_writing_reach_every_robot(combined):

@@ -12,7 +12,7 @@ from station.core.errors import ControllerLoadError, ResourceNotFoundError
 from station.core.interfaces import (
     EffortJointInterface,
     JointStateInterface,
-    PosVelJointInterface,
+    PositionVelocityTorqueGainsJointInterface,
     VelocityJointInterface,
 )
 from station.core.parameters import Parameters
@@ -76,12 +76,12 @@ class Two(MultiInterfaceController):
     """Claims joint2 by velocity and joint1 by effort."""
 
     required_interfaces = (VelocityJointInterface, EffortJointInterface)
-    optional_interfaces = (PosVelJointInterface,)
+    optional_interfaces = (PositionVelocityTorqueGainsJointInterface,)
 
     def init(self, hw, params):
         hw.get(EffortJointInterface).get_handle("joint1")
         hw.get(VelocityJointInterface).get_handle("joint2")
-        self.optional = hw.get(PosVelJointInterface)
+        self.optional = hw.get(PositionVelocityTorqueGainsJointInterface)
 
 
 @pytest.fixture
