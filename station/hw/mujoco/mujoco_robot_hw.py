@@ -217,7 +217,9 @@ class MujocoRobotHW(RobotHW):
         self._world_joints: WorldJoints = self.world.joints(self._names)
         limits = [urdf.joints[name].limit for name in self._names]
         self._drives = JointDrives(
-            self._world_joints, [0.0 if lim is None else lim.velocity for lim in limits]
+            self._world_joints,
+            [0.0 if limit is None else limit.velocity for limit in limits],
+            self.world.timestep,
         )
         self.world.add_actor(self._drives)
         targets = {
