@@ -11,4 +11,5 @@ HARDWARE: dict[str, str] = {
     ),
     "franka_hw/FrankaHW": "station.hw.franka.franka_hw:FrankaHW",
     "mock_hw/MockRobotHW": "station.hw.mock:MockRobotHW",
+    "mujoco_hw/MujocoRobotHW": "station.hw.mujoco.mujoco_robot_hw:MujocoRobotHW",
 }

@@ -70,6 +70,7 @@ class WorldJoints:
         self.read_inertia = _reader(data.M, diagonal[dofs].tolist())
         self._bias = model.actuator_biasprm
         self._motors = motors
+        self._set_negative_damping = _writer(model.actuator_biasprm[:, 2], motors)
 
     def set_controls(self, controls: list[float]) -> None:
         """Set the motors' controls [Nm or N], shape (n,), for the next steps."""
@@ -88,6 +89,44 @@ class WorldJoints:
         for motor, k, d in zip(self._motors, stiffness, damping, strict=True):
             self._bias[motor, 1] = -k
             self._bias[motor, 2] = -d
+
+    def set_damping(self, damping: list[float]) -> None:
+        """Let motors give control - damping * velocity; the stiffness stays.
+
+        Cheaper than `set_servo`, for every step.
+
+        Args:
+            damping: >= 0 [Nm s/rad or N s/m], shape (n,).
+        """
+        self._set_negative_damping([-d for d in damping])
+
+
+class WorldJointStates:
+    """Joints of the world that are only looked at, with or without a motor.
+
+    Args:
+        model: The world's model.
+        data: The world's data.
+        names: Joints with one degree of freedom, n of them.
+
+    Attributes:
+        read_positions: Return the positions [rad or m], shape (n,), a new list.
+        read_velocities: Return the velocities [rad/s or m/s], shape (n,), a new list.
+
+    Raises:
+        HardwareInterfaceError: A joint is unknown.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str]
+    ) -> None:
+        joints = [_find_joint(model, name) for name in names]
+        self.read_positions = _reader(
+            data.qpos, [int(model.jnt_qposadr[joint]) for joint in joints]
+        )
+        self.read_velocities = _reader(
+            data.qvel, [int(model.jnt_dofadr[joint]) for joint in joints]
+        )
 
 
 def joint_position_address(model: mujoco.MjModel, name: str) -> int:

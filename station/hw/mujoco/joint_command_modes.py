@@ -1,0 +1,157 @@
+"""Which command each joint of a simulated robot obeys, and how."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+from station.core.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.robot_hw import ControllerInfo
+from station.core.transmissions import RawJointData
+from station.hw.mujoco.joint_drives import DriveMode
+from station.hw.mujoco.joint_pids import JointPid
+
+_QUANTITY_OF_INTERFACE = {
+    PositionJointInterface.type_name: "position",
+    VelocityJointInterface.type_name: "velocity",
+    EffortJointInterface.type_name: "effort",
+}
+# Below this speed a joint without commands is held where it is [rad/s or m/s].
+_REST_VELOCITY = 0.01
+
+
+class JointCommandModes:
+    """The joints' modes, and the commands of those that nobody commands.
+
+    A joint obeys the interface through which it is claimed. With gains, a position or
+    velocity command becomes an effort here; without, the joint's drive is a servo. An
+    unclaimed joint brakes, and then holds the position where it came to rest.
+
+    Args:
+        joints: State and commands of the n joints.
+        pids: Controllers of the joints that have gains, by name.
+        modes: The drives' modes, shape (n,); changed in place.
+
+    Attributes:
+        in_use: (joint, quantity) of each command that controllers give.
+        quantities: Quantities that the drives need.
+    """
+
+    def __init__(
+        self, joints: RawJointData, pids: dict[str, JointPid], modes: list[DriveMode]
+    ) -> None:
+        count = len(joints.names)
+        self._joints = joints
+        self._pids = [pids.get(name) for name in joints.names]
+        self._drives = modes
+        # What a joint is commanded; empty: nothing.
+        self._commanded = [""] * count
+        self._is_held = [False] * count
+        self.in_use: list[tuple[str, str]] = []
+        self.quantities: list[str] = []
+        self._update()
+
+    def switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Change the modes; new ones begin with what keeps a joint where it is."""
+        before = list(self._commanded)
+        for info in stop:
+            self._set(info, commanded=False)
+        for info in start:
+            self._set(info, commanded=True)
+        for index, quantity in enumerate(self._commanded):
+            if quantity != before[index]:
+                self._begin(index)
+        self._update()
+
+    def restart(self) -> None:
+        """Begin all modes anew, after the world was set to another state."""
+        for index in range(len(self._commanded)):
+            self._begin(index)
+
+    def release_bad_commands(self) -> bool:
+        """Take joints with a command that is not finite off their controllers.
+
+        They are held until the next switch. To be asked before limits are enforced:
+        these may turn a NaN into a number.
+
+        Returns:
+            Whether there were any.
+        """
+        total = 0.0
+        for index, quantity in enumerate(self._commanded):
+            if quantity:
+                total += self._joints.commands(quantity)[index]
+        if isfinite(total):
+            return False
+        for index, quantity in enumerate(self._commanded):
+            if quantity and not isfinite(self._joints.commands(quantity)[index]):
+                self._commanded[index] = ""
+                self._begin(index)
+        self._update()
+        return True
+
+    def run(self, period: float) -> None:
+        """Hold what nobody commands, and run the PID controllers.
+
+        Args:
+            period: Time since the last cycle [s], > 0.
+        """
+        joints = self._joints
+        for index, quantity in enumerate(self._commanded):
+            if not quantity:
+                self._hold(index)
+                continue
+            pid = self._pids[index]
+            if pid is None:
+                continue
+            if quantity == "position":
+                joints.effort_command[index] = pid.effort_for_position(
+                    joints.position_command[index], joints.position[index], period
+                )
+            elif quantity == "velocity":
+                joints.effort_command[index] = pid.effort_for_velocity(
+                    joints.velocity_command[index], joints.velocity[index], period
+                )
+
+    def _hold(self, index: int) -> None:
+        if self._is_held[index]:
+            return
+        joints = self._joints
+        joints.position_command[index] = joints.position[index]
+        self._is_held[index] = abs(joints.velocity[index]) < _REST_VELOCITY
+
+    def _set(self, info: ControllerInfo, *, commanded: bool) -> None:
+        for claim in info.claimed_resources:
+            quantity = _QUANTITY_OF_INTERFACE.get(claim.hardware_interface)
+            if quantity is None:
+                continue
+            for name in claim.resources:
+                if name in self._joints.names:
+                    index = self._joints.names.index(name)
+                    self._commanded[index] = quantity if commanded else ""
+
+    def _begin(self, index: int) -> None:
+        joints = self._joints
+        joints.position_command[index] = joints.position[index]
+        joints.velocity_command[index] = 0.0
+        joints.effort_command[index] = 0.0
+        self._is_held[index] = False
+        pid = self._pids[index]
+        if pid is not None:
+            pid.reset()
+
+    def _update(self) -> None:
+        self.in_use = []
+        quantities = set()
+        for index, quantity in enumerate(self._commanded):
+            if quantity:
+                self.in_use.append((self._joints.names[index], quantity))
+            has_pid = bool(quantity) and self._pids[index] is not None
+            driven_by = "effort" if has_pid else quantity or "position"
+            self._drives[index] = DriveMode(driven_by)
+            quantities.add(driven_by)
+        self.quantities = sorted(quantities)

@@ -1,0 +1,101 @@
+"""PID controllers inside a simulated robot, for joints that have gains for them."""
+
+from collections.abc import Mapping
+
+from station.core.angles import (
+    shortest_angular_distance,
+    shortest_angular_distance_with_limits,
+)
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters
+from station.core.pid import Pid
+from station.hw.urdf import Joint, JointType
+
+
+class JointPid:
+    """Turns a position or velocity command of one joint into an effort.
+
+    Args:
+        joint: The joint.
+        pid: Its controller.
+
+    Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp,
+    DefaultRobotHWSim::writeSim.
+    """
+
+    def __init__(self, joint: Joint, pid: Pid) -> None:
+        self._type = joint.type
+        self._limit = joint.limit
+        self._pid = pid
+
+    def reset(self) -> None:
+        """Forget all errors."""
+        self._pid.reset()
+
+    def effort_for_position(
+        self, command: float, position: float, period: float
+    ) -> float:
+        """Return the effort [Nm or N] for a position command [rad or m].
+
+        Args:
+            command: Where the joint shall be.
+            position: Where it is.
+            period: Time since the last cycle [s], > 0.
+        """
+        return self._saturate(
+            self._pid.compute_command(self._error(command, position), period)
+        )
+
+    def effort_for_velocity(
+        self, command: float, velocity: float, period: float
+    ) -> float:
+        """Return the effort [Nm or N] for a velocity command [rad/s or m/s].
+
+        Args:
+            command: How fast the joint shall be.
+            velocity: How fast it is.
+            period: Time since the last cycle [s], > 0.
+        """
+        return self._saturate(self._pid.compute_command(command - velocity, period))
+
+    def _error(self, command: float, position: float) -> float:
+        limit = self._limit
+        if self._type is JointType.CONTINUOUS:
+            return shortest_angular_distance(position, command)
+        if self._type is not JointType.REVOLUTE or limit is None:
+            return command - position
+        if limit.lower is None or limit.upper is None:
+            return command - position
+        return shortest_angular_distance_with_limits(
+            position, command, limit.lower, limit.upper
+        )
+
+    def _saturate(self, effort: float) -> float:
+        if self._limit is None:
+            return effort
+        return max(-self._limit.effort, min(self._limit.effort, effort))
+
+
+def read_joint_pids(
+    params: Parameters, joints: Mapping[str, Joint]
+) -> dict[str, JointPid]:
+    """Return the controllers of the joints that have gains.
+
+    Args:
+        params: The namespace that has `pid_gains/<joint>`.
+        joints: The joints that may have some, by name.
+
+    Raises:
+        ParameterError: Gains are malformed, or of a joint that is not there.
+    """
+    gains = params.namespace("pid_gains")
+    pids = {}
+    for name in gains.keys():  # noqa: SIM118 - no mapping
+        if name not in joints:
+            raise ParameterError(
+                f"Parameter '{gains.resolve(name)}' names no joint with a motor.",
+                remedy=f"Choose among {', '.join(joints) or 'none'}.",
+                details={"parameter": gains.resolve(name)},
+            )
+        pids[name] = JointPid(joints[name], Pid.from_parameters(gains.namespace(name)))
+    return pids

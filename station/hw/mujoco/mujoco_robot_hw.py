@@ -1,0 +1,307 @@
+"""MujocoRobotHW: any robot that has a URDF, simulated.
+
+Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; differs:
+
+- The motors are on the actuator side of the transmissions (`simulated_motors`).
+- Every joint with a motor takes effort, velocity and position commands.
+- Without `pid_gains` a joint follows positions and velocities by a servo whose force
+  is limited (`joint_drives`); it does not jump there.
+- A joint that nobody commands holds its position.
+- Mimic joints and joints without a motor have a state, too.
+"""
+
+from collections.abc import Sequence
+
+from typing_extensions import override
+
+from station.core.errors import (
+    HardwareInterfaceError,
+    RobotDescriptionError,
+    SwitchRefusedError,
+)
+from station.core.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.parameters import Parameters
+from station.core.robot_description import ROBOT_DESCRIPTION
+from station.core.robot_hw import ControllerInfo, RobotHW
+from station.core.transmissions import (
+    ActuatorToJointStateInterface,
+    JointToActuatorEffortInterface,
+    JointToActuatorPositionInterface,
+    JointToActuatorVelocityInterface,
+    RobotTransmissions,
+    TransmissionInfo,
+    TransmissionInterfaceLoader,
+)
+from station.core.transmissions.hardware_interface_kind import interface_of
+from station.hw.mujoco.joint_command_limits import JointCommandLimits
+from station.hw.mujoco.joint_command_modes import JointCommandModes
+from station.hw.mujoco.joint_drives import JointDrives
+from station.hw.mujoco.joint_pids import read_joint_pids
+from station.hw.mujoco.mujoco_robot_parameters import LimitMode, read_parameters
+from station.hw.mujoco.mujoco_simulation import simulate_robot
+from station.hw.mujoco.robot_transmissions import read_transmissions
+from station.hw.mujoco.sensors import WorldSensors
+from station.hw.mujoco.simulated_motors import SimulatedMotors
+from station.hw.mujoco.world import World
+from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
+from station.hw.robot_description import RobotDescription, load_robot_description
+from station.hw.urdf import JointType, Urdf
+from station.hw.urdf_parser import parse_urdf
+
+# Steps of the world that are made up for in one cycle; the rest is lost.
+_MOST_STEPS_AT_ONCE = 20
+_COMMANDS: tuple[tuple[str, type[JointCommandInterface]], ...] = (
+    ("position", PositionJointInterface),
+    ("velocity", VelocityJointInterface),
+    ("effort", EffortJointInterface),
+)
+_ToActuators = (
+    JointToActuatorPositionInterface
+    | JointToActuatorVelocityInterface
+    | JointToActuatorEffortInterface
+)
+
+
+class MujocoRobotHW(RobotHW):
+    """Type `mujoco_hw/MujocoRobotHW`.
+
+    Interfaces: state and commands of joints and of actuators, force-torque sensors and
+    inertial measurement units. Efforts are those of the motors; what compensates
+    gravity is not in them.
+
+    Parameters are those of `mujoco_robot_parameters`. `init` stores the URDF as
+    `robot_description` in the root namespace if there is none yet.
+
+    Attributes:
+        world: The simulated world; control thread only, from `init` on.
+        lost_steps: Steps of the world that were left out because cycles were late.
+    """
+
+    world: World
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lost_steps = 0
+        self._time_due = 0.0
+
+    @override
+    def init(self, root_params: Parameters, hw_params: Parameters) -> None:
+        """Set the robot up; see the class.
+
+        Args:
+            root_params: Gets the URDF; `joint_limits` may be here, too.
+            hw_params: The robot's parameters.
+
+        Raises:
+            JointLimitsError: A joint's limits are contradictory.
+            ParameterError: A parameter is missing, unknown or impossible.
+            RobotDescriptionError: The URDF cannot be used; the message names the file,
+                the element and the reason.
+        """
+        parameters = read_parameters(hw_params)
+        description = load_robot_description(parameters.robot_description)
+        urdf = parse_urdf(description)
+        transmissions = read_transmissions(description, urdf)
+        if not transmissions:
+            raise RobotDescriptionError(
+                f"{description.urdf_path}: <robot>: has no joint that could be driven",
+                remedy="give it joints that move and whose effort limit is above 0",
+            )
+        self.world = simulate_robot(description, urdf, parameters)
+        if not root_params.has(ROBOT_DESCRIPTION):
+            root_params.set(ROBOT_DESCRIPTION, description.xml)
+        self._make_motors(description, urdf, transmissions)
+        pids = read_joint_pids(hw_params, {n: urdf.joints[n] for n in self._names})
+        self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
+        self._add_unpowered_joints(urdf)
+        limited = hw_params if hw_params.has("joint_limits") else root_params
+        self._add_limits(description.xml, limited, parameters.limit_mode)
+        model, data = self.world.model, self.world.data
+        self._sensors = WorldSensors(model, data, parameters.sensors)
+        for interface in self._sensors.interfaces():
+            self.register_interface(interface)
+        self.read(0.0, 0.0)
+        self._modes.restart()
+
+    @override
+    def mode(self) -> str:
+        return "diverged" if self.world.diverged_because else "running"
+
+    @override
+    def read(self, time: float, period: float) -> None:
+        """Bring the state of joints, actuators and sensors up to date."""
+        motors, world_joints = self._motors, self._world_joints
+        motors.joint_state["position"][:] = world_joints.read_positions()
+        motors.joint_state["velocity"][:] = world_joints.read_velocities()
+        motors.joint_state["effort"][:] = world_joints.read_motor_forces()
+        motors.update_state()
+        self._state_interface.propagate()
+        self._unpowered_position[:] = self._unpowered.read_positions()
+        self._unpowered_velocity[:] = self._unpowered.read_velocities()
+        self._sensors.read()
+
+    @override
+    def write(self, time: float, period: float) -> None:
+        """Limit the commands, let them act through the motors, and let time pass."""
+        if period <= 0.0:
+            return
+        if self._modes.release_bad_commands():
+            self._limits.activate(self._modes.in_use)
+        self._limits.enforce(period)
+        self._modes.run(period)
+        for quantity in self._modes.quantities:
+            self._to_actuators[quantity].propagate()
+            self._motors.act(quantity)
+        self._advance(period)
+
+    @override
+    def prepare_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Check that the simulation can run.
+
+        Raises:
+            SwitchRefusedError: It has diverged.
+        """
+        if start and self.world.diverged_because:
+            raise SwitchRefusedError(
+                f"The robot stands still: {self.world.diverged_because}.",
+                remedy="Reset the simulation.",
+            )
+
+    @override
+    def do_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        self._modes.switch(start, stop)
+        self._limits.activate(self._modes.in_use)
+
+    def reset_simulation(self, positions: dict[str, float] | None = None) -> None:
+        """Put the simulated world back to its start; control thread.
+
+        Running controllers go on from there.
+
+        Args:
+            positions: Joint name to position [rad or m]; the others are put where the
+                last reset put them.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world.
+        """
+        self.world.reset(positions)
+        self.read(0.0, 0.0)
+        self._modes.restart()
+        self._limits.reset()
+
+    def _advance(self, period: float) -> None:
+        world = self.world
+        self._time_due += period
+        steps = round(self._time_due / world.timestep)
+        self._time_due -= steps * world.timestep
+        for _ in range(min(steps, _MOST_STEPS_AT_ONCE)):
+            world.step()
+        self.lost_steps += max(0, steps - _MOST_STEPS_AT_ONCE)
+
+    def _make_motors(
+        self, description: RobotDescription, urdf: Urdf, infos: list[TransmissionInfo]
+    ) -> None:
+        self._names = [joint.name for info in infos for joint in info.joints]
+        self._world_joints: WorldJoints = self.world.joints(self._names)
+        limits = [urdf.joints[name].limit for name in self._names]
+        self._drives = JointDrives(
+            self._world_joints,
+            [0.0 if limit is None else limit.velocity for limit in limits],
+            self.world.timestep,
+        )
+        self.world.add_actor(self._drives)
+        targets = {
+            "position": self._drives.position_target,
+            "velocity": self._drives.velocity_target,
+            "effort": self._drives.effort_target,
+        }
+        actuators = [actuator.name for info in infos for actuator in info.actuators]
+        self._motors = SimulatedMotors(actuators, self._names, targets)
+        self._motors.register(self)
+        self._transmissions = RobotTransmissions()
+        loader = TransmissionInterfaceLoader(self, self._transmissions)
+        for info in infos:
+            self._load(loader, info, description)
+        self._joints = loader.raw_joint_data
+        self._state_interface = interface_of(
+            self._transmissions, ActuatorToJointStateInterface
+        )
+        self._to_actuators: dict[str, _ToActuators] = {
+            "position": interface_of(
+                self._transmissions, JointToActuatorPositionInterface
+            ),
+            "velocity": interface_of(
+                self._transmissions, JointToActuatorVelocityInterface
+            ),
+            "effort": interface_of(self._transmissions, JointToActuatorEffortInterface),
+        }
+
+    def _load(
+        self,
+        loader: TransmissionInterfaceLoader,
+        info: TransmissionInfo,
+        description: RobotDescription,
+    ) -> None:
+        """Load one transmission.
+
+        Raises:
+            RobotDescriptionError: It cannot be loaded for all its interfaces.
+        """
+        where = f'{description.urdf_path}: <transmission name="{info.name}">: '
+        try:
+            loader.load(info)
+        except HardwareInterfaceError as exc:
+            raise RobotDescriptionError(
+                f"{where}{exc.message}", remedy=exc.remedy
+            ) from exc
+        if loader.problems:
+            raise RobotDescriptionError(
+                f"{where}{loader.problems[0]}",
+                remedy="correct that element of the URDF",
+            )
+        self._motors.connect(info, loader.loaded[-1].transmission)
+
+    def _add_unpowered_joints(self, urdf: Urdf) -> None:
+        names = [
+            joint.name
+            for joint in urdf.joints.values()
+            if joint.type is not JointType.FIXED and joint.name not in self._names
+        ]
+        world = self.world
+        self._unpowered = WorldJointStates(world.model, world.data, names)
+        self._unpowered_position = [0.0] * len(names)
+        self._unpowered_velocity = [0.0] * len(names)
+        effort = [0.0] * len(names)
+        states = interface_of(self, JointStateInterface)
+        for index, name in enumerate(names):
+            states.register_handle(
+                JointStateHandle(
+                    name,
+                    self._unpowered_position,
+                    self._unpowered_velocity,
+                    effort,
+                    index,
+                )
+            )
+
+    def _add_limits(self, xml: str, params: Parameters, mode: LimitMode) -> None:
+        self._limits = JointCommandLimits(xml, params, mode)
+        commands: dict[str, dict[str, JointHandle]] = {n: {} for n in self._names}
+        for quantity, interface in _COMMANDS:
+            # Not by `get_handle`: that would claim the joints.
+            for handle in interface_of(self, interface).handles():
+                commands[handle.name][quantity] = handle
+        for name, handles in commands.items():
+            self._limits.add(name, handles)

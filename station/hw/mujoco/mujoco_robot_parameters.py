@@ -1,0 +1,175 @@
+"""The parameters of MujocoRobotHW, read and checked.
+
+```yaml
+robot:
+  type: mujoco_hw/MujocoRobotHW
+  robot_description: example-robot-data:ur5   # or the path of a URDF
+  base_xyz: [0.0, 0.0, 0.5]                   # where the root link stands [m], [rad]
+  base_rpy: [0.0, 0.0, 0.0]
+  gravity_compensation: true                  # the robot carries its own weight
+  armature: 0.1                               # of every revolute joint [kg m^2]
+  floor: true
+  timestep: 0.001                             # of the simulation [s]
+  initial_positions: {elbow_joint: 1.57}      # [rad or m]; others at 0 or mid-range
+  limit_mode: ros_control                     # or rate
+  joint_limits: {elbow_joint: {…}}            # see station.core.limits.parameters
+  pid_gains: {elbow_joint: {p: 100, d: 10}}   # see station.core.pid
+  sensors:
+    wrist_ft: {type: force_torque, link: tool0}
+    imu: {type: imu, link: forearm_link}
+```
+
+All but `robot_description` are optional.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from math import pi
+from typing import NoReturn
+
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters
+from station.hw.urdf import Pose
+
+_KEYS = frozenset({
+    "type",
+    "robot_description",
+    "base_xyz",
+    "base_rpy",
+    "gravity_compensation",
+    "armature",
+    "floor",
+    "timestep",
+    "initial_positions",
+    "limit_mode",
+    "joint_limits",
+    "pid_gains",
+    "sensors",
+})
+_SENSOR_KEYS = frozenset({"type", "link"})
+
+
+class LimitMode(Enum):
+    """How commands are limited.
+
+    Attributes:
+        ROS_CONTROL: Soft limits where there are some, saturation elsewhere.
+        RATE: Against the command before, acceleration and jerk included.
+    """
+
+    ROS_CONTROL = "ros_control"
+    RATE = "rate"
+
+
+class SensorType(Enum):
+    """What a simulated sensor measures."""
+
+    FORCE_TORQUE = "force_torque"
+    IMU = "imu"
+
+
+@dataclass(frozen=True, slots=True)
+class SensorRequest:
+    """A sensor that the robot shall have.
+
+    Attributes:
+        name: Its name.
+        type: What it measures.
+        link: The link that it is on; its frame is the sensor's.
+    """
+
+    name: str
+    type: SensorType
+    link: str
+
+
+@dataclass(frozen=True, slots=True)
+class MujocoRobotParameters:
+    """What MujocoRobotHW is told; units and meaning stand in the module's text."""
+
+    robot_description: str
+    base: Pose
+    gravity_compensation: bool
+    armature: float
+    has_floor: bool
+    timestep: float
+    initial_positions: Mapping[str, float]
+    limit_mode: LimitMode
+    sensors: tuple[SensorRequest, ...]
+
+
+def read_parameters(params: Parameters) -> MujocoRobotParameters:
+    """Read what MujocoRobotHW needs, but for limits and gains of single joints.
+
+    Args:
+        params: The robot's namespace.
+
+    Raises:
+        ParameterError: A parameter is missing, unknown or impossible.
+    """
+    _refuse_unknown(params, _KEYS)
+    armature = params.get_float("armature", 0.1)
+    if armature < 0.0:
+        _refuse(params, "armature", armature, "0 or more")
+    timestep = params.get_float("timestep", 0.001)
+    if not 0.0 < timestep <= 0.01:
+        _refuse(params, "timestep", timestep, "above 0 and at most 0.01 s")
+    positions = params.namespace("initial_positions")
+    return MujocoRobotParameters(
+        robot_description=params.get_str("robot_description"),
+        base=_read_base(params),
+        gravity_compensation=params.get_bool("gravity_compensation", default=True),
+        armature=armature,
+        has_floor=params.get_bool("floor", default=True),
+        timestep=timestep,
+        initial_positions={k: positions.get_float(k) for k in positions.keys()},  # noqa: SIM118 - no mapping
+        limit_mode=_read_limit_mode(params),
+        sensors=tuple(_read_sensors(params.namespace("sensors"))),
+    )
+
+
+def _read_base(params: Parameters) -> Pose:
+    x, y, z = params.get_float_list("base_xyz", 3, [0.0, 0.0, 0.0])
+    roll, pitch, yaw = params.get_float_list("base_rpy", 3, [0.0, 0.0, 0.0])
+    if max(abs(roll), abs(pitch), abs(yaw)) > 2.0 * pi:
+        _refuse(params, "base_rpy", [roll, pitch, yaw], "angles in radians")
+    return Pose.from_rpy((x, y, z), (roll, pitch, yaw))
+
+
+def _read_limit_mode(params: Parameters) -> LimitMode:
+    value = params.get_str("limit_mode", LimitMode.ROS_CONTROL.value)
+    modes = {mode.value: mode for mode in LimitMode}
+    if value not in modes:
+        _refuse(params, "limit_mode", value, f"one of {', '.join(modes)}")
+    return modes[value]
+
+
+def _read_sensors(params: Parameters) -> list[SensorRequest]:
+    types = {kind.value: kind for kind in SensorType}
+    requests = []
+    for name in params.keys():  # noqa: SIM118 - no mapping
+        entry = params.namespace(name)
+        _refuse_unknown(entry, _SENSOR_KEYS)
+        kind = entry.get_str("type")
+        if kind not in types:
+            _refuse(entry, "type", kind, f"one of {', '.join(types)}")
+        requests.append(SensorRequest(name, types[kind], entry.get_str("link")))
+    return requests
+
+
+def _refuse_unknown(params: Parameters, known: Sequence[str] | frozenset[str]) -> None:
+    for key in sorted(set(params.keys()) - set(known)):
+        raise ParameterError(
+            f"Parameter '{params.resolve(key)}' is unknown to MujocoRobotHW.",
+            remedy=f"Known are {', '.join(sorted(known))}.",
+            details={"parameter": params.resolve(key)},
+        )
+
+
+def _refuse(params: Parameters, key: str, value: object, wanted: str) -> NoReturn:
+    raise ParameterError(
+        f"Parameter '{params.resolve(key)}' is {value!r}; it must be {wanted}.",
+        remedy="Correct the configuration.",
+        details={"parameter": params.resolve(key)},
+    )

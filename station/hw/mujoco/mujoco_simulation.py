@@ -1,0 +1,90 @@
+"""Put one robot with a URDF into a simulated world."""
+
+from collections.abc import Mapping
+
+from station.core.errors import ParameterError
+from station.hw.mujoco.model_builder import (
+    RobotOptions,
+    add_robot,
+    compile_world,
+    new_world,
+)
+from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
+from station.hw.mujoco.sensors import add_sensors
+from station.hw.mujoco.world import World
+from station.hw.robot_description import RobotDescription
+from station.hw.srdf import disabled_collisions
+from station.hw.urdf import Joint, JointType, Urdf
+
+
+def simulate_robot(
+    description: RobotDescription, urdf: Urdf, parameters: MujocoRobotParameters
+) -> World:
+    """Return a world with the robot in it, at its start pose and at rest.
+
+    Args:
+        description: The robot description.
+        urdf: The same, parsed.
+        parameters: How the robot stands in the world.
+
+    Raises:
+        ParameterError: A start position or a sensor's link is impossible.
+        RobotDescriptionError: The robot cannot be simulated.
+    """
+    spec = new_world(parameters.timestep, floor=parameters.has_floor)
+    options = RobotOptions(
+        base=parameters.base,
+        armature=parameters.armature,
+        gravity_compensation=parameters.gravity_compensation,
+        disabled_collisions=disabled_collisions(description.srdf_path),
+    )
+    add_robot(spec, urdf, options)
+    add_sensors(spec, parameters.sensors)
+    world = World(compile_world(spec))
+    world.reset(_start_positions(urdf, parameters.initial_positions))
+    return world
+
+
+def _start_positions(urdf: Urdf, wanted: Mapping[str, float]) -> dict[str, float]:
+    moving = {
+        name: joint
+        for name, joint in urdf.joints.items()
+        if joint.type is not JointType.FIXED and joint.mimic is None
+    }
+    for name in wanted:
+        if name not in moving:
+            raise ParameterError(
+                f"initial_positions names '{name}', no joint that moves by itself.",
+                remedy=f"Choose among {', '.join(moving) or 'none'}.",
+                details={"joint": name},
+            )
+    positions = {
+        name: _start_position(joint, wanted.get(name)) for name, joint in moving.items()
+    }
+    for joint in urdf.joints.values():
+        if joint.type is not JointType.FIXED and joint.mimic is not None:
+            leader = positions[joint.mimic.joint]
+            positions[joint.name] = joint.mimic.multiplier * leader + joint.mimic.offset
+    return positions
+
+
+def _start_position(joint: Joint, wanted: float | None) -> float:
+    """Return where a joint starts: as wanted, else 0, else the middle of its range.
+
+    Raises:
+        ParameterError: The wanted position is outside of the range.
+    """
+    limit = joint.limit
+    if limit is None or limit.lower is None or limit.upper is None:
+        return wanted or 0.0
+    if wanted is None:
+        inside = limit.lower < 0.0 < limit.upper
+        return 0.0 if inside else (limit.lower + limit.upper) / 2.0
+    if not limit.lower <= wanted <= limit.upper:
+        raise ParameterError(
+            f"initial_positions/{joint.name} is {wanted}; the joint's range is "
+            f"{limit.lower} to {limit.upper}.",
+            remedy="Choose a position within the range.",
+            details={"joint": joint.name},
+        )
+    return wanted

@@ -1,0 +1,142 @@
+"""Read the transmissions of a URDF for simulation; add those that it leaves out.
+
+Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim::initSim,
+for names of interfaces without package; differs: what cannot be loaded is refused and
+not skipped, every type of transmission works, and a joint has the command interfaces of
+all three kinds, whatever its transmission says.
+"""
+
+import logging
+from dataclasses import replace
+from typing import NoReturn
+from xml.etree import ElementTree
+
+from station.core.errors import RobotDescriptionError
+from station.core.transmissions import (
+    ActuatorInfo,
+    JointInfo,
+    TransmissionInfo,
+    TransmissionParser,
+)
+from station.hw.robot_description import RobotDescription
+from station.hw.urdf import JointType, Urdf
+
+_logger = logging.getLogger(__name__)
+DEFAULT_TYPE = "transmission_interface/SimpleTransmission"
+_PACKAGE = "hardware_interface/"
+_COMMAND_INTERFACES = tuple(
+    f"{_PACKAGE}{kind}JointInterface" for kind in ("Position", "Velocity", "Effort")
+)
+
+
+def driven_joints(urdf: Urdf) -> list[str]:
+    """Return the joints that have a motor in the simulation, in the file's order."""
+    return [
+        joint.name
+        for joint in urdf.joints.values()
+        if joint.type is not JointType.FIXED
+        and joint.mimic is None
+        and (joint.limit is None or joint.limit.effort > 0.0)
+    ]
+
+
+def read_transmissions(
+    description: RobotDescription, urdf: Urdf
+) -> list[TransmissionInfo]:
+    """Return a transmission for every driven joint, in the joints' order.
+
+    A joint without one gets a simple one with reduction 1. Transmissions all of whose
+    joints are missing, fixed, mimic another or have an effort limit of 0 are left out.
+
+    Args:
+        description: The robot description.
+        urdf: The same, parsed.
+
+    Raises:
+        RobotDescriptionError: A `<transmission>` lacks something, has one joint that
+            can be driven and one that cannot, or shares a joint or actuator with
+            another one.
+    """
+    parser = TransmissionParser()
+    infos = parser.parse(description.xml)
+    if parser.problems:
+        _refuse(description, "<transmission>", parser.problems[0])
+    driven = driven_joints(urdf)
+    kept = [
+        _with_all_interfaces(info)
+        for info in infos
+        if _is_driven(info, driven, urdf, description)
+    ]
+    _check_distinct(description, kept)
+    named = {joint.name for info in kept for joint in info.joints}
+    kept += [_default(joint) for joint in driven if joint not in named]
+    order = {name: number for number, name in enumerate(driven)}
+    return sorted(kept, key=lambda info: min(order[j.name] for j in info.joints))
+
+
+def _is_driven(
+    info: TransmissionInfo,
+    driven: list[str],
+    urdf: Urdf,
+    description: RobotDescription,
+) -> bool:
+    known = [joint.name in driven for joint in info.joints]
+    others = [j.name for j in info.joints if j.name not in driven]
+    if any(known) and others:
+        where = f'<transmission name="{info.name}">'
+        what = "cannot move" if others[0] in urdf.joints else "is missing"
+        _refuse(description, where, f"its joint {others[0]!r} {what}")
+    if others:
+        _logger.warning(
+            "transmission %s is left out: no motor can move %s", info.name, others
+        )
+    return not others
+
+
+def _check_distinct(
+    description: RobotDescription, infos: list[TransmissionInfo]
+) -> None:
+    seen: set[tuple[str, str]] = set()
+    for info in infos:
+        members = [("transmission", info.name)]
+        members += [("joint", joint.name) for joint in info.joints]
+        members += [("actuator", actuator.name) for actuator in info.actuators]
+        for member in members:
+            if member in seen:
+                _refuse(
+                    description,
+                    f'<transmission name="{info.name}">',
+                    f"the {member[0]} {member[1]!r} is in use already",
+                )
+            seen.add(member)
+
+
+def _with_all_interfaces(info: TransmissionInfo) -> TransmissionInfo:
+    joints = []
+    for joint in info.joints:
+        named = [
+            name if "/" in name else f"{_PACKAGE}{name}"
+            for name in joint.hardware_interfaces
+        ]
+        interfaces = tuple(dict.fromkeys([*named, *_COMMAND_INTERFACES]))
+        joints.append(replace(joint, hardware_interfaces=interfaces))
+    return replace(info, joints=tuple(joints))
+
+
+def _default(joint: str) -> TransmissionInfo:
+    actuator = ElementTree.Element("actuator")
+    ElementTree.SubElement(actuator, "mechanicalReduction").text = "1"
+    element = ElementTree.Element("joint")
+    return TransmissionInfo(
+        f"{joint}_transmission",
+        DEFAULT_TYPE,
+        (JointInfo(joint, "", _COMMAND_INTERFACES, element),),
+        (ActuatorInfo(f"{joint}_motor", (), actuator),),
+    )
+
+
+def _refuse(description: RobotDescription, element: str, reason: str) -> NoReturn:
+    raise RobotDescriptionError(
+        f"{description.urdf_path}: {element}: {reason}",
+        remedy="correct that element of the URDF",
+    )

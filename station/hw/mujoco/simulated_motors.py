@@ -1,0 +1,145 @@
+"""The motors of a simulated robot: on the actuator side of its transmissions.
+
+A robot with hardware has actuators, and transmissions give it joints. The simulation
+has joints, so that behind the actuators the way is gone back: MuJoCo's joint state
+becomes actuator state, and what the motors are commanded acts on MuJoCo's joints. In a
+cycle:
+
+| phase | way                                                                  |
+|-------|----------------------------------------------------------------------|
+| read  | MuJoCo's joints -> actuator state -> joint state                     |
+| write | joint commands -> actuator commands -> drives of MuJoCo's joints     |
+
+The first arrow of `read` and the last of `write` are of this module, the others are
+those of `TransmissionInterfaceLoader`.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from station.core.interfaces import (
+    ActuatorHandle,
+    ActuatorStateHandle,
+    ActuatorStateInterface,
+    EffortActuatorInterface,
+    InterfaceManager,
+    PositionActuatorInterface,
+    VelocityActuatorInterface,
+)
+from station.core.transmissions import (
+    ActuatorData,
+    ActuatorToJointEffortHandle,
+    ActuatorToJointPositionHandle,
+    ActuatorToJointVelocityHandle,
+    JointData,
+    JointToActuatorStateHandle,
+    Transmission,
+    TransmissionHandle,
+    TransmissionInfo,
+)
+
+QUANTITIES = ("position", "velocity", "effort")
+_COMMAND_HANDLES: Mapping[str, type[TransmissionHandle]] = {
+    "position": ActuatorToJointPositionHandle,
+    "velocity": ActuatorToJointVelocityHandle,
+    "effort": ActuatorToJointEffortHandle,
+}
+
+
+class SimulatedMotors:
+    """State and commands of all actuators, and their way to the simulated joints.
+
+    Args:
+        names: Names of the actuators, m of them.
+        joint_names: Names of the simulated joints, n of them.
+        targets: The drives' targets by quantity, shape (n,) each; written in place.
+
+    Attributes:
+        joint_state: What the simulated joints do, by quantity, shape (n,) each; to be
+            filled before `update_state`.
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        joint_names: Sequence[str],
+        targets: Mapping[str, list[float]],
+    ) -> None:
+        self._names = list(names)
+        self._joint_names = list(joint_names)
+        self._targets = targets
+        self._state = {quantity: [0.0] * len(names) for quantity in QUANTITIES}
+        self._commands = {quantity: [0.0] * len(names) for quantity in QUANTITIES}
+        self.joint_state = {
+            quantity: [0.0] * len(joint_names) for quantity in QUANTITIES
+        }
+        self._to_state: list[TransmissionHandle] = []
+        self._to_targets: dict[str, list[TransmissionHandle]] = {
+            quantity: [] for quantity in QUANTITIES
+        }
+
+    def register(self, robot: InterfaceManager) -> None:
+        """Offer the actuators, so that transmissions can be loaded on them."""
+        states = ActuatorStateInterface()
+        commands = (
+            ("position", PositionActuatorInterface()),
+            ("velocity", VelocityActuatorInterface()),
+            ("effort", EffortActuatorInterface()),
+        )
+        for index, name in enumerate(self._names):
+            state = ActuatorStateHandle(
+                name,
+                self._state["position"],
+                self._state["velocity"],
+                self._state["effort"],
+                index,
+            )
+            states.register_handle(state)
+            for quantity, interface in commands:
+                interface.register_handle(
+                    ActuatorHandle(state, self._commands[quantity], index)
+                )
+        robot.register_interface(states)
+        for _, interface in commands:
+            robot.register_interface(interface)
+
+    def connect(self, info: TransmissionInfo, transmission: Transmission) -> None:
+        """Connect some actuators to the simulated joints behind their transmission.
+
+        Args:
+            info: Its description; actuators and joints are known here.
+            transmission: The maps.
+        """
+        actuators = [self._names.index(a.name) for a in info.actuators]
+        joints = [self._joint_names.index(j.name) for j in info.joints]
+        state, joint_state = ActuatorData(), JointData()
+        for quantity in QUANTITIES:
+            values = self._state[quantity]
+            state.set_quantity(quantity, [(values, i) for i in actuators])
+            values = self.joint_state[quantity]
+            joint_state.set_quantity(quantity, [(values, i) for i in joints])
+            command, target = ActuatorData(), JointData()
+            values = self._commands[quantity]
+            command.set_quantity(quantity, [(values, i) for i in actuators])
+            values = self._targets[quantity]
+            target.set_quantity(quantity, [(values, i) for i in joints])
+            handle = _COMMAND_HANDLES[quantity]
+            self._to_targets[quantity].append(
+                handle(info.name, transmission, command, target)
+            )
+        self._to_state.append(
+            JointToActuatorStateHandle(info.name, transmission, state, joint_state)
+        )
+
+    def update_state(self) -> None:
+        """Derive the actuators' state from `joint_state`. Control thread."""
+        for handle in self._to_state:
+            handle.propagate()
+
+    def act(self, quantity: str) -> None:
+        """Let the actuators' commands of one quantity act. Control thread.
+
+        Args:
+            quantity: "position", "velocity" or "effort".
+        """
+        for handle in self._to_targets[quantity]:
+            handle.propagate()
