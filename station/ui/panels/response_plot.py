@@ -28,7 +28,7 @@ class ResponsePlot:
         self._response = gui.add_uplot(
             (_EMPTY, _EMPTY, _EMPTY),
             _response_series(""),
-            height=190,
+            height=170,
             scales=_scales(5.0, (-1.0, 1.0)),
             padding=_PADDING,
             axes=_AXES,
@@ -36,7 +36,7 @@ class ResponsePlot:
         self._error = gui.add_uplot(
             (_EMPTY, _EMPTY),
             _error_series(""),
-            height=130,
+            height=110,
             scales=_scales(5.0, (-1.0, 1.0)),
             padding=_PADDING,
             axes=_AXES,
