@@ -42,7 +42,9 @@ class FakeController:
             "state": self.state,
             "claimed_resources": [{**claims, "resources": JOINTS}],
             "fault": "",
-            "time": None,
+            "traceback": "",
+            "fallback": [],
+            "time": _NO_TIMES,
         }
 
 
