@@ -168,6 +168,7 @@ class FakeStation:
             "ok": True,
             "started": body.get("start", []),
             "stopped": body.get("stop", []),
+            "failed": {},
             "jump": {},
             "cycle": 11,
             "dry_run": False,
