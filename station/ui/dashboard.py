@@ -14,7 +14,7 @@ import viser
 import yourdfpy
 
 from station.client import AsyncStationClient
-from station.ui.gateway_state import BarState
+from station.ui.gateway_state import BarState, bar_state
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.operate_panel import OperatePanel
 from station.ui.panels.tune_panel import TunePanel
@@ -93,22 +93,7 @@ class Dashboard:
 
     def bar(self) -> BarState:
         """Return what the status strip shows now; may be called by any thread."""
-        view = self._link.view()
-        message = self._reporter.message or view.failure
-        status = view.status
-        if status is None:
-            return BarState(view.link, view.age, message=message)
-        return BarState(
-            link=view.link,
-            age=view.age,
-            mode=status.robot_mode,
-            stop_state=status.stop_state,
-            stop_reason=status.stop_reason,
-            rate_hz=status.loop.achieved_rate,
-            lateness_p99=status.loop.lateness.p99,
-            epoch=status.epoch,
-            message=message,
-        )
+        return bar_state(self._link.view(), self._reporter.message)
 
     async def _run(self) -> None:
         self._task = asyncio.current_task()

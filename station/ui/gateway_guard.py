@@ -81,7 +81,8 @@ def _sealing(scope: "Scope", send: "Send") -> "Send":
                 _VISER_POLICY if viser else _PAGE_POLICY
             )
             headers["X-Content-Type-Options"] = "nosniff"
-            headers["Referrer-Policy"] = "no-referrer"
+            # Not `no-referrer`: browsers then send `Origin: null` with the login form.
+            headers["Referrer-Policy"] = "same-origin"
             headers["Cross-Origin-Opener-Policy"] = "same-origin"
             headers["Cross-Origin-Resource-Policy"] = "same-origin"
         await send(message)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from station.ui.station_view import StationView
+
 
 @dataclass(frozen=True, slots=True)
 class BarState:
@@ -28,3 +30,28 @@ class BarState:
     lateness_p99: float | None = None
     epoch: int | None = None
     message: str = ""
+
+
+def bar_state(view: StationView, message: str) -> BarState:
+    """Return what the bar shows of `view`.
+
+    Args:
+        view: What is known of the station.
+        message: The last refusal; the reason of a broken link takes its place when
+            there is none.
+    """
+    message = message or view.failure
+    status = view.status
+    if status is None:
+        return BarState(view.link, view.age, message=message)
+    return BarState(
+        link=view.link,
+        age=view.age,
+        mode=status.robot_mode,
+        stop_state=status.stop_state,
+        stop_reason=status.stop_reason,
+        rate_hz=status.loop.achieved_rate,
+        lateness_p99=status.loop.lateness.p99,
+        epoch=status.epoch,
+        message=message,
+    )

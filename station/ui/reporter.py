@@ -54,7 +54,8 @@ class Reporter:
                 self.refused(error, event.client)
             except ValidationError as error:
                 first = error.errors()[0]
-                self.say("Not sent", f"{first['loc']}: {first['msg']}", event.client)
+                place = ".".join([error.title, *(str(part) for part in first["loc"])])
+                self.say("Not valid", f"{place}: {first['msg']}.", event.client)
             except Exception as error:  # the boundary of UI callbacks
                 _logger.exception("a dashboard callback failed")
                 text = f"{type(error).__name__}: {error}"

@@ -14,10 +14,15 @@ from station.client import StationClient
 from tests.browser.viser_page import ViserPage
 
 CHROMIUM = "/usr/bin/chromium"
-FLAGS = (
-    "--no-sandbox --disable-gpu --disable-quic --no-first-run "
-    "--disable-background-networking --disable-component-update --disable-sync"
-).split()
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 ARTIFACTS = Path("artifacts")
 _READY_LINES = 20
 
@@ -68,23 +73,30 @@ def client(running_station):
         yield client
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(browser, running_station):
-    """The dashboard, logged in, with the robot drawn; no script error is let pass."""
+    """The dashboard, logged in; a script error on the page fails the last test."""
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     page = context.new_page()
     failures = []
     page.on("pageerror", lambda error: failures.append(str(error)))
     page.goto(f"{running_station.ui}/login?token={running_station.token}")
     yield page
-    ARTIFACTS.mkdir(exist_ok=True)
     context.close()
     assert failures == []
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def viser_page(page):
-    """The part of the page that Viser draws."""
+    """The part of the page that Viser draws, with the robot in it."""
     view = ViserPage(page)
     view.wait_for_scene()
     return view
+
+
+def keep_screenshot(page, name):
+    """Keep a picture of the page as an artefact of the test run."""
+    # Written here: Playwright would leave a thread behind for it.
+    picture = page.screenshot()
+    ARTIFACTS.mkdir(exist_ok=True)
+    (ARTIFACTS / name).write_bytes(picture)

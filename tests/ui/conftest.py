@@ -1,8 +1,31 @@
-"""A fake station and a dashboard's gateway in front of nothing."""
+"""One dashboard on a bench for all tests of a module."""
 
 import pytest
 
+from tests.ui.bench import Bench
 from tests.ui.fake_station import FakeStation
+
+
+@pytest.fixture(scope="package")
+def shared_bench():
+    with Bench() as bench:
+        yield bench
+
+
+@pytest.fixture
+def bench(shared_bench):
+    """The bench, with nothing loaded and nothing said."""
+    station = shared_bench.station
+    station.controllers.clear()
+    station.requests.clear()
+    station.stop_state = "armed"
+    shared_bench.wait(
+        lambda: (
+            not shared_bench.link.view().controllers
+            and not shared_bench.link.view().blocked()
+        )
+    )
+    return shared_bench
 
 
 @pytest.fixture

@@ -42,7 +42,9 @@ class FakeController:
             "state": self.state,
             "claimed_resources": [{**claims, "resources": JOINTS}],
             "fault": "",
-            "time": None,
+            "traceback": "",
+            "fallback": [],
+            "time": _NO_TIMES,
         }
 
 
@@ -166,6 +168,7 @@ class FakeStation:
             "ok": True,
             "started": body.get("start", []),
             "stopped": body.get("stop", []),
+            "failed": {},
             "jump": {},
             "cycle": 11,
             "dry_run": False,

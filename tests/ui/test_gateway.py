@@ -233,7 +233,7 @@ def test_every_answer_is_sealed(browser, path):
     headers = browser.get(path).headers
     assert headers["cache-control"] == "no-store"
     assert "connect-src 'self'" in headers["content-security-policy"]
-    assert headers["referrer-policy"] == "no-referrer"
+    assert headers["referrer-policy"] == "same-origin"
 
 
 @pytest.mark.parametrize("name", ["page.css", "page.js", "login.js"])

@@ -7,7 +7,7 @@ from viser import uplot
 from station.ui.plot_history import AxisRange, Curves, PlotHistory
 
 _WINDOWS = {"5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
-_AXES = (uplot.Axis(), uplot.Axis(size=56))
+_AXES = (uplot.Axis(), uplot.Axis(size=56, space=22))
 _PADDING = (12, 20, 0, 0)
 _EMPTY = np.zeros(1)
 _BLUE, _ORANGE, _RED = "#228be6", "#f08c00", "#e03131"
@@ -28,7 +28,7 @@ class ResponsePlot:
         self._response = gui.add_uplot(
             (_EMPTY, _EMPTY, _EMPTY),
             _response_series(""),
-            height=190,
+            height=170,
             scales=_scales(5.0, (-1.0, 1.0)),
             padding=_PADDING,
             axes=_AXES,
@@ -36,7 +36,7 @@ class ResponsePlot:
         self._error = gui.add_uplot(
             (_EMPTY, _EMPTY),
             _error_series(""),
-            height=130,
+            height=110,
             scales=_scales(5.0, (-1.0, 1.0)),
             padding=_PADDING,
             axes=_AXES,

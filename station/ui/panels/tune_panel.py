@@ -77,7 +77,8 @@ class TunePanel(Panel):
         groups = gain_groups(own_gains.values) if own_gains else {}
         sample = view.samples.get(name)
         joints = tuple(groups) or tuple(sample.name if sample else ())
-        set_options(self._group, joints)
+        if joints:  # Else keep the choice until they are known again.
+            set_options(self._group, joints)
         group = self._group.value
         if own_gains is not None:
             self._show_gains(own_gains, groups.get(group, []), view)

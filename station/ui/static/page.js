@@ -96,6 +96,7 @@ async function refresh() {
 }
 
 async function poll() {
+  listenEverywhere();
   await refresh();
   setTimeout(poll, POLL_MS);
 }
@@ -108,6 +109,13 @@ function isTyping(target) {
     target.tagName === "INPUT" &&
     TEXT_INPUTS.has(target.getAttribute("type") ?? "")
   );
+}
+
+// Again and again, because Viser's page replaces its document while it loads; adding
+// the same listener twice changes nothing.
+function listenEverywhere() {
+  listen(window);
+  listen(element("view").contentWindow);
 }
 
 // Both the press and the release are swallowed: Space would click a focused button.
@@ -124,10 +132,6 @@ function listen(target) {
   target.addEventListener("keyup", onKey, true);
 }
 
-listen(window);
-element("view").addEventListener("load", () => {
-  listen(element("view").contentWindow);
-});
 element("stop").addEventListener("click", stop);
 element("release").addEventListener("click", () => act("/release"));
 element("arm").addEventListener("click", () => act("/arm"));

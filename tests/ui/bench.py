@@ -1,0 +1,96 @@
+"""A dashboard on a bench: a fake station behind it, a scripted browser before it."""
+
+import asyncio
+import threading
+import time
+
+import msgspec
+import viser
+from websockets.sync.client import connect
+
+from station.client import AsyncStationClient
+from station.ui.dashboard import Dashboard
+from station.ui.robot_model import load_robot
+from station.ui.viser_door import SECRET_HEADER, open_viser
+from tests.ui.fake_station import OPERATOR, FakeStation
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [1.0, 0.0, 1.0],
+    "fov": 0.8,
+    "near": 0.01,
+    "far": 100.0,
+    "image_height": 100,
+    "image_width": 100,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+
+
+class Bench:
+    """The parts, and what a person would do with them."""
+
+    def __enter__(self):
+        self.station = FakeStation().__enter__()
+        self.guarded = open_viser("Bench")
+        client = AsyncStationClient(self.station.url, OPERATOR, timeout=2.0)
+        self.dashboard = Dashboard(
+            self.guarded.server, client, load_robot("example-robot-data:panda")
+        )
+        self.dashboard.start()
+        self._socket = connect(
+            f"ws://127.0.0.1:{self.guarded.port}/",
+            subprotocols=[f"viser-v{viser.__version__}"],
+            additional_headers={SECRET_HEADER: self.guarded.secret},
+            max_size=None,
+            proxy=None,
+        )
+        self.seen = []
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+        self._send(CAMERA)
+        assert self.wait(lambda: self.guarded.server.get_clients())
+        return self
+
+    def __exit__(self, *exc):
+        self._socket.close()
+        self._reader.join(5.0)
+        asyncio.run(self.dashboard.stop())
+        self.guarded.stop()
+        self.station.__exit__(*exc)
+
+    @property
+    def link(self):
+        """The dashboard's link to the station."""
+        return self.dashboard._link
+
+    def panel(self, kind):
+        """Return the dashboard's tab of that class."""
+        return next(p for p in self.dashboard._panels if isinstance(p, kind))
+
+    def enter(self, widget, value):
+        """Set a widget as a person in a browser does."""
+        self._send({
+            "type": "GuiUpdateMessage",
+            "uuid": widget._impl.uuid,
+            "updates": {"value": value},
+        })
+
+    def click(self, button):
+        """Click a button."""
+        self.enter(button, value=True)
+
+    def wait(self, holds, seconds=8.0):
+        """Poll until `holds` is true; return its last answer."""
+        deadline = time.monotonic() + seconds
+        while not holds() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        return holds()
+
+    def _send(self, message):
+        self._socket.send(msgspec.msgpack.encode(message))
+
+    def _read(self):
+        for _frame in self._socket:
+            self.seen.append(len(_frame))

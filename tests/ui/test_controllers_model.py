@@ -1,0 +1,64 @@
+"""What the Controllers panel offers."""
+
+import pytest
+
+from station.ui.controllers_model import (
+    Offer,
+    claims_text,
+    offer_for,
+    startable_first,
+)
+from tests.ui.views import controller, view
+
+
+def test_a_free_controller_can_be_started_and_unloaded():
+    assert offer_for(view(controller("arm")), "arm") == Offer(start=True, unload=True)
+
+
+def test_a_running_controller_can_only_be_stopped():
+    offer = offer_for(view(controller("arm", "running")), "arm")
+    assert (offer.start, offer.stop, offer.unload) == (False, True, False)
+    assert "Stop it before" in offer.reason
+
+
+def test_the_holder_of_its_joints_is_named():
+    seen = view(controller("arm"), controller("other", "running"))
+    offer = offer_for(seen, "arm")
+    assert (offer.start, offer.replaces) == (False, ("other",))
+    assert "other" in offer.reason
+
+
+def test_other_joints_do_not_conflict():
+    seen = view(controller("arm"), controller("leg", "running", ["leg1"]))
+    assert offer_for(seen, "arm").start
+
+
+@pytest.mark.parametrize("seen", [view(), view(controller("arm"), age=9.0)])
+def test_nothing_is_offered_without_controller_or_link(seen):
+    offer = offer_for(seen, "arm")
+    assert (offer.start, offer.stop, offer.unload) == (False, False, False)
+    assert offer.reason
+
+
+def test_nothing_is_started_while_stopped():
+    offer = offer_for(view(controller("arm"), stop_state="stopped"), "arm")
+    assert not offer.start
+    assert "stopped" in offer.reason
+
+
+@pytest.mark.parametrize(
+    ("joints", "text"),
+    [
+        ([], "nothing"),
+        (["a", "b"], "EffortJoint: a, b"),
+        ([f"panda_joint{i}" for i in range(1, 8)], "EffortJoint: panda_joint1…7"),
+        (["hip", "knee", "toe"], "EffortJoint: hip and 2 more"),
+    ],
+)
+def test_claims_fit_a_table_cell(joints, text):
+    assert claims_text(controller("arm", joints=joints)) == text
+
+
+def test_what_can_be_started_comes_first():
+    seen = view(controller("state", joints=[]), controller("arm"))
+    assert startable_first(seen) == ["arm", "state"]

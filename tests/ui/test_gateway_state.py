@@ -1,0 +1,27 @@
+"""What the bar at the top shows."""
+
+from station.ui.gateway_state import BarState, bar_state
+from station.ui.station_view import StationView
+from tests.ui.views import view
+
+
+def test_bar_shows_mode_loop_epoch_and_stop():
+    bar = bar_state(view(stop_state="stopped"), "")
+    assert (bar.link, bar.mode, bar.stop_state, bar.epoch) == (
+        "live",
+        "idle",
+        "stopped",
+        1,
+    )
+    assert (bar.rate_hz, bar.lateness_p99) == (999.5, 1.5e-4)
+
+
+def test_bar_claims_nothing_before_the_first_answer():
+    assert bar_state(StationView(failure="No answer."), "") == BarState(
+        "lost", message="No answer."
+    )
+
+
+def test_a_refusal_comes_before_a_failure_of_the_link():
+    seen = StationView(failure="No answer.")
+    assert bar_state(seen, "Refused.").message == "Refused."

@@ -1,0 +1,49 @@
+"""What the form for loading a controller begins with."""
+
+import pytest
+import yaml
+
+from station.ui.load_examples import example_parameters, suggested_name, usefulness
+
+JOINTS = ["panda_joint1", "panda_joint2", "panda_finger_joint1"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        (
+            "effort_controllers/JointGroupPositionController",
+            {
+                "joints": JOINTS[:2],
+                "panda_joint1": {"pid": {"p": 600, "i": 0, "d": 30}},
+                "panda_joint2": {"pid": {"p": 600, "i": 0, "d": 30}},
+            },
+        ),
+        ("effort_controllers/JointGroupEffortController", {"joints": JOINTS[:2]}),
+        ("position_controllers/JointGroupPositionController", {"joints": JOINTS[:2]}),
+        (
+            "effort_controllers/JointPositionController",
+            {"joint": JOINTS[0], "pid": {"p": 600, "i": 0, "d": 30}},
+        ),
+        ("velocity_controllers/JointVelocityController", {"joint": JOINTS[0]}),
+        ("joint_state_controller/JointStateController", {"publish_rate": 50}),
+    ],
+)
+def test_examples_fit_the_robot(kind, expected):
+    assert yaml.safe_load(example_parameters(kind, JOINTS)) == expected
+
+
+def test_there_is_no_example_without_joints():
+    kind = "position_controllers/JointGroupPositionController"
+    assert example_parameters(kind, []) == ""
+
+
+def test_names_are_short_and_free():
+    kind = "effort_controllers/JointGroupPositionController"
+    assert suggested_name(kind, []) == "effort_position"
+    assert suggested_name(kind, ["effort_position"]) == "effort_position_2"
+
+
+def test_group_position_controllers_are_offered_first():
+    kinds = ["a/JointEffortController", "b/JointGroupPositionController"]
+    assert sorted(kinds, key=usefulness)[0] == kinds[1]

@@ -1,0 +1,66 @@
+"""The dashboard as a process."""
+
+import asyncio
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from station.client import StationUnreachableError
+from station.ui.main import ask_role, dashboard_url
+from station.ui.sessions import Role
+from tests.ui.fake_station import OPERATOR, VIEWER
+
+PROGRAM = """
+import sys
+from station.ui.main import DashboardConfig, run_dashboard
+config = DashboardConfig(sys.argv[1], "operator-token", port=0, robot_description="")
+sys.exit(run_dashboard(config, lambda url: print(url, flush=True)))
+"""
+
+
+@pytest.mark.parametrize(
+    ("token", "role"),
+    [(OPERATOR, Role.OPERATOR), (VIEWER, Role.VIEWER), ("x", None), ("ü\n", None)],
+)
+def test_the_station_decides_the_role(fake_station, token, role):
+    assert asyncio.run(ask_role(fake_station.url, token)) is role
+
+
+def test_an_absent_station_is_no_wrong_token():
+    with pytest.raises(StationUnreachableError):
+        asyncio.run(ask_role("http://127.0.0.1:9", OPERATOR))
+
+
+@pytest.mark.parametrize(
+    ("host", "url"),
+    [
+        ("127.0.0.1", "http://127.0.0.1:8080"),
+        ("0.0.0.0", "http://127.0.0.1:8080"),
+        ("::1", "http://[::1]:8080"),
+        ("::", "http://[::1]:8080"),
+    ],
+)
+def test_the_address_can_be_opened(host, url):
+    assert dashboard_url(host, 8080) == url
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_at_once_and_cleanly(fake_station, number):
+    with subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", PROGRAM, fake_station.url],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout.readline().startswith("http://127.0.0.1:")
+        began = time.monotonic()
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert "Traceback" not in errors
+    # One second is promised; a busy machine gets a little more.
+    assert time.monotonic() - began < 2.5

@@ -1,0 +1,90 @@
+"""Which controller the sliders command, and how a set-point travels."""
+
+import pytest
+
+from station.ui.operate_model import HOLD, SetPointRamp, choose_operated
+from tests.ui.views import controller, element, view
+
+
+def test_the_running_controller_with_set_points_is_commanded():
+    seen = view(
+        controller("state", "running"),
+        controller("arm", "running"),
+        elements={"state": (), "arm": (element(),)},
+    )
+    operated = choose_operated(seen)
+    assert (operated.name, operated.reason) == ("arm", "")
+
+
+def test_sliders_say_what_runs_when_nothing_takes_set_points():
+    operated = choose_operated(view(controller("state", "running")))
+    assert operated.name == ""
+    assert "Only state runs" in operated.reason
+
+
+def test_sliders_say_that_the_robot_is_stopped():
+    seen = view(
+        controller("arm", "running"),
+        stop_state="stopped",
+        elements={"arm": (element(),)},
+    )
+    assert "stopped" in choose_operated(seen).reason
+
+
+@pytest.fixture
+def ramp():
+    ramp = SetPointRamp([element(), element("joint2")])
+    ramp.follow([0.0, 0.5])
+    return ramp
+
+
+def test_nothing_is_sent_until_a_slider_is_touched(ramp):
+    assert ramp.step(0.1, 1.0) is None
+    assert not ramp.commanding
+
+
+def test_a_touched_joint_travels_at_the_top_speed_and_the_others_stay(ramp):
+    ramp.touch(0, 0.25, now=0.0)
+    assert ramp.step(0.1, 1.0) == [0.1, 0.5]
+    assert ramp.remaining == pytest.approx(0.15)
+    assert ramp.step(0.1, 1.0) == [0.2, 0.5]
+    assert ramp.step(0.1, 1.0) == [0.25, 0.5]
+    assert ramp.step(0.1, 1.0) is None
+
+
+def test_it_travels_backwards_as_well(ramp):
+    ramp.touch(1, 0.0, now=0.0)
+    assert ramp.step(0.1, 1.0) == [0.0, 0.4]
+
+
+def test_velocities_and_efforts_are_sent_at_once():
+    ramp = SetPointRamp([element(unit="rad/s"), element(unit="Nm")])
+    ramp.follow([0.0, 0.0])
+    ramp.touch(0, 0.8, now=0.0)
+    assert ramp.step(0.01, 0.1) == [0.8, 0.0]
+
+
+def test_following_does_not_disturb_a_move(ramp):
+    ramp.touch(0, 1.0, now=0.0)
+    ramp.step(0.1, 1.0)
+    ramp.follow([9.0, 9.0])
+    assert ramp.step(0.1, 1.0) == [0.2, 0.5]
+
+
+def test_letting_go_ends_a_move_until_the_robot_is_known_again(ramp):
+    ramp.touch(0, 1.0, now=0.0)
+    ramp.let_go()
+    assert ramp.step(0.1, 1.0) is None
+    assert not ramp.touch(0, 1.0, now=0.1)
+
+
+def test_a_touched_slider_stays_for_a_moment_then_follows(ramp):
+    ramp.touch(0, 0.1, now=5.0)
+    assert ramp.shown(0, now=5.5) is None
+    assert ramp.shown(1, now=5.5) == 0.5
+    ramp.step(1.0, 1.0)
+    assert ramp.shown(0, now=5.0 + 2 * HOLD) == 0.1
+
+
+def test_sliders_are_left_alone_while_nothing_is_known():
+    assert SetPointRamp([element()]).shown(0, now=0.0) is None

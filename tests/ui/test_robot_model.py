@@ -1,0 +1,41 @@
+"""Robots that are loaded to be drawn."""
+
+import pytest
+
+from station.ui.robot_model import RobotModelError, joint_limits, load_robot
+
+
+def test_the_panda_comes_with_its_meshes():
+    robot = load_robot("example-robot-data:panda")
+    assert sum(len(mesh.faces) for mesh in robot.scene.geometry.values()) > 100_000
+
+
+def test_another_arm_id_renames_the_joints():
+    assert "left_joint1" in load_robot("example-robot-data:panda", "left").joint_map
+
+
+def test_limits_are_those_of_the_moving_joints():
+    limits = joint_limits(load_robot("example-robot-data:panda"))
+    assert limits["panda_joint1"] == pytest.approx((-2.8973, 2.8973))
+    assert "panda_joint8" not in limits
+
+
+def test_an_unknown_robot_is_refused_with_the_known_ones():
+    with pytest.raises(RobotModelError, match="panda"):
+        load_robot("example-robot-data:nobody")
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(RobotModelError, match="nowhere"):
+        load_robot(str(tmp_path / "nowhere.urdf"))
+
+
+def test_a_missing_mesh_is_named(tmp_path):
+    path = tmp_path / "robot.urdf"
+    path.write_text(
+        '<robot name="r"><link name="l"><visual><geometry>'
+        '<mesh filename="package://no_such/thing.stl"/>'
+        "</geometry></visual></link></robot>"
+    )
+    with pytest.raises(RobotModelError, match="no_such"):
+        load_robot(str(path))

@@ -1,0 +1,82 @@
+"""The dashboard keeps up with the station, and says when it does not."""
+
+import asyncio
+
+from station.client import AsyncStationClient
+from station.ui.station_link import StationLink
+from tests.ui.fake_station import JOINTS, OPERATOR, START
+
+
+def _follow(url, script):
+    """Run a link beside `script(link)`, a coroutine function."""
+
+    async def run():
+        async with AsyncStationClient(url, OPERATOR, timeout=1.0) as client:
+            link = StationLink(client)
+            running = asyncio.create_task(link.run())
+            try:
+                await script(link)
+            finally:
+                running.cancel()
+                await asyncio.wait({running})
+
+    asyncio.run(run())
+
+
+async def _until(holds, seconds=5.0):
+    deadline = asyncio.get_running_loop().time() + seconds
+    while not holds() and asyncio.get_running_loop().time() < deadline:
+        await asyncio.sleep(0.01)
+    assert holds()
+
+
+def test_joints_controllers_types_and_status_arrive(fake_station):
+    fake_station.load("arm", running=True)
+
+    async def script(link):
+        await _until(lambda: link.positions and link.view().elements)
+        view = link.view()
+        assert view.positions == dict(zip(JOINTS, START, strict=True))
+        assert [c.name for c in view.controllers] == ["arm"]
+        assert len(view.elements["arm"]) == 7
+        assert view.status.epoch == 1
+        assert view.types
+        assert view.link == "live"
+
+    _follow(fake_station.url, script)
+
+
+def test_watched_controllers_are_sampled_and_others_forgotten(fake_station):
+    fake_station.load("arm", running=True)
+
+    async def script(link):
+        link.watch({"arm"})
+        await _until(lambda: "arm" in link.view().samples)
+        assert link.histories["arm"].names == JOINTS
+        link.watch(set())
+        assert link.view().samples == {}
+        assert link.histories == {}
+
+    _follow(fake_station.url, script)
+
+
+def test_data_ages_while_the_station_is_away_and_its_absence_is_explained():
+    async def script(link):
+        await _until(lambda: link.view().failure)
+        assert "No answer from the station" in link.view().failure
+        assert link.view().link == "lost"
+
+    _follow("http://127.0.0.1:9", script)
+
+
+def test_a_restarted_station_is_looked_at_afresh(fake_station):
+    fake_station.load("arm", running=True)
+
+    async def script(link):
+        await _until(lambda: link.view().elements)
+        fake_station.boot_id = "boot-2"
+        fake_station.controllers.clear()
+        await _until(lambda: link.view().status.boot_id == "boot-2")
+        await _until(lambda: not link.view().elements)
+
+    _follow(fake_station.url, script)

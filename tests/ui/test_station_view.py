@@ -1,0 +1,44 @@
+"""What a view says of the link, and when nothing may be commanded."""
+
+import pytest
+
+from station.ui.station_view import StationView
+from tests.ui.views import controller, view
+
+
+@pytest.mark.parametrize(
+    ("age", "link"), [(0.0, "live"), (0.6, "live"), (1.0, "stale"), (9.0, "lost")]
+)
+def test_link_follows_the_age_of_the_data(age, link):
+    assert view(age=age).link == link
+
+
+def test_link_is_lost_before_the_first_answer():
+    assert (StationView().link, StationView().age) == ("lost", None)
+
+
+def test_age_is_never_negative():
+    assert view(age=-0.1).age == 0.0
+
+
+@pytest.mark.parametrize(
+    ("seen", "word"),
+    [
+        (view(age=9.0), "lost"),
+        (view(stop_state="stopped"), "stopped"),
+        (view(stop_state="released"), "not allowed yet"),
+        (StationView(now=1.0, heard_at=1.0), "not said yet"),
+    ],
+)
+def test_blocked_says_why(seen, word):
+    assert word in seen.blocked()
+
+
+def test_nothing_is_blocked_on_a_live_armed_station():
+    assert view().blocked() == ""
+
+
+def test_controllers_are_found_by_name():
+    seen = view(controller("arm"))
+    assert seen.controller("arm").name == "arm"
+    assert seen.controller("leg") is None
