@@ -26,6 +26,7 @@ FRANKA = {
 ROBOT_PARAMETERS: Mapping[str, Mapping[str, object]] = {
     "mock_hw/MockRobotHW": MOCK,
     "franka_hw/FrankaHW": FRANKA,
+    "mujoco_hw/MujocoRobotHW": {"robot_description": "example-robot-data:panda"},
     "combined_robot_hw/CombinedRobotHW": {
         "robot_hardware": ["left"],
         "left": {"type": "mock_hw/MockRobotHW", **MOCK},
