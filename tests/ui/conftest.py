@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.ui.panels.operate_panel import OperatePanel
 from tests.ui.bench import Bench
 from tests.ui.fake_station import FakeStation
 
