@@ -20,13 +20,15 @@ def bench(shared_bench):
     station.controllers.clear()
     station.requests.clear()
     station.stop_state = "armed"
-    shared_bench.wait(
-        lambda: (
-            not shared_bench.link.view().controllers
-            and not shared_bench.link.view().blocked()
-        )
-    )
+    shared_bench.wait(lambda: _is_empty(shared_bench))
     return shared_bench
+
+
+def _is_empty(bench):
+    """Say whether the dashboard has seen that nothing is loaded and all may move."""
+    view = bench.link.view()
+    commanded = bench.panel(OperatePanel).watched()
+    return not view.controllers and not view.blocked() and not commanded
 
 
 @pytest.fixture
