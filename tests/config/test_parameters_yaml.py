@@ -4,7 +4,7 @@ import math
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.config.errors import ConfigError
@@ -76,6 +76,7 @@ def test_a_file_that_is_refused_changes_nothing():
     assert params.get() == {"a": 1}
 
 
+@settings(max_examples=50)
 @given(TREES)
 def test_what_was_dumped_is_loaded_the_same(values):
     loaded = Parameters()
