@@ -97,23 +97,28 @@ class ControllerRunner(ControllerLifecycle):
             time: Station time [s].
         """
         pending = self.pending
-        if pending is not None:
-            if pending.claim.acquire(blocking=False):
-                pending.progress = SwitchProgress.RUNNING
-            for one in pending.start:
-                if one.controller.state is ControllerState.WAITING:
-                    self.abort(one, time, "everything was stopped")
-            pending.error = SwitchRefusedError(
-                "Everything was stopped before the switch was finished.",
-                remedy="Release the stop, look at the state, and switch again.",
-            )
-            self._finish(pending)
+        ended = pending is not None and self._end(pending, time)
         running = [one for one in self.loaded if one.controller.state is _RUNNING]
         for one in running:
             self.stop(one, time)
             one.write_rest()
-        if running or pending is not None:
+        if running or ended:
             self.do_switch([], [one.info for one in running])
+
+    def _end(self, pending: PendingSwitch, time: float) -> bool:
+        """End a switch under way; return False when its caller has withdrawn it."""
+        posted = pending.progress is SwitchProgress.POSTED
+        if posted and not pending.claim.acquire(blocking=False):
+            return False
+        for one in pending.start:
+            if one.controller.state is ControllerState.WAITING:
+                self.abort(one, time, "everything was stopped")
+        pending.error = SwitchRefusedError(
+            "Everything was stopped before the switch was finished.",
+            remedy="Release the stop, look at the state, and switch again.",
+        )
+        self._finish(pending)
+        return True
 
     def void_commands(self) -> None:
         """Void every set-point that has not been picked up."""

@@ -111,7 +111,9 @@ class RobotHW(InterfaceManager):
         """Return the conflicts among controllers that would run together.
 
         The default: every resource has at most one claim, whatever the interface
-        (CM-52 … CM-57). Override it for a robot that allows more or less.
+        (CM-52 … CM-57). Override it for a robot that allows more or less. Called by
+        any thread, also in the control thread when a fallback is to take over: it
+        must answer at once.
 
         Args:
             controllers: All controllers that would be running after the switch.
@@ -151,8 +153,9 @@ class RobotHW(InterfaceManager):
     ) -> None:
         """Begin the mode switch of the hardware, in the control thread.
 
-        Must not fail. It is also called without `prepare_switch`, with an empty
-        `start`, to take a failed controller off the hardware at once.
+        Must not fail. It is also called without `prepare_switch`: with an empty
+        `start`, to take a failed controller off the hardware at once; for the
+        fallback of such a controller; and to take a switch back whose start failed.
         """
 
     def switch_result(self) -> SwitchState:

@@ -1,11 +1,9 @@
 """What `ControllerManager.update` costs over the controllers it calls.
 
-Run `python benchmarks/controller_manager_update.py`; it prints microseconds per cycle
-for 0, 1, 2, 5 and 10 running controllers that do nothing, each over seven joints, next
-to the cost of the bare calls.
+Prints microseconds per cycle for 0, 1, 2, 5 and 10 running controllers that do nothing,
+each over seven joints, next to the cost of the bare calls.
 """
 
-import sys
 import timeit
 
 from station.core.clock import SystemClock
@@ -82,15 +80,14 @@ def best(action: str, names: dict[str, object]) -> float:
 
 def main() -> None:
     """Print the table."""
-    write = sys.stdout.write
-    write("controllers  update [us]  bare calls [us]  over it per controller [us]\n")
+    print("controllers  update [us]  bare calls [us]  over it per controller [us]")
     for count in (0, 1, 2, 5, 10):
         manager = running_manager(count)
         update = best("manager.update(1.0, 0.001)", {"manager": manager})
         calls = [manager.get_controller(f"c{number}") for number in range(count)]
         bare = best("for c in calls: c.update(1.0, 0.001)", {"calls": calls})
         over = (update - bare) / max(count, 1)
-        write(f"{count:11d}  {update:11.3f}  {bare:15.3f}  {over:27.3f}\n")
+        print(f"{count:11d}  {update:11.3f}  {bare:15.3f}  {over:27.3f}")
 
 
 if __name__ == "__main__":
