@@ -78,6 +78,8 @@ class _Merge:
         if "controllers" in values or self._is_another_robot(values):
             self._put("start", [], document)
         for section, value in values.items():
+            if section == "robot":
+                value = _relative_to(Path(document.name).parent, value)
             self._add_section(section, value, document)
 
     def add_controllers(self, document: YamlDocument) -> None:
@@ -154,3 +156,18 @@ class _Merge:
             node[str(part)] = child
             node = child
         node[str(path[-1])] = value
+
+
+def _relative_to(directory: Path, robot: object) -> object:
+    """Return a robot's parameters; paths of URDFs in them begin at `directory`."""
+    if not isinstance(robot, dict):
+        return robot
+    found: dict[str, object] = {}
+    for key, value in robot.items():
+        if key != "robot_description":
+            found[key] = _relative_to(directory, value)
+        elif isinstance(value, str) and value.endswith(".urdf"):
+            found[key] = str(directory / Path(value).expanduser())
+        else:
+            found[key] = value
+    return found

@@ -128,3 +128,16 @@ def test_problem_elsewhere_says_where(monkeypatch):
 
     assert "environment variable STATION_API__PORT: api.port is -1" in str(caught.value)
     assert "command line: station.rate is 0.0" in str(caught.value)
+
+
+def test_path_of_a_urdf_begins_at_the_file_that_names_it(write, tmp_path):
+    path = write("robot: {robot_description: robots/arm.urdf}")
+    found = load_config(path).robot_parameters()["robot_description"]
+    assert found == str(tmp_path / "robots/arm.urdf")
+
+
+@pytest.mark.parametrize("reference", ["example-robot-data:ur5", "/robots/arm.urdf"])
+def test_other_names_of_robots_stay_as_they_are(write, reference):
+    path = write(f"robot: {{robot_description: '{reference}'}}")
+    found = load_config(path).robot_parameters()["robot_description"]
+    assert found == reference

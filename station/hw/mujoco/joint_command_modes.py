@@ -49,6 +49,7 @@ class JointCommandModes:
         # What a joint is commanded; empty: nothing.
         self._commanded = [""] * count
         self._is_held = [False] * count
+        self._held_position = [0.0] * count
         self.in_use: list[tuple[str, str]] = []
         self.quantities: list[str] = []
         self._update()
@@ -118,11 +119,11 @@ class JointCommandModes:
                 )
 
     def _hold(self, index: int) -> None:
-        if self._is_held[index]:
-            return
         joints = self._joints
-        joints.position_command[index] = joints.position[index]
-        self._is_held[index] = abs(joints.velocity[index]) < _REST_VELOCITY
+        if not self._is_held[index]:
+            self._held_position[index] = joints.position[index]
+            self._is_held[index] = abs(joints.velocity[index]) < _REST_VELOCITY
+        joints.position_command[index] = self._held_position[index]
 
     def _set(self, info: ControllerInfo, *, commanded: bool) -> None:
         for claim in info.claimed_resources:

@@ -48,6 +48,7 @@ class RobotOptions:
         armature: Inertia of rotor and gears as seen at each revolute joint [kg m^2],
             >= 0. Source of the default: mujoco_menagerie franka_emika_panda/panda.xml,
             the `panda` default class.
+        slide_armature: The same for prismatic joints [kg], >= 0.
         gravity_compensation: The robot carries its own weight: each link is lifted by
             the force that gravity exerts on it.
         disabled_collisions: Pairs of links that are never tested for contact, besides
@@ -56,6 +57,7 @@ class RobotOptions:
 
     base: Pose = field(default_factory=Pose)
     armature: float = 0.1
+    slide_armature: float = 0.0
     gravity_compensation: bool = True
     disabled_collisions: tuple[tuple[str, str], ...] = ()
 
@@ -244,12 +246,12 @@ class _RobotBuilder:
 
     def _add_joint(self, body: mujoco.MjsBody, joint: Joint) -> None:
         slides = joint.type is JointType.PRISMATIC
-        kind = mujoco.mjtJoint
+        kind, options = mujoco.mjtJoint, self._options
         added = body.add_joint(
             name=joint.name,
             type=kind.mjJNT_SLIDE if slides else kind.mjJNT_HINGE,
             axis=joint.axis,
-            armature=0.0 if slides else self._options.armature,
+            armature=options.slide_armature if slides else options.armature,
             frictionloss=joint.friction,
         )
         added.damping[0] = joint.damping

@@ -7,7 +7,7 @@ robot:
   base_xyz: [0.0, 0.0, 0.5]                   # where the root link stands [m], [rad]
   base_rpy: [0.0, 0.0, 0.0]
   gravity_compensation: true                  # the robot carries its own weight
-  armature: 0.1                               # of every revolute joint [kg m^2]
+  armature: 0.1                               # of every joint [kg m^2], [kg]
   floor: true
   timestep: 0.001                             # of the simulation [s]
   initial_positions: {elbow_joint: 1.57}      # [rad or m]; others at 0 or mid-range

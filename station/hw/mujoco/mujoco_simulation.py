@@ -35,6 +35,7 @@ def simulate_robot(
     options = RobotOptions(
         base=parameters.base,
         armature=parameters.armature,
+        slide_armature=parameters.armature,
         gravity_compensation=parameters.gravity_compensation,
         disabled_collisions=disabled_collisions(description.srdf_path),
     )

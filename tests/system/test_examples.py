@@ -1,0 +1,52 @@
+"""Every robot of `examples/` comes up, stands free, and moves within its limits."""
+
+from pathlib import Path
+
+import pytest
+
+from station.app.composition import Composition, compose
+from station.config import load_config
+from station.core.switching import SwitchRequest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+ROBOTS = sorted(path.stem for path in EXAMPLES.glob("*.yaml"))
+
+
+def run(robot: str) -> Composition:
+    composition = compose(load_config(EXAMPLES / f"{robot}.yaml"))
+    assert not composition.not_loaded
+    composition.station.loop.step(100)
+    return composition
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_robot_moves_with_its_position_group_controller(robot):
+    station = run(robot).station
+    name = "position_group_controller"
+    station.switch_controllers(SwitchRequest(start=[name]))
+    joints = [element.name for element in station.set_point(name).elements]
+    before = station.latest().position[: len(joints)]
+    target = [position + 0.15 for position in before]
+
+    station.set_command(name, target)
+    station.loop.step(1200)
+
+    assert station.joint_names[: len(joints)] == joints
+    assert station.latest().position[: len(joints)] == pytest.approx(target, abs=1e-3)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_robot_touches_nothing_where_it_starts(robot):
+    assert run(robot).station.loop.hw.world.data.ncon == 0
+
+
+@pytest.mark.parametrize("robot", ["ur5", "differential_wrist", "four_bar_leg"])
+def test_effort_controller_takes_over_without_a_jump(robot):
+    station = run(robot).station
+    before = station.latest().position
+    name = "effort_group_position_controller"
+    station.switch_controllers(SwitchRequest(start=[name]))
+    station.loop.step(500)
+
+    assert station.latest().position == pytest.approx(before, abs=2e-3)
+    assert station.controller(name).fault == ""
