@@ -116,10 +116,13 @@ class ControllerRunner(ControllerLifecycle):
             self.do_switch([], [one.info for one in running])
 
     def void_commands(self) -> None:
-        """Void every set-point that has not been picked up."""
+        """Void every set-point that has not been picked up, and every goal."""
         for one in self.loaded:
-            if one.controller.set_points is not None:
-                one.controller.set_points.clear()
+            controller = one.controller
+            if controller.set_points is not None:
+                controller.set_points.clear()
+            if controller.goals is not None:
+                controller.goals.void("A stop, a reset or a recovery made it void.")
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""
