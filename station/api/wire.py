@@ -7,10 +7,12 @@ from station.api import schemas
 from station.core import loop_report, statistics, tunables
 from station.core.controller import ControllerSample
 from station.core.controller_manager import ControllerStatus
+from station.core.goal import Goal
 from station.core.set_point import SetPoint, SetPointElement
 from station.core.snapshot import Snapshot
 from station.core.station import Station
 from station.core.switching import SwitchResult
+from station.core.trajectory import PosVelAccState
 
 
 def measured(value: float) -> float | None:
@@ -122,6 +124,40 @@ def controller_sample(
         actual=measured_list(sample.actual),
         error=measured_list(sample.error),
         output=measured_list(sample.output),
+    )
+
+
+def goal(found: Goal) -> schemas.Goal:
+    """Return a goal and how far it is."""
+    result = found.result
+    return schemas.Goal(
+        id=found.identifier,
+        status=found.status.value,
+        progress=found.progress,
+        cancel_requested=found.cancel_requested,
+        result=None
+        if result is None
+        else schemas.GoalResult(
+            code=result.code,
+            message=result.message,
+            details={key: _fact(value) for key, value in result.details.items()},
+        ),
+    )
+
+
+def _fact(value: object) -> str | int | float | bool | None:
+    if isinstance(value, float):
+        return measured(value)
+    return value if isinstance(value, (bool, int)) or value is None else str(value)
+
+
+def desired_state(state: PosVelAccState, names: list[str]) -> schemas.DesiredState:
+    """Return where joints shall be."""
+    return schemas.DesiredState(
+        name=list(names),
+        position=measured_list(state.position),
+        velocity=measured_list(state.velocity),
+        acceleration=measured_list(state.acceleration),
     )
 
 

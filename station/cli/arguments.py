@@ -204,6 +204,16 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
     command = verbs.add("command", "motion:command", "send a controller a set-point")
     command.add_argument("controller")
     command.add_argument("values", nargs="+", type=float, metavar="V")
+    goto = verbs.add(
+        "goto", "goto:goto", "move a trajectory controller's joints and wait for them"
+    )
+    goto.add_argument("controller")
+    goto.add_argument(
+        "values", nargs="+", type=float, metavar="V", help="positions [rad or m]"
+    )
+    goto.add_argument(
+        "--duration", type=float, metavar="S", help="without it: a calm one"
+    )
     stop = verbs.add(
         "stop",
         "motion:stop",

@@ -18,9 +18,13 @@ from station.api.schemas import (
     ControllerSample,
     ControllerState,
     ControllerTypes,
+    DesiredState,
     Gains,
     GainsChange,
     GainsPatch,
+    Goal,
+    GoalRequest,
+    Goals,
     Health,
     JointStates,
     LoadRequest,
@@ -34,6 +38,7 @@ from station.api.schemas import (
     StreamTicket,
     SwitchRequest,
     SwitchResult,
+    TrajectoryRequest,
 )
 
 PREFIX = "/api/v1"
@@ -175,6 +180,44 @@ def command(
 def controller_state(name: str) -> Call[ControllerSample]:
     """Ask what a controller did in the last cycle."""
     return _get(_controller(name, "/state"), ControllerSample)
+
+
+def submit_goal(
+    name: str, goal: Mapping[str, JsonValue], epoch: int | None
+) -> Call[Goal]:
+    """Send a goal."""
+    body = GoalRequest(goal=dict(goal), epoch=epoch)
+    return _send("POST", _controller(name, "/goals"), Goal, body)
+
+
+def goals(name: str) -> Call[Goals]:
+    """Ask for a controller's latest goals."""
+    return _get(_controller(name, "/goals"), Goals)
+
+
+def goal(name: str, goal_id: str) -> Call[Goal]:
+    """Ask how far a goal is."""
+    return _get(_controller(name, f"/goals/{quote(goal_id, safe='')}"), Goal)
+
+
+def cancel_goal(name: str, goal_id: str) -> Call[Goal]:
+    """Ask for the end of a goal."""
+    path = _controller(name, f"/goals/{quote(goal_id, safe='')}")
+    return _send("DELETE", path, Goal)
+
+
+def follow_trajectory(
+    name: str, trajectory: Mapping[str, JsonValue], epoch: int | None
+) -> Call[CommandAccepted]:
+    """Send a trajectory for which nobody waits."""
+    body = TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
+    return _send("POST", _controller(name, "/trajectory"), CommandAccepted, body)
+
+
+def query_state(name: str, time: float | None) -> Call[DesiredState]:
+    """Ask where the joints of a trajectory controller shall be."""
+    query = "" if time is None else f"?time={time!r}"
+    return _get(_controller(name, f"/query_state{query}"), DesiredState)
 
 
 def joint_states() -> Call[JointStates]:

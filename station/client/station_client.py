@@ -13,8 +13,10 @@ from station.api.schemas import (
     ControllerSample,
     ControllerState,
     ControllerType,
+    DesiredState,
     Gains,
     GainsChange,
+    Goal,
     Health,
     JointStates,
     LoopReport,
@@ -215,6 +217,55 @@ class StationClient:
     def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""
         return self._do(calls.controller_state(name))
+
+    def submit_goal(
+        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+    ) -> Goal:
+        """Give a running controller a goal; it replaces the one before.
+
+        Args:
+            name: The controller.
+            goal: The goal message of its action, times in seconds.
+            epoch: Refuse when a stop or reset came since that epoch.
+        """
+        return self._do(calls.submit_goal(name, goal, epoch))
+
+    def goals(self, name: str) -> list[Goal]:
+        """Return a controller's latest goals, oldest first."""
+        return self._do(calls.goals(name)).goals
+
+    def goal(self, name: str, goal_id: str) -> Goal:
+        """Return how far a goal is, or how and why it ended."""
+        return self._do(calls.goal(name, goal_id))
+
+    def cancel_goal(self, name: str, goal_id: str) -> Goal:
+        """Ask for the end of a goal; the joints hold from the next cycle on."""
+        return self._do(calls.cancel_goal(name, goal_id))
+
+    def follow_trajectory(
+        self,
+        name: str,
+        trajectory: Mapping[str, JsonValue],
+        epoch: int | None = None,
+    ) -> CommandAccepted:
+        """Let a running controller follow a trajectory without a goal.
+
+        Args:
+            name: The controller.
+            trajectory: A JointTrajectory message, times in seconds; without points the
+                joints stop and hold.
+            epoch: Refuse when a stop or reset came since that epoch.
+        """
+        return self._do(calls.follow_trajectory(name, trajectory, epoch))
+
+    def query_state(self, name: str, time: float | None = None) -> DesiredState:
+        """Return where the joints of a trajectory controller shall be.
+
+        Args:
+            name: The controller.
+            time: Station time [s]; now when None.
+        """
+        return self._do(calls.query_state(name, time))
 
     def joint_states(self) -> JointStates:
         """Return the joints of the last cycle."""

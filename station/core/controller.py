@@ -18,6 +18,9 @@ from station.core.interfaces.resource_manager import HardwareResourceManager
 from station.core.parameters import Parameters
 from station.core.robot_hw import InterfaceResources, RobotHW
 from station.core.set_point import SetPointPort  # noqa: TC001 - a native attribute
+from station.core.trajectory_port import (  # noqa: TC001 - a native attribute
+    TrajectoryPort,
+)
 from station.core.tunables import Tunable
 
 
@@ -65,6 +68,7 @@ class ControllerBase:
         state: Where it is in its life; set by this class and the manager only.
         set_points: Where set-points arrive; None when it takes none.
         goals: Where goals arrive; None when it takes none.
+        trajectories: Where trajectories without a goal arrive; None when it takes none.
         joint_names: Names of what `sample` describes.
         sample: What it did last; a new object each time, None before the first.
     """
@@ -73,6 +77,7 @@ class ControllerBase:
         self.state = ControllerState.CONSTRUCTED
         self.set_points: SetPointPort | None = None
         self.goals: GoalPort | None = None
+        self.trajectories: TrajectoryPort | None = None
         self.joint_names: list[str] = []
         self.sample: ControllerSample | None = None
 

@@ -119,7 +119,7 @@ class ControllerManager:
         self._runner.stop_all(time)
 
     def void_commands(self) -> None:
-        """Void every set-point that has not been picked up."""
+        """Void every set-point that has not been picked up, and every goal."""
         self._runner.void_commands()
 
     def samples(self) -> dict[str, ControllerSample]:

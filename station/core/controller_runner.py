@@ -121,10 +121,13 @@ class ControllerRunner(ControllerLifecycle):
         return True
 
     def void_commands(self) -> None:
-        """Void every set-point that has not been picked up."""
+        """Void every set-point that has not been picked up, and every goal."""
         for one in self.loaded:
-            if one.controller.set_points is not None:
-                one.controller.set_points.clear()
+            controller = one.controller
+            if controller.set_points is not None:
+                controller.set_points.clear()
+            if controller.goals is not None:
+                controller.goals.void("A stop, a reset or a recovery made it void.")
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""

@@ -73,6 +73,18 @@ class Goal:
             self.result = result
             self.status = status
 
+    def withdraw(self, reason: str) -> None:
+        """End the goal from outside of its controller, whether it has begun or not.
+
+        Callable from any thread: a controller that takes the goal up at the same time
+        sees the wish and ends the motion.
+
+        Args:
+            reason: Why, one sentence.
+        """
+        self.cancel_requested = True
+        self.finish(GoalStatus.PREEMPTED, GoalResult(0, reason))
+
 
 class GoalPort(ABC):
     """Where a controller takes goals. All methods may be called from any thread."""
@@ -122,6 +134,15 @@ class GoalPort(ABC):
         goal = self.get(identifier)
         goal.cancel_requested = True
         return goal
+
+    def void(self, reason: str) -> None:
+        """End every goal; what was asked for never resumes. Callable from any thread.
+
+        Args:
+            reason: Why, one sentence.
+        """
+        for goal in self.goals():
+            goal.withdraw(reason)
 
     def new_goal(self, request: Mapping[str, object]) -> Goal:
         """Return a goal with a new name that is not yet listed."""

@@ -13,16 +13,13 @@ from station.core.controller import ControllerSample
 from station.core.controller_manager import ControllerManager, ControllerStatus
 from station.core.errors import (
     ControllerExistsError,
-    ControllerStateError,
     GainsChangedError,
-    InvalidCommandError,
     LoopError,
     ParameterError,
-    StaleEpochError,
 )
 from station.core.loop_report import LoopReport, LoopState
+from station.core.motion_commands import MotionCommands
 from station.core.parameters import Parameters
-from station.core.set_point import SetPoint, SetPointPort
 from station.core.snapshot import Snapshot, SnapshotRing
 from station.core.station_status import StationStatus
 from station.core.stop_latch import StopState
@@ -33,8 +30,10 @@ FRESH = 0.25
 """A last cycle older than this means that the loop hangs [s]."""
 
 
-class Station:
+class Station(MotionCommands):
     """One robot, its controllers and its loop, for any number of threads.
+
+    What makes the robot move is in the base class.
 
     Args:
         loop: The loop; started and stopped by its owner.
@@ -53,9 +52,8 @@ class Station:
         parameters: Parameters,
         robot_type: str = "",
     ) -> None:
+        super().__init__(loop, manager)
         self.boot_id = uuid.uuid4().hex
-        self.loop = loop
-        self.manager = manager
         self.parameters = parameters
         self._robot_type = robot_type
         self._change_lock = threading.Lock()
@@ -248,61 +246,6 @@ class Station:
             self._revisions[name] = present + 1
             return GainsChange(values, previous, present + 1, cycle)
 
-    def set_point(self, name: str) -> SetPoint:
-        """Return what the controller takes as set-point.
-
-        Raises:
-            ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no set-points.
-        """
-        port = self._port(name)
-        last = port.last
-        return SetPoint(tuple(port.elements), None if last is None else tuple(last))
-
-    def set_command(
-        self,
-        name: str,
-        values: list[float],
-        epoch: int | None = None,
-        timeout: float | None = None,
-    ) -> int:
-        """Give a running controller a new set-point; return the epoch it counts for.
-
-        Args:
-            name: The controller.
-            values: One number per element of its set-point.
-            epoch: The epoch in which the caller decided; the present one when None.
-            timeout: How long it is valid [s wall time], 0 for ever; the controller's
-                own when None.
-
-        Raises:
-            ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no set-points, or `values` is malformed.
-            StaleEpochError: `epoch` is over.
-            StoppedError: The station is stopped.
-        """
-        port = self._port(name)
-        controller = self.manager.get_controller(name)
-        port.check(values)
-        self.loop.stop_latch.check()
-        if not controller.is_running():
-            raise ControllerStateError(
-                f"Controller '{name}' is {controller.state.value}; it takes set-points "
-                "while it is running.",
-                remedy=f'Start it: POST /controllers/switch {{"start": ["{name}"]}}.',
-                details={"controller": name, "state": controller.state.value},
-            )
-        present = self.loop.epoch
-        if epoch is not None and epoch != present:
-            raise StaleEpochError(
-                f"The command belongs to epoch {epoch}; the station is in {present}.",
-                remedy="Look at the state again, then command with the new epoch.",
-                details={"epoch": present},
-            )
-        port.post(values, timeout)
-        return present
-
     def controller_sample(self, name: str) -> ControllerSample | None:
         """Return what a controller did last; None before its first update.
 
@@ -329,16 +272,6 @@ class Station:
         else:
             latch.release()
         return latch.state
-
-    def _port(self, name: str) -> SetPointPort:
-        port = self.manager.get_controller(name).set_points
-        if port is None:
-            raise InvalidCommandError(
-                f"Controller '{name}' takes no set-points.",
-                remedy="Command a controller of a *_controllers package.",
-                details={"controller": name},
-            )
-        return port
 
     def _wanted_parameters(
         self,

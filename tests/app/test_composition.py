@@ -73,3 +73,11 @@ def test_impossible_parameter_of_the_robot_is_refused(tmp_path):
 
     with pytest.raises(ParameterError, match="'robot/start' is 'here'"):
         compose(config, ManualClock())
+
+
+def test_the_default_configuration_has_trajectory_controllers_ready():
+    station = compose(load_config(), ManualClock()).station
+
+    states = {c.type: c.state.value for c in station.controllers()}
+    assert states["effort_controllers/JointTrajectoryController"] == "initialized"
+    assert states["position_controllers/JointTrajectoryController"] == "initialized"

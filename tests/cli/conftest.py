@@ -8,8 +8,10 @@ from station.api.schemas import (
     CommandAccepted,
     ControllerState,
     ControllerType,
+    DesiredState,
     Gains,
     GainsChange,
+    Goal,
     Percentiles,
     StopState,
     StreamFrame,
@@ -29,6 +31,7 @@ class FakeStation:
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
         self.failed: dict[str, str] = {}
+        self.goals: list[Goal] = []
         self.refusal: BaseException | None = None
 
     def __enter__(self):
@@ -61,6 +64,25 @@ class FakeStation:
 
     def controller_types(self):
         return [ControllerType(type=GROUP, base_class="Base")]
+
+    def query_state(self, name):
+        return DesiredState(
+            name=["j1", "j2"],
+            position=[0.5, None],
+            velocity=[0.0, 0.0],
+            acceleration=[0.0, 0.0],
+        )
+
+    def submit_goal(self, name, goal):
+        self._record("submit_goal", name, goal)
+        return self.goals.pop(0)
+
+    def goal(self, name, goal_id):
+        self._record("goal", name, goal_id)
+        return self.goals.pop(0)
+
+    def cancel_goal(self, name, goal_id):
+        self._record("cancel_goal", name, goal_id)
 
     def load_controller(self, name, type=None, params=None):  # noqa: A002
         self._record("load", name, type, params)

@@ -25,6 +25,7 @@ LINES = {
     "gains": "gains show arm",
     "echo": "echo joint_states --rate full",
     "command": "command arm 1 2",
+    "goto": "goto arm 1 -2 --duration 3",
     "stop": "stop",
     "release": "release --arm",
 }

@@ -4,8 +4,12 @@ import asyncio
 
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.server import ApiServer
 from station.client import ApiError, AsyncStationClient, StationUnreachableError
-from tests.api.conftest import OPERATOR
+from tests.api.conftest import OPERATOR, VIEWER
+from tests.two_joint_station import TRAJECTORY, make_station
 
 
 async def everything(client, station):
@@ -41,6 +45,33 @@ def test_every_method(served, station):
             await everything(client, station)
 
     asyncio.run(run())
+
+
+async def every_goal(client, station):
+    await client.switch_controllers(start=["arm"])
+    goal = await client.submit_goal("arm", {"trajectory": TRAJECTORY})
+    assert (await client.goals("arm"))[0].id == goal.id
+    assert (await client.goal("arm", goal.id)).status == "pending"
+    station.loop.step(3)
+    assert (await client.cancel_goal("arm", goal.id)).cancel_requested
+    station.loop.step()
+    assert (await client.goal("arm", goal.id)).status == "preempted"
+    assert (await client.follow_trajectory("arm", TRAJECTORY, epoch=1)).epoch == 1
+    station.loop.step()
+    later = await client.query_state("arm", station.loop.time + 1.0)
+    assert later.position == pytest.approx([0.4, -0.4])
+
+
+def test_every_method_of_goals():
+    station = make_station()
+
+    async def run(url):
+        async with AsyncStationClient(url, OPERATOR) as client:
+            await every_goal(client, station)
+
+    app = create_app(station, Authenticator(OPERATOR, VIEWER))
+    with ApiServer(app, port=0) as server:
+        asyncio.run(run(server.url))
 
 
 def test_nobody_there_is_said_plainly():

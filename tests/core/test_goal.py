@@ -51,3 +51,16 @@ def test_only_the_latest_goals_are_kept():
     assert len(port.goals()) == 50
     with pytest.raises(GoalNotFoundError):
         port.get("1")
+
+
+def test_voiding_ends_all_goals_and_asks_their_controller_to_stop():
+    port = Port()
+    done, waiting = port.submit({}), port.submit({})
+    done.finish(GoalStatus.SUCCEEDED, GoalResult())
+
+    port.void("A reset.")
+
+    assert done.status is GoalStatus.SUCCEEDED
+    assert waiting.status is GoalStatus.PREEMPTED
+    assert waiting.result == GoalResult(0, "A reset.")
+    assert waiting.cancel_requested

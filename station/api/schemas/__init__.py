@@ -30,6 +30,15 @@ from station.api.schemas.controllers import (
     SwitchResult,
     Tunable,
 )
+from station.api.schemas.goals import (
+    DesiredState,
+    Goal,
+    GoalRequest,
+    GoalResult,
+    Goals,
+    GoalStatusName,
+    TrajectoryRequest,
+)
 from station.api.schemas.problem import PROBLEM_MEDIA_TYPE, FieldError, Problem
 from station.api.schemas.station import (
     Health,
@@ -78,10 +87,16 @@ __all__ = [
     "ControllerType",
     "ControllerTypes",
     "Controllers",
+    "DesiredState",
     "FieldError",
     "Gains",
     "GainsChange",
     "GainsPatch",
+    "Goal",
+    "GoalRequest",
+    "GoalResult",
+    "GoalStatusName",
+    "Goals",
     "Health",
     "JointStates",
     "LoadRequest",
@@ -104,5 +119,6 @@ __all__ = [
     "StreamTicket",
     "SwitchRequest",
     "SwitchResult",
+    "TrajectoryRequest",
     "Tunable",
 ]

@@ -65,32 +65,42 @@ def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
     _refuse_unknown(request, known, "the goal")
     trajectory = _mapping(request.get("trajectory"), "trajectory")
     return FollowJointTrajectoryGoal(
-        _trajectory(trajectory),
+        parse_trajectory(trajectory),
         _tolerances(request, "path_tolerance"),
         _tolerances(request, "goal_tolerance"),
         _number(request, "goal_time_tolerance", "goal_time_tolerance"),
     )
 
 
-def _trajectory(message: Mapping[str, object]) -> JointTrajectory:
+def parse_trajectory(message: Mapping[str, object]) -> JointTrajectory:
+    """Read a trajectory from values shaped like trajectory_msgs/JointTrajectory.
+
+    Args:
+        message: `{"joint_names", "points", "stamp"}`; the points are those of a goal.
+
+    Raises:
+        InvalidTrajectoryError: A field is missing, unknown or has the wrong type.
+    """
     known = {"header", "joint_names", "points", "stamp"}
     _refuse_unknown(message, known, "trajectory")
     header = _mapping(message.get("header", {}), "trajectory/header")
-    names = message.get("joint_names")
-    if not isinstance(names, (list, tuple)) or not all(
-        isinstance(name, str) for name in names
-    ):
-        raise _wrong("trajectory/joint_names", names, "a list of joint names")
     points = _list(message.get("points", []), "trajectory/points")
     stamp = _number(message, "stamp", "trajectory/stamp")
     return JointTrajectory(
-        [str(name) for name in names],
+        _joint_names(message.get("joint_names")),
         [
             _point(_mapping(point, f"trajectory/points/{index}"), index)
             for index, point in enumerate(points)
         ],
         stamp or _number(header, "stamp", "trajectory/header/stamp"),
     )
+
+
+def _joint_names(value: object) -> list[str]:
+    names = value if isinstance(value, (list, tuple)) else [None]
+    if not all(isinstance(name, str) for name in names):
+        raise _wrong("trajectory/joint_names", value, "a list of joint names")
+    return [str(name) for name in names]
 
 
 def _point(message: Mapping[str, object], index: int) -> JointTrajectoryPoint:

@@ -1,6 +1,6 @@
 """Where a joint trajectory controller takes its goals."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from typing_extensions import override
 
@@ -10,9 +10,13 @@ from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goa
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
-from station.core.errors import ControllerStateError
+from station.core.errors import ControllerStateError, InvalidTrajectoryError
 from station.core.goal import Goal, GoalPort
-from station.core.trajectory import JointTolerances, updated_tolerances
+from station.core.trajectory import (
+    JointTolerances,
+    ToleranceRequest,
+    updated_tolerances,
+)
 
 
 class FollowJointTrajectoryPort(GoalPort):
@@ -52,6 +56,7 @@ class FollowJointTrajectoryPort(GoalPort):
                 "The controller is not running; it takes goals only then.",
                 remedy="Start it with POST /controllers/switch.",
             )
+        self._check_names([*wanted.path_tolerance, *wanted.goal_tolerance])
         goal = self.new_goal(request)
         bounds = updated_tolerances(
             self._tolerances,
@@ -62,3 +67,20 @@ class FollowJointTrajectoryPort(GoalPort):
         self._execution.plan(wanted.trajectory, goal, bounds)
         self.remember(goal)
         return goal
+
+    def _check_names(self, tolerances: Sequence[ToleranceRequest]) -> None:
+        for tolerance in tolerances:
+            if tolerance.name not in self._tolerances:
+                known = ", ".join(self._tolerances)
+                raise InvalidTrajectoryError(
+                    f"The goal has a tolerance for '{tolerance.name}'; the joints are "
+                    f"{known}.",
+                    remedy="Name tolerances after joints of the controller.",
+                    details={"joint": tolerance.name},
+                )
+
+    @override
+    def void(self, reason: str) -> None:
+        """End every goal and what is followed without one; the joints hold."""
+        super().void(reason)
+        self._execution.hold()

@@ -59,7 +59,7 @@ class GoalSupervision:
         self._reached.clear()
         self._start = now
         self._end = max(segments[-1].end_time for segments in trajectory)
-        if goal is not None:
+        if goal is not None and not goal.is_final():
             goal.status = GoalStatus.ACTIVE
 
     def end(self, status: GoalStatus, reason: str) -> None:

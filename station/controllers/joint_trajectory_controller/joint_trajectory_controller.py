@@ -13,18 +13,20 @@ from station.controllers.forward_command_controller.joint_names import read_join
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_port import (  # noqa: E501
     FollowJointTrajectoryPort,
 )
+from station.controllers.joint_trajectory_controller.joint_trajectory_port import (
+    JointTrajectoryPort,
+)
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
 from station.core.controller import Controller, ControllerSample
-from station.core.errors import ControllerStateError, ParameterError
+from station.core.errors import ParameterError
 from station.core.goal import GoalStatus
 from station.core.interfaces import JointStateGroup
 from station.core.parameters import Parameters
 from station.core.robot_description import JointDescription, require_robot_description
 from station.core.trajectory import (
-    JointTrajectory,
     PosVelAccState,
     read_tolerances,
 )
@@ -94,6 +96,7 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
             read_tolerances(params.namespace("constraints"), self.joint_names),
             self.is_running,
         )
+        self.trajectories = JointTrajectoryPort(self.execution, self.is_running)
         self._schema = {
             **self.command_gain_schema(),
             SPEED_SCALING: Tunable(
@@ -173,39 +176,6 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
             PosVelAccState(positions, velocities),
             PosVelAccState(errors.positions, errors.velocities),
         )
-
-    def follow(self, trajectory: JointTrajectory) -> None:
-        """Follow a trajectory for which nobody waits, as sent to the topic `command`.
-
-        It replaces what is being executed. Callable from any thread.
-
-        Args:
-            trajectory: Where to go; without points: stop and hold.
-
-        Raises:
-            ControllerStateError: The controller is not running.
-            InvalidTrajectoryError: It cannot be followed; nothing changed.
-        """
-        if not self.is_running():
-            raise ControllerStateError(
-                "The controller is not running; it takes trajectories only then.",
-                remedy="Start it with POST /controllers/switch.",
-            )
-        self.execution.plan(trajectory)
-
-    def query_state(self, time: float) -> PosVelAccState:
-        """Return where the joints shall be at a station time [s].
-
-        Raises:
-            ControllerStateError: The controller is not running.
-            InvalidTrajectoryError: `time` is before the executed trajectory.
-        """
-        if not self.is_running():
-            raise ControllerStateError(
-                "The controller is not running; it has no trajectory.",
-                remedy="Start it with POST /controllers/switch.",
-            )
-        return self.execution.query(time)
 
     @override
     def gain_schema(self) -> Mapping[str, Tunable]:

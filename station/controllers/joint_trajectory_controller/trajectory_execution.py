@@ -13,6 +13,7 @@ from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
     JointErrors,
 )
+from station.controllers.joint_trajectory_controller.pace import check_pace
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
 from station.core.angles import shortest_angular_distance
 from station.core.errors import InvalidTrajectoryError
@@ -82,7 +83,8 @@ class TrajectoryExecution:
     Source:
         JointTrajectoryController; differs: after a violated tolerance the joints are
         stopped and held, not moved on; only continuous joints take the shortest way in
-        the error; positions beyond a joint's limits are refused.
+        the error; positions beyond a joint's limits are refused, and ways that need
+        more than its velocity.
     """
 
     def __init__(
@@ -166,6 +168,10 @@ class TrajectoryExecution:
             else:
                 self._requests.append(_Request(None, goal))
 
+    def hold(self) -> None:
+        """Let the next cycle end the motion and hold. Any thread, waits for nobody."""
+        self._requests.append(_Request(None, None))
+
     def advance(
         self,
         time: float,
@@ -241,6 +247,7 @@ class TrajectoryExecution:
             ),
         )
         self._check_limits(request)
+        self._check_pace(planned, current)
         return planned
 
     def _latest_trajectory(self) -> SegmentTrajectory:
@@ -267,6 +274,22 @@ class TrajectoryExecution:
                         remedy="Give positions within the limits of the joint.",
                         details={"point": index, "joint": name, "reason": "limits"},
                     )
+
+    def _check_pace(
+        self, planned: SegmentTrajectory, current: SegmentTrajectory
+    ) -> None:
+        """Refuse ways that need more than a joint's velocity on average.
+
+        That is what a trajectory asks for that starts far from where the joints are.
+
+        Raises:
+            InvalidTrajectoryError: A segment is too fast.
+        """
+        for joint, segments, before in zip(self._joints, planned, current, strict=True):
+            known = {id(segment.spline) for segment in before}
+            for segment in segments:
+                if id(segment.spline) not in known:
+                    check_pace(joint, segment)
 
     def _take_up(self, request: _Request, now: float, positions: list[float]) -> None:
         if request.trajectory is None:

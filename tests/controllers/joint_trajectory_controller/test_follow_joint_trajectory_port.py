@@ -52,3 +52,19 @@ def test_a_goal_that_was_cancelled_before_it_began_ends_at_once(
     robot.run_with_position(controller, 100)
     assert goal.status is GoalStatus.PREEMPTED
     assert robot.position == [0.0, 0.0, 0.0]
+
+
+def test_voiding_ends_goals_and_trajectories_for_good(robot, start, make_goal):
+    controller = start()
+    begun = controller.goals.submit(make_goal(AWAY))
+    robot.run_with_position(controller, 300)
+    waiting = controller.goals.submit(make_goal(AWAY))
+    here = list(robot.position)
+
+    controller.goals.void("A reset.")
+    robot.run_with_position(controller, 1500)
+
+    for goal in (begun, waiting):
+        assert goal.status is GoalStatus.PREEMPTED
+        assert goal.result.message == "A reset."
+    assert robot.position == pytest.approx(here, abs=1e-12)

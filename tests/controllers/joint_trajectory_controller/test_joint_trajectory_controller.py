@@ -14,7 +14,6 @@ from station.core.errors import (
     RobotDescriptionError,
 )
 from station.core.goal import GoalStatus
-from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
 
 JOINTS = ["slide", "elbow", "wheel"]
 HOME = (1.0, [0.0, 0.0, 0.0])
@@ -29,11 +28,10 @@ TOLERANCES = {
 
 
 def _trajectory(*points, joints=JOINTS, stamp=0.0):
-    return JointTrajectory(
-        joints,
-        [JointTrajectoryPoint(point[1], time_from_start=point[0]) for point in points],
-        stamp,
-    )
+    messages = [
+        {"time_from_start": point[0], "positions": point[1]} for point in points
+    ]
+    return {"joint_names": joints, "points": messages, "stamp": stamp}
 
 
 def test_starting_holds_the_position(robot, start):
@@ -59,7 +57,7 @@ def test_a_goal_is_reached(robot, start, make_goal):
 
 def test_a_trajectory_without_a_goal_is_followed(robot, start):
     controller = start()
-    controller.follow(_trajectory(AWAY))
+    controller.trajectories.follow(_trajectory(AWAY))
     robot.run_with_position(controller, 1002)
     assert robot.position == pytest.approx(AWAY[1], abs=1e-12)
 
@@ -105,7 +103,7 @@ def test_a_trajectory_without_a_goal_preempts_a_goal(robot, start, make_goal):
     controller = start()
     goal = controller.goals.submit(make_goal(AWAY))
     robot.run_with_position(controller, 500)
-    controller.follow(_trajectory(HOME))
+    controller.trajectories.follow(_trajectory(HOME))
     robot.run_with_position(controller, 1002)
     assert goal.status is GoalStatus.PREEMPTED
     assert robot.position == pytest.approx(HOME[1], abs=1e-12)
@@ -136,10 +134,10 @@ def test_two_requests_between_two_cycles_are_both_taken_up(robot, start, make_go
 
 def test_an_empty_trajectory_stops_and_holds(robot, start):
     controller = start()
-    controller.follow(_trajectory(AWAY))
+    controller.trajectories.follow(_trajectory(AWAY))
     robot.run_with_position(controller, 500)
     here = list(robot.position)
-    controller.follow(_trajectory())
+    controller.trajectories.follow(_trajectory())
     robot.run_with_position(controller, 600)
     assert robot.position == pytest.approx(here, abs=1e-12)
 
@@ -325,9 +323,9 @@ def test_goals_need_a_running_controller(robot, start, make_goal):
     with pytest.raises(ControllerStateError, match="not running"):
         controller.goals.submit(make_goal(AWAY))
     with pytest.raises(ControllerStateError, match="not running"):
-        controller.follow(_trajectory(AWAY))
+        controller.trajectories.follow(_trajectory(AWAY))
     with pytest.raises(ControllerStateError, match="not running"):
-        controller.query_state(robot.time)
+        controller.trajectories.query_state(robot.time)
 
 
 def test_the_state_is_consistent(robot, start, make_goal):
@@ -345,19 +343,6 @@ def test_the_state_is_consistent(robot, start, make_goal):
     ):
         differences = [d - a for d, a in zip(desired, actual, strict=True)]
         assert error == pytest.approx(differences, abs=1e-12)
-
-
-def test_the_state_can_be_asked_for_any_time_of_the_trajectory(robot, start, make_goal):
-    controller = start()
-    robot.run_with_position(controller, 10)
-    controller.goals.submit(make_goal(AWAY))
-    robot.run_with_position(controller, 100)
-    here = controller.query_state(robot.time)
-    assert here.position == pytest.approx(controller.sample.desired)
-    assert controller.query_state(robot.time + 9.0).position == pytest.approx(AWAY[1])
-    assert controller.query_state(robot.time + 9.0).velocity == [0.0, 0.0, 0.0]
-    with pytest.raises(InvalidTrajectoryError, match="before the trajectory"):
-        controller.query_state(robot.time - 9.0)
 
 
 def test_speed_scaling_slows_down_and_pauses_on_the_same_path(robot, start, make_goal):

@@ -1,0 +1,90 @@
+"""Goals of controllers, and trajectories for which nobody waits."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from station.api import wire
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.api.schemas import (
+    CommandAccepted,
+    DesiredState,
+    Goal,
+    GoalRequest,
+    Goals,
+    TrajectoryRequest,
+)
+
+router = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
+
+
+@router.post(
+    "/controllers/{name}/goals",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423),
+)
+def submit_goal(name: str, request: GoalRequest, station: StationDep) -> Goal:
+    """Give a running controller a goal; it replaces the one before.
+
+    A stop, a reset or a recovery ends it for good.
+    """
+    return wire.goal(station.submit_goal(name, request.goal, request.epoch))
+
+
+@router.get("/controllers/{name}/goals", responses=problems(404, 422))
+def list_goals(name: str, station: StationDep) -> Goals:
+    """List the latest goals of a controller, oldest first."""
+    return Goals(goals=[wire.goal(goal) for goal in station.goals(name)])
+
+
+@router.get("/controllers/{name}/goals/{goal_id}", responses=problems(404, 422))
+def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
+    """Return one goal: how far it is, or how and why it ended."""
+    return wire.goal(station.goal(name, goal_id))
+
+
+@router.delete(
+    "/controllers/{name}/goals/{goal_id}",
+    dependencies=[Operator],
+    responses=problems(404, 422),
+)
+def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
+    """Ask for the end of a goal; the joints hold from the next cycle on.
+
+    A goal that has ended stays as it is.
+    """
+    return wire.goal(station.cancel_goal(name, goal_id))
+
+
+@router.post(
+    "/controllers/{name}/trajectory",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423),
+)
+def follow_trajectory(
+    name: str, request: TrajectoryRequest, station: StationDep
+) -> CommandAccepted:
+    """Let a running controller follow a trajectory without a goal.
+
+    This is the topic `command` of a joint trajectory controller. Without points the
+    joints stop and hold.
+    """
+    epoch = station.follow_trajectory(name, request.trajectory, request.epoch)
+    return CommandAccepted(epoch=epoch)
+
+
+@router.get("/controllers/{name}/query_state", responses=problems(404, 409, 422))
+def query_state(
+    name: str,
+    station: StationDep,
+    time: Annotated[
+        float | None,
+        Query(description="Station time [s]; now when left out", allow_inf_nan=False),
+    ] = None,
+) -> DesiredState:
+    """Return where the joints of a trajectory controller shall be at a time."""
+    state = station.query_state(name, time)
+    return wire.desired_state(state, station.manager.get_controller(name).joint_names)

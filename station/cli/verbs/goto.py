@@ -1,0 +1,71 @@
+"""The verb that moves the arm to a pose and waits until it is there."""
+
+import time
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.output import say, say_model
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from pydantic import JsonValue
+
+    from station.client import StationClient
+    from station.client.models import Goal
+
+CALM_SPEED = 0.5
+"""Mean speed of the joint that has the longest way, without a duration [rad/s]."""
+SHORTEST = 1.0
+"""Shortest time that is chosen without a duration [s]."""
+POLL = 0.1
+"""How often the goal is looked at [s]."""
+_FINAL = {"succeeded", "aborted", "preempted"}
+
+
+def goto(options: Namespace) -> int:
+    """Move a trajectory controller's joints; 1 when they do not arrive.
+
+    Raises:
+        KeyboardInterrupt: The user gave up; the goal was cancelled.
+    """
+    with open_client(options) as client:
+        here = client.query_state(options.controller)
+        request = _request(here.name, here.position, options.values, options.duration)
+        goal = client.submit_goal(options.controller, request)
+        try:
+            goal = _wait(client, options.controller, goal)
+        except KeyboardInterrupt:
+            client.cancel_goal(options.controller, goal.id)
+            raise
+    if options.json:
+        say_model(goal)
+    else:
+        why = goal.result.message if goal.result else ""
+        say(f"{options.controller}: the goal {goal.status}. {why}".rstrip())
+    return 0 if goal.status == "succeeded" else 1
+
+
+def _request(
+    names: "Sequence[str]",
+    here: "Sequence[float | None]",
+    values: "Sequence[float]",
+    duration: float | None,
+) -> "Mapping[str, JsonValue]":
+    ways = [abs(v - (h or 0.0)) for v, h in zip(values, here, strict=False)]
+    calm = max(SHORTEST, max(ways, default=0.0) / CALM_SPEED)
+    point: dict[str, JsonValue] = {
+        "positions": list(values),
+        "velocities": [0.0] * len(values),
+        "accelerations": [0.0] * len(values),
+        "time_from_start": calm if duration is None else duration,
+    }
+    return {"trajectory": {"joint_names": list(names), "points": [point]}}
+
+
+def _wait(client: "StationClient", controller: str, goal: "Goal") -> "Goal":
+    while goal.status not in _FINAL:
+        time.sleep(POLL)
+        goal = client.goal(controller, goal.id)
+    return goal

@@ -1,0 +1,67 @@
+"""Where a joint trajectory controller takes trajectories without a goal."""
+
+from collections.abc import Callable, Mapping
+
+from typing_extensions import override
+
+from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
+    parse_trajectory,
+)
+from station.controllers.joint_trajectory_controller.trajectory_execution import (
+    TrajectoryExecution,
+)
+from station.core.errors import ControllerStateError
+from station.core.trajectory import PosVelAccState
+from station.core.trajectory_port import TrajectoryPort
+
+
+class JointTrajectoryPort(TrajectoryPort):
+    """The topic `command` and the service `query_state` of the original.
+
+    Args:
+        execution: Where planned trajectories go.
+        is_running: Says whether the controller is running.
+    """
+
+    def __init__(
+        self, execution: TrajectoryExecution, is_running: Callable[[], bool]
+    ) -> None:
+        self._execution = execution
+        self._is_running = is_running
+
+    @override
+    def follow(self, request: Mapping[str, object]) -> None:
+        """Follow a trajectory; it replaces what is being executed.
+
+        Args:
+            request: See `parse_trajectory`; without points: stop and hold.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: It is malformed or cannot be followed.
+        """
+        trajectory = parse_trajectory(request)
+        self._check_running()
+        self._execution.plan(trajectory)
+
+    @override
+    def hold(self) -> None:
+        self._execution.hold()
+
+    @override
+    def query_state(self, time: float) -> PosVelAccState:
+        """Return where the joints shall be at a station time [s].
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: `time` is before the executed trajectory.
+        """
+        self._check_running()
+        return self._execution.query(time)
+
+    def _check_running(self) -> None:
+        if not self._is_running():
+            raise ControllerStateError(
+                "The controller is not running; it has no trajectory.",
+                remedy="Start it with POST /controllers/switch.",
+            )

@@ -1,0 +1,67 @@
+"""The verb that moves the arm to a pose."""
+
+import json
+
+import pytest
+
+from station.api.schemas import Goal, GoalResult
+from station.cli.verbs import goto
+
+
+def goal(status: str, message: str = "", code: int = 0) -> Goal:
+    result = GoalResult(code=code, message=message, details={}) if message else None
+    return Goal(
+        id="7", status=status, progress=0.0, cancel_requested=False, result=result
+    )
+
+
+@pytest.fixture(autouse=True)
+def _no_waiting(monkeypatch):
+    monkeypatch.setattr(goto.time, "sleep", lambda _: None)
+
+
+def test_it_waits_until_the_joints_are_there(run, station):
+    station.goals = [goal("pending"), goal("active"), goal("succeeded")]
+
+    outcome = run("goto arm 1.5 -0.5")
+
+    assert outcome.code == 0
+    assert "succeeded" in outcome.out
+    name, controller, request = station.calls[0]
+    assert (name, controller) == ("submit_goal", "arm")
+    assert request["trajectory"]["joint_names"] == ["j1", "j2"]
+    (point,) = request["trajectory"]["points"]
+    assert point["positions"] == [1.5, -0.5]
+    assert point["time_from_start"] == pytest.approx(2.0)  # 1 rad at 0.5 rad/s
+    assert station.calls[1:] == [("goal", "arm", "7")] * 2
+
+
+def test_a_duration_can_be_given(run, station):
+    station.goals = [goal("succeeded")]
+
+    outcome = run("goto arm 1 2 --duration 3.5 --json")
+
+    assert json.loads(outcome.out)["status"] == "succeeded"
+    (point,) = station.calls[0][2]["trajectory"]["points"]
+    assert point["time_from_start"] == 3.5
+
+
+def test_an_aborted_goal_is_a_refusal_with_its_reason(run, station):
+    station.goals = [goal("pending"), goal("aborted", "Joint 'j1' is off.", -4)]
+
+    outcome = run("goto arm 1 2")
+
+    assert outcome.code == 1
+    assert "Joint 'j1' is off." in outcome.out
+
+
+def test_an_interrupt_cancels_the_goal(run, station, monkeypatch):
+    station.goals = [goal("pending")]
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(goto.time, "sleep", interrupt)
+    run("goto arm 1 2")
+
+    assert station.calls[-1] == ("cancel_goal", "arm", "7")
