@@ -1,13 +1,25 @@
 """What `ControllerManager.update` costs over the controllers it calls.
 
+<<<<<<<< HEAD:benchmarks/bench_controller_manager_update.py
 Prints microseconds per cycle for 0, 1, 2, 5 and 10 running controllers that do nothing,
 each over seven joints, next to the cost of the bare calls.
 """
 
 import timeit
+========
+Run `python benchmarks/bench_manager_update.py`; it prints microseconds per cycle
+for 0, 1, 2, 5 and 10 running controllers that do nothing, each over seven joints, next
+to the cost of the bare calls.
+"""
+
+from functools import partial
+
+from measuring import REPEATS, median_time, print_table, print_title
+from typing_extensions import override
+>>>>>>>> docs:benchmarks/bench_manager_update.py
 
 from station.core.clock import SystemClock
-from station.core.controller import Controller
+from station.core.controller import Controller, ControllerBase
 from station.core.controller_loader import TableLoader
 from station.core.controller_manager import ControllerManager
 from station.core.interfaces import (
@@ -21,7 +33,7 @@ from station.core.switching import SwitchRequest
 
 JOINTS = 7
 CYCLES = 20_000
-REPEATS = 7
+PERIOD = 0.001
 
 
 class Nothing(Controller[EffortJointInterface]):
@@ -29,11 +41,13 @@ class Nothing(Controller[EffortJointInterface]):
 
     hardware_interface = EffortJointInterface
 
+    @override
     def init(self, interface: EffortJointInterface, params: Parameters) -> None:
         """Claim the joints."""
         for name in params.get_str_list("joints"):
             interface.get_handle(name)
 
+    @override
     def update(self, time: float, period: float) -> None:
         """Do nothing."""
 
@@ -65,21 +79,16 @@ def running_manager(controllers: int) -> ControllerManager:
         [TableLoader({"benchmark/Nothing": Nothing})],
         SystemClock(),
     )
-    manager.pump = lambda: manager.update(0.0, 0.001)
+    manager.pump = lambda: manager.update(0.0, PERIOD)
     for name in names:
         manager.load_controller(name)
     manager.switch_controller(SwitchRequest(start=names))
     return manager
 
 
-def best(action: str, names: dict[str, object]) -> float:
-    """Return the best time of one execution [us]."""
-    times = timeit.repeat(action, globals=names, number=CYCLES, repeat=REPEATS)
-    return min(times) / CYCLES * 1e6
-
-
 def main() -> None:
     """Print the table."""
+<<<<<<<< HEAD:benchmarks/bench_controller_manager_update.py
     print("controllers  update [us]  bare calls [us]  over it per controller [us]")
     for count in (0, 1, 2, 5, 10):
         manager = running_manager(count)
@@ -88,6 +97,23 @@ def main() -> None:
         bare = best("for c in calls: c.update(1.0, 0.001)", {"calls": calls})
         over = (update - bare) / max(count, 1)
         print(f"{count:11d}  {update:11.3f}  {bare:15.3f}  {over:27.3f}")
+========
+    rows: list[list[object]] = []
+    for count in (0, 1, 2, 5, 10):
+        manager = running_manager(count)
+        controllers = [manager.get_controller(f"c{number}") for number in range(count)]
+        update = median_time(partial(manager.update, 1.0, PERIOD), CYCLES)
+        bare = median_time(partial(update_all, controllers), CYCLES)
+        rows.append([count, update, bare, (update - bare) / max(count, 1)])
+    print_title(f"ControllerManager.update [us], medians of {REPEATS} repeats")
+    print_table(("controllers", "update", "bare calls", "over it, each"), rows)
+
+
+def update_all(controllers: list[ControllerBase]) -> None:
+    """Call the controllers as if there were no manager."""
+    for controller in controllers:
+        controller.update(1.0, PERIOD)
+>>>>>>>> docs:benchmarks/bench_manager_update.py
 
 
 if __name__ == "__main__":
