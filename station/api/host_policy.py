@@ -51,6 +51,9 @@ class HostPolicy:
             return True
         if origin.lower() in self.origins:
             return True
-        parts = urlsplit(origin.lower())
+        try:
+            parts = urlsplit(origin.lower())
+        except ValueError:
+            return False
         own = parts.scheme in {"http", "https"} and parts.netloc != ""
         return own and parts.netloc == (host or "").lower()

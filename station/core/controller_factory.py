@@ -1,13 +1,13 @@
 """Makes loaded controllers out of a name and its parameters."""
 
 import re
-import traceback
 from collections.abc import Sequence
 
 from station.core.command_guard import find_guards
 from station.core.controller import ControllerBase
 from station.core.controller_loader import ControllerLoader, create_controller
 from station.core.errors import ControllerLoadError, ParameterError, StationError
+from station.core.faults import CONTAINED, describe, trace_of_fault
 from station.core.loaded_controller import LoadedController
 from station.core.parameters import Parameters
 from station.core.robot_hw import ControllerInfo, InterfaceResources, RobotHW
@@ -87,10 +87,10 @@ class ControllerFactory:
                 remedy=error.remedy,
                 details={**error.details, "controller": name, "cause": error.code},
             ) from error
-        except Exception as error:
+        except CONTAINED as error:
             raise ControllerLoadError(
                 f"Controller '{name}' cannot be initialised: its init raised "
-                f"{type(error).__name__}: {error}.",
+                f"{describe(error)}.",
                 remedy="Correct the controller's init.",
-                details={"controller": name, "traceback": traceback.format_exc()},
+                details={"controller": name, "traceback": trace_of_fault()},
             ) from error

@@ -5,10 +5,17 @@ or a command that is not finite takes its controller off the robot, in the same 
 and alone (CM-80); the first command of a started controller is checked for a jump.
 """
 
-import traceback
 from collections.abc import Callable, Sequence
 
 from station.core.controller import ControllerState
+from station.core.errors import StationError
+from station.core.faults import (
+    CONTAINED,
+    describe,
+    printable,
+    reason_of,
+    trace_of_fault,
+)
 from station.core.loaded_controller import LoadedController
 from station.core.robot_hw import ControllerInfo, RobotHW, SwitchState
 
@@ -61,8 +68,8 @@ class ControllerLifecycle:
             bad = "" if one.is_finite() else one.bad_command()
             problem = f"starting wrote the {bad}" if bad else one.excessive_jump()
             trace = ""
-        except Exception as error:  # noqa: BLE001 - contained, kept and shown
-            problem, trace = reason_of("starting", error), traceback.format_exc()
+        except CONTAINED as error:  # contained, kept and shown
+            problem, trace = reason_of("starting", error), trace_of_fault()
         if not problem:
             one.fault = one.traceback = ""
             one.watch_first_update()
@@ -88,7 +95,7 @@ class ControllerLifecycle:
         try:
             ready = self.hw.switch_result_for(one.info) is SwitchState.DONE
             problem = "" if ready else "the hardware was not ready at once"
-        except Exception as error:  # noqa: BLE001 - kept and shown
+        except CONTAINED as error:  # kept and shown
             problem = reason_of("switch_result_for", error)
         if problem:
             self.fail(one, time, problem, "")
@@ -109,19 +116,19 @@ class ControllerLifecycle:
         """Stop one controller; an exception of its `stopping` is kept as its fault."""
         try:
             one.controller.stop_request(time)
-        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+        except CONTAINED as error:  # contained, kept and shown
             one.controller.state = ControllerState.STOPPED
             one.fault = reason_of("stopping", error)
-            one.traceback = traceback.format_exc()
+            one.traceback = trace_of_fault()
             one.write_rest()
 
     def wait(self, one: LoadedController, time: float) -> str:
         """Tell one controller that the hardware is switching; return what failed."""
         try:
             one.controller.wait_request(time)
-        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+        except CONTAINED as error:  # contained, kept and shown
             problem = reason_of("waiting", error)
-            self.fail(one, time, problem, traceback.format_exc())
+            self.fail(one, time, problem, trace_of_fault())
             return problem
         return ""
 
@@ -130,10 +137,10 @@ class ControllerLifecycle:
         one.fault, one.traceback, one.fresh = problem, "", False
         try:
             one.controller.abort_request(time)
-        except Exception as error:  # noqa: BLE001 - contained, kept and shown
+        except CONTAINED as error:  # contained, kept and shown
             one.controller.state = ControllerState.ABORTED
             one.fault += f" ({reason_of('aborting', error)})"
-            one.traceback = traceback.format_exc()
+            one.traceback = trace_of_fault()
 
     def reset(self, one: LoadedController, time: float) -> None:
         """Stop and start one controller if it runs (CM-78)."""
@@ -179,8 +186,10 @@ class ControllerLifecycle:
                 *(one.info for one in start),
             ])
             reason = conflicts[0].reason if conflicts else ""
-        except Exception as error:  # noqa: BLE001 - shown with the fault
-            reason = str(error)
+        except StationError as error:
+            reason = printable(error.message)
+        except CONTAINED as error:  # shown with the fault
+            reason = describe(error)
         if len(wanted) < len(failed.fallback):
             reason = "not all of it is loaded"
         if reason:
@@ -207,7 +216,7 @@ class ControllerLifecycle:
         """Tell the hardware; return what went wrong, or nothing."""
         try:
             self.hw.do_switch(start, stop)
-        except Exception as error:  # noqa: BLE001 - shown in the result
+        except CONTAINED as error:  # shown in the result
             return reason_of("do_switch", error)
         return ""
 
@@ -219,13 +228,3 @@ def _claims(info: ControllerInfo) -> list[tuple[str, str]]:
         for claim in info.claimed_resources
         for resource in claim.resources
     ]
-
-
-def reason_of(where: str, error: Exception) -> str:
-    """Return what happened in one line.
-
-    Args:
-        where: The callback that raised.
-        error: What it raised.
-    """
-    return f"{where} raised {type(error).__name__}: {error}"

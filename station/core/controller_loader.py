@@ -14,6 +14,7 @@ from typing_extensions import override
 
 from station.core.controller import ControllerBase
 from station.core.errors import ControllerLoadError, ControllerTypeNotFoundError
+from station.core.faults import CONTAINED, describe
 
 BASE_CLASS = "controller_interface::ControllerBase"
 """Name of the base class of every controller, as ros_control spells it."""
@@ -202,7 +203,7 @@ def _create_with(
         return loader.create(controller_type)
     except ControllerLoadError:
         raise
-    except Exception as error:
+    except CONTAINED as error:
         raise _cannot_create(controller_type, error) from error
 
 
@@ -223,10 +224,12 @@ def _create(controller_type: str, target: str) -> ControllerBase:
     return found()
 
 
-def _cannot_create(controller_type: str, error: Exception) -> ControllerLoadError:
+def _cannot_create(
+    controller_type: str, error: BaseException
+) -> ControllerLoadError:
     return ControllerLoadError(
         f"A controller of type '{controller_type}' cannot be created: "
-        f"{type(error).__name__}: {error}.",
+        f"{describe(error)}.",
         remedy="Correct its class or its constructor; the cause is above.",
         details={"type": controller_type},
     )

@@ -6,12 +6,12 @@ ends the update (CM-80); a strict switch in which a controller fails is taken ba
 """
 
 import threading
-import traceback
 from time import perf_counter
 
 from station.core.controller import ControllerSample, ControllerState
-from station.core.controller_lifecycle import ControllerLifecycle, reason_of
+from station.core.controller_lifecycle import ControllerLifecycle
 from station.core.errors import StationError, SwitchRefusedError
+from station.core.faults import CONTAINED, reason_of, trace_of_fault
 from station.core.loaded_controller import LoadedController
 from station.core.pending_switch import PendingSwitch, SwitchProgress, refused
 from station.core.robot_hw import RobotHW, SwitchState
@@ -75,8 +75,8 @@ class ControllerRunner(ControllerLifecycle):
         try:
             one.controller.update(time, period)
             finite = one.is_finite()
-        except Exception as error:  # noqa: BLE001 - contained, kept and shown
-            self.fail(one, time, reason_of("update", error), traceback.format_exc())
+        except CONTAINED as error:  # contained, kept and shown
+            self.fail(one, time, reason_of("update", error), trace_of_fault())
             self.fall_back(one, time)
             return
         duration = perf_counter() - begin
@@ -188,7 +188,7 @@ class ControllerRunner(ControllerLifecycle):
                 return True
             failed = hw.switch_result() is SwitchState.ERROR
             problem = "the hardware could not switch" if failed else ""
-        except Exception as error:  # noqa: BLE001 - shown in the result
+        except CONTAINED as error:  # shown in the result
             problem = reason_of("switch_result", error)
         if not problem and pending.is_late(time):
             problem = "the hardware was not ready in time"
@@ -220,7 +220,7 @@ class ControllerRunner(ControllerLifecycle):
                 return
             failed = self.hw.switch_result_for(info) is SwitchState.ERROR
             problem = "the hardware could not switch" if failed else ""
-        except Exception as error:  # noqa: BLE001 - shown in the result
+        except CONTAINED as error:  # shown in the result
             problem = reason_of("switch_result_for", error)
         if not problem and pending.is_late(time):
             problem = "the hardware was not ready in time"

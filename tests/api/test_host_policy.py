@@ -43,6 +43,8 @@ def test_hosts(host, allowed):
         ("http://localhost:8000.evil.example", False),
         ("file://", False),
         ("null", False),
+        ("http://[::1", False),
+        ("http://[x]", False),
         ("", False),
     ],
 )

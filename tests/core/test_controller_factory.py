@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.controller import MultiInterfaceController
 from station.core.controller_factory import ControllerFactory
 from station.core.controller_loader import TableLoader
 from station.core.errors import (
@@ -92,6 +93,18 @@ def test_an_exception_of_init_is_refused_with_its_traceback(factory, parameters)
         factory.build("arm")
 
     assert "Traceback" in str(caught.value.details["traceback"])
+
+
+def test_an_init_that_exits_is_refused_and_ends_nothing(factory, parameters):
+    class Leaving(MultiInterfaceController):
+        def init(self, hw, params):
+            raise SystemExit(5)
+
+    factory.loaders.append(TableLoader({"test/Leaving": Leaving}))
+    parameters.set("arm", {"type": "test/Leaving"})
+
+    with pytest.raises(ControllerLoadError, match="SystemExit: 5"):
+        factory.build("arm")
 
 
 def test_claims_of_a_failed_init_do_not_stick_to_the_next(factory, parameters):

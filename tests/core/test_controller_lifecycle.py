@@ -33,6 +33,37 @@ def test_an_exception_of_update_stops_that_controller_alone(bench):
     assert bad.calls == ["starting", "update", "aborting"]
 
 
+class Unprintable(Exception):  # noqa: N818 - a plugin's own
+    """Raises when it is to say what it is."""
+
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (SystemExit(3), "SystemExit: 3"),
+        (Unprintable(), "Unprintable: (its text cannot be had)"),
+        (OSError("file \udc80"), "OSError: file \\udc80"),
+    ],
+)
+def test_whatever_update_raises_stops_that_controller_alone(bench, error, told):
+    def give_up():
+        raise error
+
+    bad = bench.load("bad", "j1")
+    bench.load("good", "j2")
+    bench.switch(["bad", "good"])
+    bad.actions["update"] = give_up
+
+    bench.step(3)
+
+    assert bench.state("bad") == "aborted"
+    assert bench.state("good") == "running"
+    assert bench.fault("bad") == f"update raised {told}"
+
+
 def test_the_fault_says_what_happened_with_its_traceback(bench):
     bench.load("bad", "j1").actions["update"] = fail
     bench.switch(["bad"])

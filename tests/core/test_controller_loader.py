@@ -117,6 +117,14 @@ def test_a_class_that_cannot_be_imported_is_refused(target):
         create_controller([ClassLoader()], target)
 
 
+def test_a_module_that_exits_is_refused_and_ends_nothing(tmp_path, monkeypatch):
+    (tmp_path / "leaving_plugin.py").write_text("raise SystemExit(4)")
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    with pytest.raises(ControllerLoadError, match="SystemExit: 4"):
+        create_controller([ClassLoader()], "leaving_plugin:Any")
+
+
 def test_a_class_that_is_no_controller_is_refused():
     with pytest.raises(ControllerLoadError, match="no controller"):
         create_controller([ClassLoader()], "station.core.clock:ManualClock")

@@ -1,0 +1,34 @@
+"""Whatever a plugin raises can be told."""
+
+import json
+
+from station.core.faults import describe, printable, reason_of, trace_of_fault
+
+
+class Unprintable(Exception):  # noqa: N818 - a plugin's own
+    """Raises when it is to say what it is."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("no words")
+
+
+def test_a_reason_names_callback_type_and_text():
+    assert reason_of("update", ValueError("no")) == "update raised ValueError: no"
+
+
+def test_an_error_without_words_is_still_named():
+    assert describe(Unprintable()) == "Unprintable: (its text cannot be had)"
+
+
+def test_text_that_no_encoding_has_is_escaped():
+    assert describe(OSError("file \udc80")) == "OSError: file \\udc80"
+    assert json.dumps(printable("ü 漢 \ud800"), ensure_ascii=False).encode()
+
+
+def test_a_traceback_can_be_encoded_and_says_where():
+    try:
+        raise ValueError("\udcff")
+    except ValueError:
+        trace = trace_of_fault()
+    assert "test_faults.py" in trace
+    assert trace.encode()
