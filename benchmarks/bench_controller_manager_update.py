@@ -1,12 +1,5 @@
 """What `ControllerManager.update` costs over the controllers it calls.
 
-<<<<<<<< HEAD:benchmarks/bench_controller_manager_update.py
-Prints microseconds per cycle for 0, 1, 2, 5 and 10 running controllers that do nothing,
-each over seven joints, next to the cost of the bare calls.
-"""
-
-import timeit
-========
 Run `python benchmarks/bench_manager_update.py`; it prints microseconds per cycle
 for 0, 1, 2, 5 and 10 running controllers that do nothing, each over seven joints, next
 to the cost of the bare calls.
@@ -16,7 +9,6 @@ from functools import partial
 
 from measuring import REPEATS, median_time, print_table, print_title
 from typing_extensions import override
->>>>>>>> docs:benchmarks/bench_manager_update.py
 
 from station.core.clock import SystemClock
 from station.core.controller import Controller, ControllerBase
@@ -88,16 +80,6 @@ def running_manager(controllers: int) -> ControllerManager:
 
 def main() -> None:
     """Print the table."""
-<<<<<<<< HEAD:benchmarks/bench_controller_manager_update.py
-    print("controllers  update [us]  bare calls [us]  over it per controller [us]")
-    for count in (0, 1, 2, 5, 10):
-        manager = running_manager(count)
-        update = best("manager.update(1.0, 0.001)", {"manager": manager})
-        calls = [manager.get_controller(f"c{number}") for number in range(count)]
-        bare = best("for c in calls: c.update(1.0, 0.001)", {"calls": calls})
-        over = (update - bare) / max(count, 1)
-        print(f"{count:11d}  {update:11.3f}  {bare:15.3f}  {over:27.3f}")
-========
     rows: list[list[object]] = []
     for count in (0, 1, 2, 5, 10):
         manager = running_manager(count)
@@ -113,7 +95,6 @@ def update_all(controllers: list[ControllerBase]) -> None:
     """Call the controllers as if there were no manager."""
     for controller in controllers:
         controller.update(1.0, PERIOD)
->>>>>>>> docs:benchmarks/bench_manager_update.py
 
 
 if __name__ == "__main__":
