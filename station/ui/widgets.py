@@ -16,6 +16,35 @@ def set_value(widget: viser.GuiInputHandle[_Value], value: _Value) -> None:
     widget.value = value  # type: ignore[misc]
 
 
+class FollowingSlider:
+    """A slider that shows a value of the station until a person moves it.
+
+    A browser's change arrives in another thread than the display's: what a person set
+    is kept until the callback has taken it up and said so with `taken`.
+
+    Args:
+        slider: The slider.
+    """
+
+    def __init__(self, slider: viser.GuiSliderHandle[float]) -> None:
+        self.slider = slider
+        self._shown = slider.value
+
+    def is_moved(self) -> bool:
+        """Say whether a person moved it and nobody has taken that up."""
+        return self.slider.value != self._shown
+
+    def show(self, value: float) -> None:
+        """Show `value`, unless a person moved the slider."""
+        if not self.is_moved() and value != self._shown:
+            self._shown = value
+            set_value(self.slider, value)
+
+    def taken(self) -> None:
+        """Note that what a person set has been taken up: follow again from there."""
+        self._shown = self.slider.value
+
+
 def set_options(dropdown: viser.GuiDropdownHandle[str], names: tuple[str, ...]) -> None:
     """Offer these names; keep the chosen one while it is among them."""
     options = names or (NONE,)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.ui.widgets import NONE, set_options, set_value
+from station.ui.widgets import NONE, FollowingSlider, set_options, set_value
 
 
 @pytest.fixture
@@ -28,3 +28,24 @@ def test_nothing_to_choose_greys_the_dropdown(gui):
     set_options(dropdown, ())
     assert dropdown.disabled
     assert dropdown.value == NONE
+
+
+def test_a_slider_follows_until_a_person_moves_it(gui):
+    slider = gui.add_slider("p", min=0.0, max=9.0, step=0.1, initial_value=1.0)
+    following = FollowingSlider(slider)
+    following.show(2.0)
+    assert slider.value == 2.0
+
+    set_value(slider, 5.0)  # as a browser's message does, before its callback runs
+    following.show(2.5)
+    assert slider.value == 5.0
+    assert following.is_moved()
+
+
+def test_a_slider_follows_again_once_the_change_is_taken_up(gui):
+    slider = gui.add_slider("p", min=0.0, max=9.0, step=0.1, initial_value=1.0)
+    following = FollowingSlider(slider)
+    set_value(slider, 5.0)
+    following.taken()
+    following.show(6.0)
+    assert slider.value == 6.0

@@ -17,7 +17,7 @@ from station.ui.reporter import Event, Reporter
 from station.ui.slider_scale import SliderScale, command_scale
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
-from station.ui.widgets import set_value
+from station.ui.widgets import FollowingSlider
 
 _SEND_PERIOD = 0.04
 Limits = Mapping[str, tuple[float, float]]
@@ -49,7 +49,7 @@ class OperatePanel(Panel):
             "Top speed [rad/s]", min=0.05, max=1.5, step=0.05, initial_value=0.5
         )
         self._folder = gui.add_folder("Joints")
-        self._sliders: list[viser.GuiSliderHandle[float]] = []
+        self._sliders: list[FollowingSlider] = []
         self._scales: list[SliderScale] = []
         self._shown: tuple[CommandElement, ...] = ()
 
@@ -102,18 +102,18 @@ class OperatePanel(Panel):
     def _show(self, view: StationView) -> None:
         reason = self._operated.reason
         for i, slider in enumerate(self._sliders):
-            slider.disabled = bool(reason)
+            slider.slider.disabled = bool(reason)
             if self._operated.name and not reason:
                 value = self._ramp.shown(i, view.now)
             else:
                 value = view.positions.get(self._shown[i].name)
             if value is not None:
-                set_value(slider, round(self._scales[i].clamp(value), 3))
+                slider.show(round(self._scales[i].clamp(value), 3))
         self._state.content = _state_markup(self._operated, self._ramp)
 
     def _build(self, elements: tuple[CommandElement, ...]) -> None:
-        for slider in self._sliders:
-            slider.remove()
+        for old in self._sliders:
+            old.slider.remove()
         self._sliders, self._scales = [], []
         self._shown = elements
         with self._folder:
@@ -130,14 +130,16 @@ class OperatePanel(Panel):
                     f"{element.unit}",
                 )
                 slider.on_update(self._reporter.guarded(partial(self._on_touch, i)))
-                self._sliders.append(slider)
+                self._sliders.append(FollowingSlider(slider))
                 self._scales.append(scale)
 
     async def _on_touch(self, index: int, event: Event[Any]) -> None:
+        value = event.target.value
+        self._sliders[index].taken()
         if self._operated.reason or not self._operated.name:
             # A greyed slider moved all the same: Viser does not enforce `disabled`.
             self._reporter.say("Not sent", self._operated.reason, event.client)
-        elif not self._ramp.touch(index, event.target.value, self._link.now()):
+        elif not self._ramp.touch(index, value, self._link.now()):
             text = "It is not known yet where the robot was told to be. Try again."
             self._reporter.say("Not sent", text, event.client)
 

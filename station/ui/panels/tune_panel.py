@@ -22,7 +22,7 @@ from station.ui.tune_model import (
     series_index,
     tunable_controllers,
 )
-from station.ui.widgets import NONE, set_options, set_value
+from station.ui.widgets import NONE, FollowingSlider, set_options, set_value
 
 _GAINS_PERIOD = 1.0
 _SETTLE = 0.12
@@ -54,7 +54,7 @@ class TunePanel(Panel):
         self._folder = gui.add_folder("Gains")
         with self._folder:
             self._note = gui.add_html(hint("Waiting for the station …"))
-        self._sliders: dict[str, viser.GuiSliderHandle[float]] = {}
+        self._sliders: dict[str, FollowingSlider] = {}
         self._built_for: tuple[str, str] = ("", "")
         self._touched_at = float("-inf")
         self._pending: dict[str, float] = {}
@@ -114,21 +114,19 @@ class TunePanel(Panel):
         blocked = view.link != "live"
         following = view.now - self._touched_at > _FOLLOW_AGAIN
         for name, slider in self._sliders.items():
-            slider.disabled = blocked
+            slider.slider.disabled = blocked
             if following:
                 self._rescale(slider, gains, name)
 
-    def _rescale(
-        self, slider: viser.GuiSliderHandle[float], gains: Gains, name: str
-    ) -> None:
-        value = gains.values[name]
-        if slider.value == value:
+    def _rescale(self, following: FollowingSlider, gains: Gains, name: str) -> None:
+        value, slider = gains.values[name], following.slider
+        if slider.value == value or following.is_moved():
             return
         allowed = gains.tunables[name]
         scale = gain_scale(value, allowed.minimum, allowed.maximum)
         slider.min, slider.max = min(slider.min, scale.minimum), scale.maximum
         slider.step = scale.step
-        set_value(slider, value)
+        following.show(value)
 
     def _build(self, gains: Gains, names: list[str]) -> None:
         with self._folder:
@@ -145,11 +143,11 @@ class TunePanel(Panel):
                     hint=_allowed_text(allowed.description, name, gains),
                 )
                 slider.on_update(self._reporter.guarded(partial(self._on_gain, name)))
-                self._sliders[name] = slider
+                self._sliders[name] = FollowingSlider(slider)
 
     def _clear(self) -> None:
-        for slider in self._sliders.values():
-            slider.remove()
+        for old in self._sliders.values():
+            old.slider.remove()
         self._sliders.clear()
         self._built_for = ("", "")
 
@@ -161,6 +159,8 @@ class TunePanel(Panel):
         self._touched_at = self._link.now()
         controller = self._gains_of
         value = float(event.target.value)
+        if name in self._sliders:
+            self._sliders[name].taken()
         self._pending[name] = value
         await asyncio.sleep(_SETTLE)
         if self._pending.get(name) != value:

@@ -27,17 +27,17 @@ def _commands(bench):
 
 def test_sliders_are_greyed_with_the_reason(bench, panel):
     assert bench.wait(lambda: "No controller runs" in panel._state.content)
-    assert all(slider.disabled for slider in panel._sliders)
+    assert all(slider.slider.disabled for slider in panel._sliders)
 
 
 def test_greyed_sliders_show_the_robot(bench, panel):
     assert bench.wait(lambda: panel._sliders)
     bench.station.positions = [0.4, *START[1:]]
-    assert bench.wait(lambda: panel._sliders[0].value == 0.4)
+    assert bench.wait(lambda: panel._sliders[0].slider.value == 0.4)
 
 
 def test_a_touched_slider_moves_its_joint_in_small_steps(running, panel):
-    running.enter(panel._sliders[0], 0.1)
+    running.enter(panel._sliders[0].slider, 0.1)
     assert running.wait(lambda: running.station.positions[0] == pytest.approx(0.1))
     first = [command[0] for command in _commands(running)]
     steps = [b - a for a, b in zip([0.0, *first], first, strict=False)]
@@ -47,20 +47,20 @@ def test_a_touched_slider_moves_its_joint_in_small_steps(running, panel):
 
 def test_sliders_follow_what_others_command(running, panel):
     running.station.desired = [0.7, *START[1:]]
-    assert running.wait(lambda: panel._sliders[0].value == 0.7)
+    assert running.wait(lambda: panel._sliders[0].slider.value == 0.7)
     assert _commands(running) == []
 
 
 def test_a_greyed_slider_sends_nothing(bench, panel):
-    assert bench.wait(lambda: panel._sliders and panel._sliders[0].disabled)
-    bench.enter(panel._sliders[0], 1.0)
+    assert bench.wait(lambda: panel._sliders and panel._sliders[0].slider.disabled)
+    bench.enter(panel._sliders[0].slider, 1.0)
     reporter = bench.dashboard._reporter
     assert bench.wait(lambda: "Not sent" in reporter.message)
     assert _commands(bench) == []
 
 
 def test_a_stop_ends_a_move(running, panel):
-    running.enter(panel._sliders[0], 2.0)
+    running.enter(panel._sliders[0].slider, 2.0)
     assert running.wait(lambda: _commands(running))
     running.station._stop()
     assert running.wait(lambda: not panel._ramp.commanding)

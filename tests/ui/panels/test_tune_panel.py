@@ -14,21 +14,21 @@ def panel(bench):
 
 
 def test_gains_come_from_the_schema(panel):
-    slider = panel._sliders["panda_joint1/p"]
+    slider = panel._sliders["panda_joint1/p"].slider
     assert (slider.label, slider.value) == ("p [Nm/rad]", 600.0)
     assert slider.min == 0.0
     assert set(panel._sliders) == {"panda_joint1/p", "panda_joint1/d"}
 
 
 def test_a_moved_slider_changes_the_gain(bench, panel):
-    bench.enter(panel._sliders["panda_joint1/p"], 250.0)
+    bench.enter(panel._sliders["panda_joint1/p"].slider, 250.0)
     gains = bench.station.controllers["arm"].gains
     assert bench.wait(lambda: gains["panda_joint1/p"] == 250.0)
 
 
 def test_sliders_follow_gains_set_by_others(bench, panel):
     bench.station.controllers["arm"].gains["panda_joint1/p"] = 4000.0
-    slider = panel._sliders["panda_joint1/p"]
+    slider = panel._sliders["panda_joint1/p"].slider
     assert bench.wait(lambda: slider.value == 4000.0)
     assert slider.max >= 4000.0
 
