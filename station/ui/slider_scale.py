@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+GAIN_REACH = 100.0
+"""Where the slider of a gain that is zero ends."""
 _DEFAULT_SPAN = {"rad": math.pi, "m": 1.0, "rad/s": 1.0, "m/s": 0.5, "Nm": 10.0}
 
 
@@ -58,7 +60,7 @@ def gain_scale(
         minimum: Smallest value allowed; None where unlimited.
         maximum: Largest value allowed; None where unlimited.
     """
-    reach = _round_up(max(2.0 * abs(value), 1.0))
+    reach = _round_up(2.0 * abs(value) or GAIN_REACH)
     low = (-reach if value < 0.0 else 0.0) if minimum is None else max(minimum, -reach)
     high = reach if maximum is None else min(maximum, reach)
     if high <= low:
