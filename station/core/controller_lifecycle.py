@@ -133,8 +133,9 @@ class ControllerLifecycle:
         return ""
 
     def abort(self, one: LoadedController, time: float, problem: str) -> None:
-        """Mark one controller as not running, because of `problem`."""
+        """Mark one controller as not running, because of `problem`; it rests."""
         one.fault, one.traceback, one.fresh = problem, "", False
+        one.write_rest()
         try:
             one.controller.abort_request(time)
         except CONTAINED as error:  # contained, kept and shown
@@ -152,7 +153,7 @@ class ControllerLifecycle:
         """Take a failed controller off the robot in this cycle; it becomes aborted."""
         self.abort(one, time, reason)
         one.traceback = trace or one.traceback
-        one.write_rest()
+        one.write_rest()  # again: `aborting` may have commanded something
         self.do_switch([], [one.info])
 
     def fall_back(self, failed: LoadedController, time: float) -> None:

@@ -97,28 +97,35 @@ class ControllerRunner(ControllerLifecycle):
             time: Station time [s].
         """
         pending = self.pending
-        ended = pending is not None and self._end(pending, time)
+        waiting = [] if pending is None else self._end(pending, time)
         running = [one for one in self.loaded if one.controller.state is _RUNNING]
         for one in running:
             self.stop(one, time)
             one.write_rest()
-        if running or ended:
-            self.do_switch([], [one.info for one in running])
+        if running or waiting:
+            self.do_switch([], [one.info for one in (*running, *waiting)])
 
-    def _end(self, pending: PendingSwitch, time: float) -> bool:
-        """End a switch under way; return False when its caller has withdrawn it."""
+    def _end(self, pending: PendingSwitch, time: float) -> list[LoadedController]:
+        """End a switch under way; return the controllers that waited for it.
+
+        Nothing happens when its caller has withdrawn it already.
+        """
         posted = pending.progress is SwitchProgress.POSTED
         if posted and not pending.claim.acquire(blocking=False):
-            return False
-        for one in pending.start:
-            if one.controller.state is ControllerState.WAITING:
-                self.abort(one, time, "everything was stopped")
+            return []
+        waiting = [
+            one
+            for one in dict.fromkeys(pending.start)
+            if one.controller.state is ControllerState.WAITING
+        ]
+        for one in waiting:
+            self.abort(one, time, "everything was stopped")
         pending.error = SwitchRefusedError(
             "Everything was stopped before the switch was finished.",
             remedy="Release the stop, look at the state, and switch again.",
         )
         self._finish(pending)
-        return True
+        return waiting
 
     def void_commands(self) -> None:
         """Void every set-point that has not been picked up, and every goal."""
@@ -154,7 +161,19 @@ class ControllerRunner(ControllerLifecycle):
         else:
             finished = self._start_together(pending, time)
         if finished:
+            if pending.expired:
+                self._release(pending)
             self._finish(pending)
+
+    def _release(self, pending: PendingSwitch) -> None:
+        """Take controllers off the hardware that were given up after their caller."""
+        given_up = [
+            one.info
+            for one in dict.fromkeys(pending.start)
+            if one.controller.state is ControllerState.ABORTED
+        ]
+        if given_up:
+            self.do_switch([], given_up)
 
     def _finish(self, pending: PendingSwitch) -> None:
         self.pending = None

@@ -195,6 +195,7 @@ def test_hardware_that_never_gets_ready_is_given_up(bench):
 
     assert result.failed == {"arm": "the hardware was not ready in time"}
     assert 4.9 < bench.time < 5.2
+    assert bench.robot.joints.mode == ["", "", ""]
 
 
 def test_an_error_of_a_pumped_cycle_withdraws_the_switch(bench):

@@ -165,6 +165,7 @@ def test_stopping_everything_ends_a_switch_under_way(bench):
     bench.manager.pump = bench.step
     bench.robot.script.switch_cycles = 0
     assert cycles == ["waiting"] * 3
+    assert bench.robot.joints.mode == ["", "", ""]
     assert bench.state("arm") == "aborted"
     assert bench.switch(["arm"]).ok
 
