@@ -96,6 +96,8 @@ class ControlLoop:
         self._failure = ""
         self._scheduler = ""
         manager.pump = self.step
+        # A switch posted before a stop must not start anything after it.
+        manager.start_gate = self.stop_latch.check
 
     @property
     def joint_names(self) -> list[str]:

@@ -2,7 +2,10 @@
 
 import pytest
 
+from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.operate_panel import OperatePanel
+from station.ui.panels.tune_panel import TunePanel
+from station.ui.widgets import NONE
 from tests.ui.bench import Bench
 from tests.ui.fake_station import FakeStation
 
@@ -20,15 +23,19 @@ def bench(shared_bench):
     station.controllers.clear()
     station.requests.clear()
     station.stop_state = "armed"
-    shared_bench.wait(lambda: _is_empty(shared_bench))
+    assert shared_bench.wait(lambda: _is_empty(shared_bench))
     return shared_bench
 
 
 def _is_empty(bench):
-    """Say whether the dashboard has seen that nothing is loaded and all may move."""
+    """Say whether every tab shows that nothing is loaded and all may move."""
     view = bench.link.view()
-    commanded = bench.panel(OperatePanel).watched()
-    return not view.controllers and not view.blocked() and not commanded
+    shown = [
+        bench.panel(OperatePanel).watched(),
+        bench.panel(ControllersPanel)._chosen.value != NONE,
+        bench.panel(TunePanel)._sliders,
+    ]
+    return not view.controllers and not view.blocked() and not any(shown)
 
 
 @pytest.fixture

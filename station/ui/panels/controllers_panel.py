@@ -62,7 +62,9 @@ class ControllersPanel(Panel):
         self._load.refresh(view)
 
     async def _on_start(self, event: Event[Any]) -> None:
-        name = self._chosen.value
+        name = self._chosen_name(event)
+        if name == NONE:
+            return
         offer = offer_for(self._link.view(), name)
         result = await self._link.client.switch_controllers(
             start=[name], stop=offer.replaces
@@ -77,15 +79,28 @@ class ControllersPanel(Panel):
         )
 
     async def _on_stop(self, event: Event[Any]) -> None:
-        result = await self._link.client.switch_controllers(stop=[self._chosen.value])
+        name = self._chosen_name(event)
+        if name == NONE:
+            return
+        result = await self._link.client.switch_controllers(stop=[name])
         await self._link.refresh_controllers()
         text = f"Stopped {', '.join(result.stopped)}; the robot holds its pose."
         self._reporter.done(text, event.client)
 
     async def _on_unload(self, event: Event[Any]) -> None:
-        gone = await self._link.client.unload_controller(self._chosen.value)
+        name = self._chosen_name(event)
+        if name == NONE:
+            return
+        gone = await self._link.client.unload_controller(name)
         await self._link.refresh_controllers()
         self._reporter.done(f"Unloaded {gone.name}.", event.client)
+
+    def _chosen_name(self, event: Event[Any]) -> str:
+        """Return the chosen controller; say so to who clicked when there is none."""
+        name = self._chosen.value
+        if name == NONE:
+            self._reporter.say("Not done", "No controller is loaded.", event.client)
+        return name
 
 
 class LoadForm:

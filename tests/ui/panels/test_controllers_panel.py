@@ -32,9 +32,18 @@ def test_starting_over_another_says_what_it_stops(bench, panel):
 
 def test_a_controller_is_unloaded(bench, panel):
     bench.station.load("arm")
-    assert bench.wait(lambda: not panel._unload.disabled)
+    assert bench.wait(lambda: panel._chosen.value == "arm")
     bench.click(panel._unload)
     assert bench.wait(lambda: "arm" not in bench.station.controllers)
+
+
+def test_a_click_without_a_controller_is_answered_and_not_sent(bench, panel):
+    reporter = bench.dashboard._reporter
+    for button in (panel._start, panel._stop, panel._unload):
+        bench.click(button)
+        assert bench.wait(lambda: "No controller is loaded." in reporter.message)
+        reporter.done("", None)
+    assert all(request[0] == "GET" for request in bench.station.requests)
 
 
 def test_the_form_is_prefilled_so_that_load_works_at_once(bench, panel):
