@@ -224,9 +224,7 @@ def _create(controller_type: str, target: str) -> ControllerBase:
     return found()
 
 
-def _cannot_create(
-    controller_type: str, error: BaseException
-) -> ControllerLoadError:
+def _cannot_create(controller_type: str, error: BaseException) -> ControllerLoadError:
     return ControllerLoadError(
         f"A controller of type '{controller_type}' cannot be created: "
         f"{describe(error)}.",
