@@ -1,9 +1,7 @@
 """From the core's values to the wire models."""
 
-import math
-from collections.abc import Iterable
-
-from station.api import schemas
+from station.api import schemas, wire_hardware
+from station.api.wire_numbers import measured, measured_list
 from station.core import loop_report, statistics, tunables
 from station.core.controller import ControllerSample
 from station.core.controller_manager import ControllerStatus
@@ -13,16 +11,6 @@ from station.core.snapshot import Snapshot
 from station.core.station import Station
 from station.core.switching import SwitchResult
 from station.core.trajectory import PosVelAccState
-
-
-def measured(value: float) -> float | None:
-    """Return `value`, or None when it is not finite: JSON has no word for that."""
-    return value if math.isfinite(value) else None
-
-
-def measured_list(values: Iterable[float]) -> list[float | None]:
-    """Return `values` with None for each that is not finite."""
-    return [measured(value) for value in values]
 
 
 def percentiles(found: statistics.Percentiles) -> schemas.Percentiles:
@@ -215,4 +203,5 @@ def status(station: Station, versions: dict[str, str]) -> schemas.Status:
         stop_reason=found.stop_reason,
         loop=loop(found.loop),
         versions=versions,
+        clamps=wire_hardware.clamps(found.clamps),
     )

@@ -138,6 +138,14 @@ def _add_controller_verbs(verbs: _Verbs) -> None:
         "list what can be loaded",
         aliases=("list_types",),
     )
+    hardware = verbs.add(
+        "list_hardware_interfaces",
+        "hardware:list_hardware_interfaces",
+        "list what can be claimed and who claims it",
+    )
+    hardware.add_argument(
+        "-v", "--verbose", action="store_true", help="limits, transmissions and clamps"
+    )
     load = verbs.add(
         "load_controller",
         "controllers:load_controller",

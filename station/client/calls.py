@@ -25,6 +25,7 @@ from station.api.schemas import (
     Goal,
     GoalRequest,
     Goals,
+    Hardware,
     Health,
     JointStates,
     LoadRequest,
@@ -108,6 +109,11 @@ def session() -> Call[Session]:
 def status() -> Call[Status]:
     """Ask for the station at a glance."""
     return _get("/status", Status)
+
+
+def hardware() -> Call[Hardware]:
+    """Ask what the robot has, who claims it and what limits it."""
+    return _get("/hardware", Hardware)
 
 
 def controllers() -> Call[Controllers]:

@@ -17,6 +17,7 @@ from station.api.schemas import (
     Gains,
     GainsChange,
     Goal,
+    Hardware,
     Health,
     JointStates,
     LoopReport,
@@ -119,6 +120,10 @@ class StationClient:
     def status(self) -> Status:
         """Return the station at a glance."""
         return self._do(calls.status())
+
+    def hardware(self) -> Hardware:
+        """Return interfaces, claims, limits, transmissions and clamps of the robot."""
+        return self._do(calls.hardware())
 
     def controllers(self) -> list[ControllerState]:
         """Return all loaded controllers."""

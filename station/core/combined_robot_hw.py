@@ -17,6 +17,11 @@ from station.core.robot_hw import (
     RobotHW,
     SwitchState,
 )
+from station.core.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    TransmissionReport,
+)
 
 CreateRobot = Callable[[str], RobotHW]
 """Returns a new robot of a type, not yet initialised; raises a StationError."""
@@ -123,6 +128,18 @@ class CombinedRobotHW(RobotHW):
             for robot in self.robots.values()
             for part in _part_of(robot, [controller])
         ])
+
+    @override
+    def joint_limits(self) -> Sequence[JointLimitsReport]:
+        return [r for robot in self.robots.values() for r in robot.joint_limits()]
+
+    @override
+    def transmissions(self) -> Sequence[TransmissionReport]:
+        return [r for robot in self.robots.values() for r in robot.transmissions()]
+
+    @override
+    def clamps(self) -> Sequence[ClampReport]:
+        return [r for robot in self.robots.values() for r in robot.clamps()]
 
     @override
     def mode(self) -> str:

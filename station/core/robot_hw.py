@@ -11,6 +11,11 @@ from enum import Enum
 
 from station.core.interfaces.interface_manager import InterfaceManager
 from station.core.parameters import Parameters
+from station.core.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    TransmissionReport,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +170,18 @@ class RobotHW(InterfaceManager):
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:  # noqa: ARG002
         """Say whether the switch is done as far as `controller` is concerned."""
         return SwitchState.DONE
+
+    def joint_limits(self) -> Sequence[JointLimitsReport]:
+        """Return the limits it enforces; settled in `init`. Any thread."""
+        return ()
+
+    def transmissions(self) -> Sequence[TransmissionReport]:
+        """Return its transmissions; settled in `init`. Any thread."""
+        return ()
+
+    def clamps(self) -> Sequence[ClampReport]:
+        """Return which commands its limits have cut off. Any thread."""
+        return ()
 
     def mode(self) -> str:
         """Return the robot's mode in one word, for status displays.

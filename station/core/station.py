@@ -17,6 +17,7 @@ from station.core.errors import (
     LoopError,
     ParameterError,
 )
+from station.core.hardware_report import HardwareReport, report_hardware
 from station.core.loop_report import LoopReport, LoopState
 from station.core.motion_commands import MotionCommands
 from station.core.parameters import Parameters
@@ -99,7 +100,12 @@ class Station(MotionCommands):
             stop_state=latch.state,
             stop_reason=latch.reason,
             loop=self.loop.report(),
+            clamps=tuple(self.loop.hw.clamps()),
         )
+
+    def hardware(self) -> HardwareReport:
+        """Return the robot's interfaces, claims, limits, transmissions and clamps."""
+        return report_hardware(self.loop.hw, self.manager.list_controllers())
 
     def ready(self) -> str:
         """Return why the station is not ready; empty when it is."""

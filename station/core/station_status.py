@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from station.core.loop_report import LoopReport
+from station.core.robot_report import ClampReport
 from station.core.stop_latch import StopState
 
 
@@ -20,6 +21,7 @@ class StationStatus:
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the loop is doing.
+        clamps: What limits have cut off.
     """
 
     boot_id: str
@@ -31,3 +33,4 @@ class StationStatus:
     stop_state: StopState
     stop_reason: str
     loop: LoopReport
+    clamps: tuple[ClampReport, ...]

@@ -40,7 +40,7 @@ def load_robot(reference: str, arm_id: str = "panda") -> yourdfpy.URDF:
         if arm_id != "panda":
             xml = xml.replace('"panda_', f'"{arm_id}_')
         return yourdfpy.URDF.load(
-            io.StringIO(xml),
+            io.BytesIO(xml.encode()),
             filename_handler=_mesh_finder(path),
             load_collision_meshes=False,
             force_collision_mesh=False,

@@ -26,7 +26,11 @@ FRANKA = {
 ROBOT_PARAMETERS: Mapping[str, Mapping[str, object]] = {
     "mock_hw/MockRobotHW": MOCK,
     "franka_hw/FrankaHW": FRANKA,
-    "mujoco_hw/MujocoRobotHW": {"robot_description": "example-robot-data:panda"},
+    "mujoco_hw/MujocoRobotHW": {
+        "robot_description": "example-robot-data:panda",
+        # With its other joints at 0 the arm would touch itself.
+        "initial_positions": {"panda_joint4": -2.0, "panda_joint6": 2.0},
+    },
     "combined_robot_hw/CombinedRobotHW": {
         "robot_hardware": ["left"],
         "left": {"type": "mock_hw/MockRobotHW", **MOCK},

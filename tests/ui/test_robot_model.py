@@ -39,3 +39,8 @@ def test_a_missing_mesh_is_named(tmp_path):
     )
     with pytest.raises(RobotModelError, match="no_such"):
         load_robot(str(path))
+
+
+@pytest.mark.parametrize("robot", ["ur5", "kinova", "talos_left_arm"])
+def test_other_robots_are_drawn_too(robot):
+    assert load_robot(f"example-robot-data:{robot}").scene.geometry

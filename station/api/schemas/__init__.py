@@ -39,6 +39,16 @@ from station.api.schemas.goals import (
     GoalStatusName,
     TrajectoryRequest,
 )
+from station.api.schemas.hardware import (
+    Clamp,
+    ClampReasonName,
+    Hardware,
+    HardwareInterface,
+    HardwareLimits,
+    HardwareResource,
+    HardwareTransmission,
+    SoftLimits,
+)
 from station.api.schemas.problem import PROBLEM_MEDIA_TYPE, FieldError, Problem
 from station.api.schemas.station import (
     Health,
@@ -76,6 +86,8 @@ __all__ = [
     "CLOSE_UNKNOWN_TOPIC",
     "PROBLEM_MEDIA_TYPE",
     "ClaimedResources",
+    "Clamp",
+    "ClampReasonName",
     "CommandAccepted",
     "CommandElement",
     "CommandInfo",
@@ -97,6 +109,11 @@ __all__ = [
     "GoalResult",
     "GoalStatusName",
     "Goals",
+    "Hardware",
+    "HardwareInterface",
+    "HardwareLimits",
+    "HardwareResource",
+    "HardwareTransmission",
     "Health",
     "JointStates",
     "LoadRequest",
@@ -110,6 +127,7 @@ __all__ = [
     "RequestModel",
     "ResponseModel",
     "Session",
+    "SoftLimits",
     "Status",
     "StopRequest",
     "StopState",

@@ -6,6 +6,7 @@ from pydantic import ConfigDict, Field
 
 from station.api.schemas.base import RequestModel, ResponseModel
 from station.api.schemas.controllers import Percentiles
+from station.api.schemas.hardware import Clamp
 
 StopStateName = Literal["armed", "stopped", "released"]
 
@@ -80,6 +81,7 @@ class Status(ResponseModel):
         stop_reason: Why it was engaged last.
         loop: How the control loop does.
         versions: Versions of the station and what it is built on.
+        clamps: Commands that limits cut off; empty if none ever was.
     """
 
     boot_id: str
@@ -92,6 +94,7 @@ class Status(ResponseModel):
     stop_reason: str
     loop: LoopReport
     versions: dict[str, str]
+    clamps: list[Clamp] = Field(default_factory=list)
 
 
 class StopRequest(RequestModel):

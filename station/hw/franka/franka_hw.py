@@ -25,6 +25,7 @@ from station.core.robot_hw import (
     RobotHW,
     SwitchState,
 )
+from station.core.robot_report import ClampReport, JointLimitsReport
 from station.hw.franka.command_filter import CommandFilter
 from station.hw.franka.control_mode import (
     GENERATOR_OF_MODE,
@@ -177,6 +178,14 @@ class FrankaHW(RobotHW):
             arm.command_joint_velocities(dq)
         if commands.has_efforts:
             arm.command_joint_torques(filtered.torques(commands.efforts, state))
+
+    @override
+    def joint_limits(self) -> Sequence[JointLimitsReport]:
+        return self.commands.limit_reports
+
+    @override
+    def clamps(self) -> Sequence[ClampReport]:
+        return self.commands.clamps()
 
     @override
     def check_for_conflict(

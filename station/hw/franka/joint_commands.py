@@ -22,12 +22,21 @@ from station.core.limits import (
     VelocityJointSoftLimitsHandle,
     VelocityJointSoftLimitsInterface,
 )
+from station.core.robot_report import ClampReport, JointLimitsReport, report_clamps
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.rate_limiter import RateLimits
 from station.hw.franka.robot_state import RobotState
 from station.hw.urdf import Joint
 
 _DOF = 7
+_SOURCES = {
+    "position": "urdf limit",
+    "velocity": "urdf limit",
+    "acceleration": "rate limits of the arm",
+    "jerk": "rate limits of the arm",
+    "effort": "urdf limit",
+    "soft": "urdf safety_controller",
+}
 
 
 class JointCommands:
@@ -48,6 +57,7 @@ class JointCommands:
         has_positions: Whether position commands are taken.
         has_velocities: Whether velocity commands are taken.
         has_efforts: Whether torque commands are taken.
+        limit_reports: The limits that are enforced, and their sources.
     """
 
     def __init__(self, state: RobotState, names: Sequence[str]) -> None:
@@ -57,6 +67,7 @@ class JointCommands:
         self.efforts = [0.0] * _DOF
         self._lower = [-inf] * _DOF
         self._upper = [inf] * _DOF
+        self.limit_reports: list[JointLimitsReport] = []
         self._states = JointStateInterface()
         self._position_interface = PositionJointInterface()
         self._velocity_interface = VelocityJointInterface()
@@ -123,6 +134,9 @@ class JointCommands:
                 k_position=joint.safety.k_position,
                 k_velocity=joint.safety.k_velocity,
             )
+            self.limit_reports.append(
+                JointLimitsReport(position.name, limits, soft, _SOURCES)
+            )
             self._position_limits.register_handle(
                 PositionJointSoftLimitsHandle(position, limits, soft)
             )
@@ -143,6 +157,18 @@ class JointCommands:
     ]:
         """Return the limits that are enforced, with their clamp counts."""
         return [self._position_limits, self._velocity_limits, self._effort_limits]
+
+    def clamps(self) -> list[ClampReport]:
+        """Return which commands were cut off. Any thread."""
+        return report_clamps({
+            (handle.name, interface.type_name): handle
+            for interface, limits in (
+                (self._position_interface, self._position_limits),
+                (self._velocity_interface, self._velocity_limits),
+                (self._effort_interface, self._effort_limits),
+            )
+            for handle in limits.handles()
+        })
 
     def begin(self, mode: ControlMode) -> None:
         """Take commands of the kinds in `mode` from now on.

@@ -24,9 +24,17 @@ from station.core.limits import (
     soft_joint_limits_from_urdf,
 )
 from station.core.parameters import Parameters
+from station.core.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    limit_values,
+    report_clamps,
+)
 from station.core.urdf_text import parse_robot_description
+from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.mujoco_robot_parameters import LimitMode
 
+_PARAMETERS = "parameters"
 _Handles = Mapping[str, JointHandle]
 """A joint's command handles by quantity."""
 
@@ -42,6 +50,9 @@ class JointCommandLimits:
         params: The namespace that has `joint_limits`.
         mode: Which handles enforce them.
 
+    Attributes:
+        reports: The limits of every joint added, and their sources.
+
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, registerJointLimits;
     differs: one handle per kind of command, of which those in use act.
     """
@@ -52,6 +63,7 @@ class JointCommandLimits:
         self._params = params
         self._mode = mode
         self._handles: dict[tuple[str, str], JointLimitsHandle] = {}
+        self.reports: list[JointLimitsReport] = []
         self._active: list[JointLimitsHandle] = []
 
     def add(self, joint: str, commands: _Handles) -> None:
@@ -65,9 +77,15 @@ class JointCommandLimits:
             JointLimitsError: Its limits are contradictory.
             RobotDescriptionError: Its limits cannot be read.
         """
-        element = self._elements[joint]
-        limits = self._read_limits(joint, element)
-        soft = self._read_soft_limits(joint, element)
+        report = self._read(joint, self._elements[joint])
+        self.reports.append(report)
+        # The handles want these two.
+        limits, soft = report.limits, report.soft_limits
+        limits = replace(
+            limits,
+            max_velocity=inf if limits.max_velocity is None else limits.max_velocity,
+            max_effort=inf if limits.max_effort is None else limits.max_effort,
+        )
         for quantity, handle in commands.items():
             self._handles[joint, quantity] = self._make(quantity, handle, limits, soft)
 
@@ -97,22 +115,27 @@ class JointCommandLimits:
         for handle in self._active:
             handle.enforce_limits(period)
 
-    def _read_limits(self, joint: str, element: ElementTree.Element) -> JointLimits:
-        limits = joint_limits_from_urdf(element) or JointLimits()
-        limits = replace(limits, max_velocity=limits.max_velocity or None)
-        limits = joint_limits_from_parameters(joint, self._params, limits) or limits
-        # The handles want these two.
-        return replace(
-            limits,
-            max_velocity=inf if limits.max_velocity is None else limits.max_velocity,
-            max_effort=inf if limits.max_effort is None else limits.max_effort,
-        )
+    def clamps(self) -> list[ClampReport]:
+        """Return which commands were cut off. Any thread."""
+        return report_clamps({
+            (joint, COMMAND_INTERFACES[quantity].type_name): handle
+            for (joint, quantity), handle in self._handles.items()
+        })
 
-    def _read_soft_limits(
-        self, joint: str, element: ElementTree.Element
-    ) -> SoftJointLimits | None:
-        soft = soft_joint_limits_from_urdf(element)
-        return soft_joint_limits_from_parameters(joint, self._params, soft) or soft
+    def _read(self, joint: str, element: ElementTree.Element) -> JointLimitsReport:
+        params = self._params
+        first = joint_limits_from_urdf(element) or JointLimits()
+        first = replace(first, max_velocity=first.max_velocity or None)
+        limits = joint_limits_from_parameters(joint, params, first) or first
+        first_soft = soft_joint_limits_from_urdf(element)
+        soft = soft_joint_limits_from_parameters(joint, params, first_soft)
+        soft = soft or first_soft
+        before = limit_values(first, first_soft)
+        sources = {
+            kind: _PARAMETERS if value != before.get(kind) else _source_in_urdf(kind)
+            for kind, value in limit_values(limits, soft).items()
+        }
+        return JointLimitsReport(joint, limits, soft, sources)
 
     def _make(
         self,
@@ -138,3 +161,7 @@ class JointCommandLimits:
         if quantity == "velocity":
             return VelocityJointSoftLimitsHandle(handle, limits, soft)
         return EffortJointSoftLimitsHandle(handle, limits, soft)
+
+
+def _source_in_urdf(kind: str) -> str:
+    return "urdf safety_controller" if kind == "soft" else "urdf limit"

@@ -3,20 +3,14 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from station.core.interfaces import (
-    EffortJointInterface,
-    PositionJointInterface,
-    VelocityJointInterface,
-)
 from station.core.robot_hw import ControllerInfo
 from station.core.transmissions import RawJointData
+from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.joint_pids import JointPid
 
 _QUANTITY_OF_INTERFACE = {
-    PositionJointInterface.type_name: "position",
-    VelocityJointInterface.type_name: "velocity",
-    EffortJointInterface.type_name: "effort",
+    interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()
 }
 # Below this speed a joint without commands is held where it is [rad/s or m/s].
 _REST_VELOCITY = 0.01

@@ -20,17 +20,18 @@ from station.core.errors import (
     SwitchRefusedError,
 )
 from station.core.interfaces import (
-    EffortJointInterface,
-    JointCommandInterface,
     JointHandle,
     JointStateHandle,
     JointStateInterface,
-    PositionJointInterface,
-    VelocityJointInterface,
 )
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import ControllerInfo, RobotHW
+from station.core.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    TransmissionReport,
+)
 from station.core.transmissions import (
     ActuatorToJointStateInterface,
     JointToActuatorEffortInterface,
@@ -41,6 +42,7 @@ from station.core.transmissions import (
     TransmissionInterfaceLoader,
 )
 from station.core.transmissions.hardware_interface_kind import interface_of
+from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
@@ -58,11 +60,6 @@ from station.hw.urdf_parser import parse_urdf
 
 # Steps of the world that are made up for in one cycle; the rest is lost.
 _MOST_STEPS_AT_ONCE = 20
-_COMMANDS: tuple[tuple[str, type[JointCommandInterface]], ...] = (
-    ("position", PositionJointInterface),
-    ("velocity", VelocityJointInterface),
-    ("effort", EffortJointInterface),
-)
 _ToActuators = (
     JointToActuatorPositionInterface
     | JointToActuatorVelocityInterface
@@ -119,6 +116,7 @@ class MujocoRobotHW(RobotHW):
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         self._make_motors(description, urdf, transmissions)
+        self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_joint_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
         self._add_unpowered_joints(urdf)
@@ -161,6 +159,18 @@ class MujocoRobotHW(RobotHW):
             self._to_actuators[quantity].propagate()
             self._motors.act(quantity)
         self._advance(period)
+
+    @override
+    def joint_limits(self) -> Sequence[JointLimitsReport]:
+        return self._limits.reports
+
+    @override
+    def transmissions(self) -> Sequence[TransmissionReport]:
+        return self._transmission_reports
+
+    @override
+    def clamps(self) -> Sequence[ClampReport]:
+        return self._limits.clamps()
 
     @override
     def prepare_switch(
@@ -299,9 +309,18 @@ class MujocoRobotHW(RobotHW):
     def _add_limits(self, xml: str, params: Parameters, mode: LimitMode) -> None:
         self._limits = JointCommandLimits(xml, params, mode)
         commands: dict[str, dict[str, JointHandle]] = {n: {} for n in self._names}
-        for quantity, interface in _COMMANDS:
+        for quantity, interface in COMMAND_INTERFACES.items():
             # Not by `get_handle`: that would claim the joints.
             for handle in interface_of(self, interface).handles():
                 commands[handle.name][quantity] = handle
         for name, handles in commands.items():
             self._limits.add(name, handles)
+
+
+def _report(info: TransmissionInfo) -> TransmissionReport:
+    return TransmissionReport(
+        info.name,
+        info.type,
+        tuple(joint.name for joint in info.joints),
+        tuple(actuator.name for actuator in info.actuators),
+    )

@@ -1,0 +1,16 @@
+"""The robot: what can be claimed, who claims it, and what limits it."""
+
+from fastapi import APIRouter
+
+from station.api import wire_hardware
+from station.api.dependencies import StationDep, Viewer
+from station.api.routes.problems import problems
+from station.api.schemas import Hardware
+
+router = APIRouter(tags=["robot"], dependencies=[Viewer])
+
+
+@router.get("/hardware", responses=problems())
+def hardware(station: StationDep) -> Hardware:
+    """Return interfaces, claims, limits with their sources, transmissions, clamps."""
+    return wire_hardware.hardware(station.hardware())

@@ -1,0 +1,17 @@
+"""The kinds of command that a simulated joint takes."""
+
+from collections.abc import Mapping
+
+from station.core.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+
+COMMAND_INTERFACES: Mapping[str, type[JointCommandInterface]] = {
+    "position": PositionJointInterface,
+    "velocity": VelocityJointInterface,
+    "effort": EffortJointInterface,
+}
+"""Where controllers give commands of each quantity."""
