@@ -5,6 +5,10 @@ of the type is loaded.
 """
 
 CONTROLLERS: dict[str, str] = {
+    "effort_controllers/GripperActionController": (
+        "station.controllers.gripper_action_controller.effort_controllers"
+        ":GripperActionController"
+    ),
     "effort_controllers/JointEffortController": (
         "station.controllers.effort_controllers:JointEffortController"
     ),
@@ -40,6 +44,10 @@ CONTROLLERS: dict[str, str] = {
     "pos_vel_acc_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller.pos_vel_acc_controllers"
         ":JointTrajectoryController"
+    ),
+    "position_controllers/GripperActionController": (
+        "station.controllers.gripper_action_controller.position_controllers"
+        ":GripperActionController"
     ),
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"

@@ -34,6 +34,7 @@ from station.hw.franka.control_mode import (
     find_conflicts,
     is_supported,
 )
+from station.hw.franka.finger_joints import FingerJoints
 from station.hw.franka.franka_parameters import (
     CommandSettings,
     FrankaParameters,
@@ -69,7 +70,8 @@ class FrankaHW(RobotHW):
     """A Franka arm with seven joints, simulated unless it is given another arm.
 
     Interfaces: JointState and EffortJoint with the measured state, PositionJoint and
-    VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`.
+    VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`. The fingers
+    of a simulated hand are in EffortJoint and PositionJoint, too.
 
     Parameters are those of `franka_parameters`. `init` stores the URDF, with the names
     of this arm, as `robot_description` in the root namespace if there is none yet.
@@ -89,6 +91,7 @@ class FrankaHW(RobotHW):
         self._mode = ControlMode.NONE
         self._switch_failed = False
         self._time_due = 0.0
+        self._fingers: FingerJoints | None = None
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -114,6 +117,7 @@ class FrankaHW(RobotHW):
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, PANDA_RATE_LIMITS):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
+        self._add_fingers(arm_id)
         for interface in self.commands.interfaces():
             self.register_interface(interface)
 
@@ -156,10 +160,14 @@ class FrankaHW(RobotHW):
         self._time_due -= cycles * arm.cycle_time
         for _ in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
             arm.read_once()
+        if self._fingers is not None:
+            self._fingers.read()
 
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
+        if self._fingers is not None:
+            self._fingers.write()
         arm, commands, state = self.arm, self.commands, self.arm.state
         if state.robot_mode is not RobotMode.MOVE:
             return
@@ -191,7 +199,10 @@ class FrankaHW(RobotHW):
     def check_for_conflict(
         self, controllers: Sequence[ControllerInfo]
     ) -> list[ResourceConflict]:
-        return find_conflicts(controllers, self._parameters.arm_id)
+        conflicts = find_conflicts(controllers, self._parameters.arm_id)
+        if self._fingers is not None and not conflicts:
+            return self._fingers.find_conflicts(controllers)
+        return conflicts
 
     @override
     def prepare_switch(
@@ -231,6 +242,8 @@ class FrankaHW(RobotHW):
         self._switch_failed = False
         if self._control_mode_of(start) or self._control_mode_of(stop):
             self._enter(self._mode_after(start, stop))
+        if self._fingers is not None:
+            self._fingers.do_switch(start, stop)
 
     @override
     def switch_result(self) -> SwitchState:
@@ -256,6 +269,8 @@ class FrankaHW(RobotHW):
         if self.simulation is None:
             raise RuntimeError("the arm is not simulated")
         self.simulation.world.reset(positions)
+        if self._fingers is not None:
+            self._fingers.begin_anew()
         self._enter(self._mode)
 
     def joint_limit_warnings(self) -> list[str]:
@@ -272,6 +287,14 @@ class FrankaHW(RobotHW):
                     f"{joint.name} is {degrees(distance):.1f} degrees from a limit"
                 )
         return warnings
+
+    def _add_fingers(self, arm_id: str) -> None:
+        """Add the finger joints of a simulated hand to the arm's interfaces."""
+        grippers = self.simulation.grippers if self.simulation is not None else {}
+        if arm_id in grippers:
+            names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
+            self._fingers = FingerJoints(grippers[arm_id], names)
+            self._fingers.register(self.commands.interfaces())
 
     def _enter(self, mode: ControlMode) -> None:
         """Change the arm to `mode`, its commands seeded with what it does now."""

@@ -20,3 +20,25 @@ def test_fingers_go_to_the_width_and_stay(width: float) -> None:
     # 1 N at 5000 N/m is 0.2 mm.
     expected = [width / 2.0] * 2
     assert world.data.qpos[7:] == pytest.approx(expected, abs=3e-4)
+
+
+def test_pressing_lets_the_width_go_and_holding_stops_it() -> None:
+    description = load_robot_description("example-robot-data:panda")
+    simulation = simulate([ArmPlacement("panda", description)])
+    world, gripper = simulation.world, simulation.grippers["panda"]
+    gripper.press(-0.5)
+    for _ in range(20):
+        world.step()
+    assert gripper.read_force() == pytest.approx(-0.5)
+    assert gripper.read_velocity() < 0.0
+    assert gripper.read_position() < 0.039
+
+    gripper.hold(0.05)
+    for _ in range(500):
+        world.step()
+
+    assert gripper.read_position() == pytest.approx(0.025, abs=1e-4)
+    world.reset()
+    for _ in range(10):
+        world.step()
+    assert gripper.read_position() == pytest.approx(0.04, abs=1e-4)

@@ -1,0 +1,204 @@
+"""Open and close a gripper with one joint; the base for all interfaces.
+
+Source: ros_controllers@678b92a gripper_action_controller/
+gripper_action_controller.h, gripper_action_controller_impl.h.
+"""
+
+from math import inf, isfinite
+from typing import TypeVar
+
+from typing_extensions import override
+
+from station.controllers.gripper_action_controller.gripper_command_port import (
+    GripperCommand,
+    GripperCommandPort,
+)
+from station.core.controller import Controller, ControllerSample
+from station.core.errors import ParameterError
+from station.core.goal import Goal, GoalResult, GoalStatus
+from station.core.interfaces import JointCommandInterface, JointHandle
+from station.core.parameters import Parameters
+from station.core.robot_description import JointDescription, require_robot_description
+
+CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
+
+
+class GripperActionControllerBase(Controller[CommandInterfaceT]):
+    """Moves the joint to the position of a goal; subclasses command the hardware.
+
+    A goal succeeds when the joint is within `goal_tolerance` of its position. It is
+    aborted, with `stalled` in its details, when the joint stands still elsewhere for
+    `stall_timeout`: something is between the fingers, and they go on pressing.
+
+    Parameters: `joint`; `goal_tolerance` [m or rad], 0.01; `max_effort` [N or Nm], for
+    goals that name none; `stall_velocity_threshold` [m/s or rad/s], 0.001;
+    `stall_timeout` [s], 1.0. `action_monitor_rate` is accepted and not needed.
+
+    Source:
+        GripperActionController; differs: `max_effort` is the joint's effort limit by
+        default, because with the original's 0 the fingers are limp; a position beyond
+        the joint's limits is refused.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.joint = JointDescription("")
+        self._handles: list[JointHandle] = []
+        self._command = GripperCommand(0.0, 0.0)
+        self._goal: Goal | None = None
+        self._distance = 0.0
+        self._last_movement = 0.0
+        self._tolerance = 0.0
+        self._max_effort = 0.0
+        self._stall_velocity = 0.0
+        self._stall_timeout = 0.0
+        self._port = GripperCommandPort(self.joint, 0.0, self.is_running)
+
+    @override
+    def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
+        name = params.get_str("joint")
+        self.joint_names = [name]
+        self.joint = require_robot_description(params).joint(name)
+        self._handles = [interface.get_handle(name)]
+        self._tolerance = abs(params.get_float("goal_tolerance", 0.01))
+        self._max_effort = self._read_max_effort(params)
+        self._stall_velocity = params.get_float("stall_velocity_threshold", 0.001)
+        self._stall_timeout = params.get_float("stall_timeout", 1.0)
+        self._port = GripperCommandPort(self.joint, self._max_effort, self.is_running)
+        self.goals = self._port
+        self.init_command(params)
+
+    def init_command(self, params: Parameters) -> None:
+        """Read what commanding the joint needs; nothing by default."""
+
+    def reset_command(self) -> None:
+        """Forget what happened before; called when the controller starts."""
+
+    def command(
+        self, handle: JointHandle, target: GripperCommand, period: float
+    ) -> float:
+        """Command the joint towards `target`; return what was commanded.
+
+        Args:
+            handle: The joint.
+            target: Where it shall go, and how strongly.
+            period: Time since the last cycle [s], >= 0.
+        """
+        raise NotImplementedError
+
+    @override
+    def starting(self, time: float) -> None:
+        self._end_goals(GoalStatus.PREEMPTED, "The controller was started anew.")
+        self._hold()
+        self._last_movement = time
+        self.reset_command()
+
+    @override
+    def stopping(self, time: float) -> None:
+        """End the active goal; it never resumes."""
+        self._end_goals(GoalStatus.PREEMPTED, "The controller was stopped.")
+
+    @override
+    def aborting(self, time: float) -> None:
+        """End the active goal; it never resumes."""
+        self._end_goals(GoalStatus.ABORTED, "The controller failed.")
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        (handle,) = self._handles
+        while self._port.waiting:
+            self._take_up(*self._port.waiting[0], time)
+            self._port.waiting.popleft()
+        goal = self._goal
+        if goal is not None and goal.cancel_requested:
+            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "It was cancelled."))
+            self._goal = None
+            self._hold()
+        position = handle.get_position()
+        error = self._command.position - position
+        output = self.command(handle, self._command, period)
+        if self._goal is not None:
+            self._supervise(self._goal, handle, error, time)
+        self.sample = ControllerSample(
+            time, [self._command.position], [position], [error], [output]
+        )
+
+    def _take_up(self, goal: Goal, command: GripperCommand, time: float) -> None:
+        if self._goal is not None:
+            replaced = GoalResult(0, "Another goal replaced it.")
+            self._goal.finish(GoalStatus.PREEMPTED, replaced)
+        if not goal.is_final():
+            goal.status = GoalStatus.ACTIVE
+        self._goal = goal
+        self._command = command
+        self._last_movement = time
+        self._distance = abs(command.position - self._handles[0].get_position())
+
+    def _supervise(
+        self, goal: Goal, handle: JointHandle, error: float, time: float
+    ) -> None:
+        if self._distance > 0.0:
+            way = 1.0 - abs(error) / self._distance
+            goal.progress = min(1.0, max(goal.progress, way))
+        if abs(error) < self._tolerance:
+            goal.progress = 1.0
+            goal.finish(GoalStatus.SUCCEEDED, self._result(handle, error))
+            self._goal = None
+        elif abs(handle.get_velocity()) > self._stall_velocity:
+            self._last_movement = time
+        elif time - self._last_movement > self._stall_timeout:
+            goal.finish(GoalStatus.ABORTED, self._result(handle, error))
+            self._goal = None
+
+    def _result(self, handle: JointHandle, error: float) -> GoalResult:
+        """Return the result of the action."""
+        stalled = abs(error) >= self._tolerance
+        unit = "m" if self.joint.is_linear() else "rad"
+        position = handle.get_position()
+        message = (
+            f"Joint '{self.joint.name}' stands still at {position:.6g} {unit}, "
+            f"{abs(error):.6g} {unit} from its goal; allowed are "
+            f"{self._tolerance:.6g} {unit}."
+        )
+        details: dict[str, object] = {
+            "position": position,
+            "effort": handle.get_effort(),
+            "stalled": stalled,
+            "reached_goal": not stalled,
+        }
+        if stalled:
+            details |= {
+                "joint": self.joint.name,
+                "error": error,
+                "tolerance": self._tolerance,
+            }
+        return GoalResult(0, message if stalled else "", details)
+
+    def _hold(self) -> None:
+        """Stay where the joint is."""
+        position = self._handles[0].get_position()
+        self._command = GripperCommand(position, self._max_effort)
+
+    def _end_goals(self, status: GoalStatus, reason: str) -> None:
+        if self._goal is not None:
+            self._goal.finish(status, GoalResult(0, reason))
+            self._goal = None
+        while self._port.waiting:
+            self._port.waiting.popleft()[0].finish(status, GoalResult(0, reason))
+
+    def _read_max_effort(self, params: Parameters) -> float:
+        """Return the effort of goals that name none [N or Nm].
+
+        Raises:
+            ParameterError: There is neither a parameter nor a limit of the joint.
+        """
+        limit = self.joint.effort
+        effort = abs(params.get_float("max_effort", limit if limit < inf else -inf))
+        if not isfinite(effort):
+            raise ParameterError(
+                f"Parameter '{params.resolve('max_effort')}' is missing, and joint "
+                f"'{self.joint.name}' has no effort limit.",
+                remedy="Give the largest effort of the gripper.",
+                details={"parameter": params.resolve("max_effort")},
+            )
+        return effort
