@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -47,21 +48,20 @@ def blocks(page: Path) -> list[str]:
     return _BLOCK.findall(page.read_text())
 
 
-def commands(page: Path, variables: dict[str, str] | None = None) -> list[Command]:
-    """Return the commands of a page's shell blocks, with `$NAME` replaced.
+def commands(page: Path, variables: dict[str, str] | None = None) -> Iterator[Command]:
+    """Yield the commands of a page's shell blocks, with `$NAME` replaced.
 
-    Assignments are not commands; `variables` are known, whatever a page assigns.
+    Assignments are not commands. `variables` keep their values, whatever a page
+    assigns; whoever runs the commands may add to them between two.
     """
-    known = dict(variables or {})
-    found = []
+    known = {} if variables is None else variables
     for block in blocks(page):
         for line in _logical_lines(block):
             assigned = _ASSIGNMENT.fullmatch(line)
             if assigned is None:
-                found.append(_command(line, known))
+                yield _command(line, known)
             elif assigned[1] not in known:
                 known[assigned[1]] = _command(assigned[2], known).words[0]
-    return found
 
 
 def _logical_lines(block: str) -> list[str]:

@@ -56,7 +56,7 @@ def test_every_route_has_an_example_with_curl():
     for command in commands(PAGE, {"API": ""}):
         if command.words[0] == "curl":
             request = curl_request(command.words)
-            tried.append((request.method, request.url))
+            tried.append((request.method, request.url.partition("?")[0]))
 
     for method, route in OPERATIONS:
         pattern = re.compile(re.sub(r"\{\w+\}", "[^/]+", route))

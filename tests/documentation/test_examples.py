@@ -53,8 +53,10 @@ def test_examples_of_the_page_work_in_their_order(page, url, monkeypatch, capsys
     for command in commands(page, variables):
         if command.words[0] == "curl":
             answer = send(command.words)
-            expected = {command.status} if command.status else {200}
+            expected = {command.status or 200}
             assert answer.status_code in expected, f"{command.text}: {answer.text}"
+            if answer.status_code == 201 and "id" in answer.json():
+                variables["GOAL"] = answer.json()["id"]
         elif command.words[0] == "station" and command.words[1] not in ENDLESS:
             code = main(command.words[1:])
             assert code == 0, f"{command.text}: {capsys.readouterr().err}"
