@@ -1,8 +1,8 @@
 """What `ControllerManager.update` costs over the controllers it calls.
 
 Run `python benchmarks/bench_controller_manager_update.py`; it prints microseconds per
-for 0, 1, 2, 5 and 10 running controllers that do nothing, each over seven joints, next
-to the cost of the bare calls.
+cycle for 0, 1, 2, 5 and 10 running controllers that do nothing, each over seven joints,
+next to the cost of the bare calls.
 """
 
 from functools import partial

@@ -1,8 +1,9 @@
 """What a Python process can do so that its control thread is on time.
 
-Measured (docs/architecture.md): the interpreter's switch interval decides how long the
-control thread waits for a busy neighbour; a full garbage collection over a large heap
-takes tens of milliseconds; SCHED_FIFO halves the wake-up lateness.
+The interpreter's switch interval decides how long the control thread waits for a busy
+neighbour; a full garbage collection over a large heap takes tens of milliseconds
+(benchmarks/bench_interpreter.py). What SCHED_FIFO is worth depends on the machine
+(benchmarks/bench_loop_lateness.py).
 """
 
 import gc

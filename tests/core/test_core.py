@@ -1,11 +1,16 @@
 """The names that people write robots and controllers with."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import station.core
+from station.core import public
+
+PAGE = Path(__file__).parents[2] / "docs" / "python.md"
 
 
 @pytest.mark.parametrize("name", station.core.__all__)
@@ -27,3 +32,16 @@ def test_asking_for_an_error_does_not_read_the_rest():
     )
 
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_everything_that_is_imported_is_exported():
+    imported = {name for name, value in vars(public).items() if callable(value)}
+
+    assert imported == set(public.__all__)
+
+
+def test_the_page_about_python_lists_exactly_the_public_names():
+    rows = [line for line in PAGE.read_text().splitlines() if line.startswith("| ")]
+    listed = re.findall(r"`(\w+)`", "\n".join(rows))
+
+    assert sorted(listed) == sorted(public.__all__)

@@ -1,0 +1,185 @@
+"""The names that people write robots, controllers and loops with.
+
+`from station.core import …` finds them here; docs/python.md lists them by purpose.
+"""
+
+from station.core.clock import Clock, ManualClock, SystemClock
+from station.core.combined_robot_hw import CombinedRobotHW
+from station.core.control_loop import ControlLoop
+from station.core.controller import (
+    Controller,
+    ControllerBase,
+    ControllerSample,
+    ControllerState,
+    MultiInterfaceController,
+)
+from station.core.controller_loader import (
+    ControllerLoader,
+    TableLoader,
+    default_loaders,
+)
+from station.core.controller_manager import ControllerManager
+from station.core.controller_status import ControllerStatistics, ControllerStatus
+from station.core.errors import (
+    ControllerLoadError,
+    HardwareInterfaceError,
+    ParameterError,
+    StationError,
+    SwitchRefusedError,
+)
+from station.core.interfaces import (
+    ActuatorHandle,
+    ActuatorStateHandle,
+    ActuatorStateInterface,
+    EffortActuatorInterface,
+    EffortJointInterface,
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+    HardwareResourceManager,
+    ImuSensorHandle,
+    ImuSensorInterface,
+    JointCommandMode,
+    JointGroup,
+    JointHandle,
+    JointModeHandle,
+    JointModeInterface,
+    JointStateGroup,
+    JointStateHandle,
+    JointStateInterface,
+    PositionActuatorInterface,
+    PositionJointInterface,
+    PosVelAccJointHandle,
+    PosVelAccJointInterface,
+    PosVelJointHandle,
+    PosVelJointInterface,
+    ResourceHandle,
+    ResourceManager,
+    VelocityActuatorInterface,
+    VelocityJointInterface,
+)
+from station.core.limits import (
+    EffortJointSoftLimitsHandle,
+    EffortJointSoftLimitsInterface,
+    JointLimits,
+    PositionJointSoftLimitsHandle,
+    PositionJointSoftLimitsInterface,
+    SoftJointLimits,
+    VelocityJointSoftLimitsHandle,
+    VelocityJointSoftLimitsInterface,
+)
+from station.core.parameters import Parameters, ParameterTree
+from station.core.pid import Pid, PidGains
+from station.core.realtime import (
+    RealtimeBox,
+    RealtimeBuffer,
+    RealtimeClock,
+    RealtimePublisher,
+    RealtimeServerGoalHandle,
+)
+from station.core.robot_hw import (
+    ControllerInfo,
+    InterfaceResources,
+    ResourceConflict,
+    RobotHW,
+    SwitchState,
+)
+from station.core.set_point import SetPointElement, SetPointPort
+from station.core.snapshot import Snapshot, SnapshotRing
+from station.core.station import Station
+from station.core.switching import Strictness, SwitchRequest, SwitchResult
+from station.core.transmissions import (
+    DifferentialTransmission,
+    FourBarLinkageTransmission,
+    SimpleTransmission,
+    Transmission,
+    TransmissionInterfaceLoader,
+)
+from station.core.tunables import Tunable
+
+__all__ = [
+    "ActuatorHandle",
+    "ActuatorStateHandle",
+    "ActuatorStateInterface",
+    "Clock",
+    "CombinedRobotHW",
+    "ControlLoop",
+    "Controller",
+    "ControllerBase",
+    "ControllerInfo",
+    "ControllerLoadError",
+    "ControllerLoader",
+    "ControllerManager",
+    "ControllerSample",
+    "ControllerState",
+    "ControllerStatistics",
+    "ControllerStatus",
+    "DifferentialTransmission",
+    "EffortActuatorInterface",
+    "EffortJointInterface",
+    "EffortJointSoftLimitsHandle",
+    "EffortJointSoftLimitsInterface",
+    "ForceTorqueSensorHandle",
+    "ForceTorqueSensorInterface",
+    "FourBarLinkageTransmission",
+    "HardwareInterfaceError",
+    "HardwareResourceManager",
+    "ImuSensorHandle",
+    "ImuSensorInterface",
+    "InterfaceResources",
+    "JointCommandMode",
+    "JointGroup",
+    "JointHandle",
+    "JointLimits",
+    "JointModeHandle",
+    "JointModeInterface",
+    "JointStateGroup",
+    "JointStateHandle",
+    "JointStateInterface",
+    "ManualClock",
+    "MultiInterfaceController",
+    "ParameterError",
+    "ParameterTree",
+    "Parameters",
+    "Pid",
+    "PidGains",
+    "PosVelAccJointHandle",
+    "PosVelAccJointInterface",
+    "PosVelJointHandle",
+    "PosVelJointInterface",
+    "PositionActuatorInterface",
+    "PositionJointInterface",
+    "PositionJointSoftLimitsHandle",
+    "PositionJointSoftLimitsInterface",
+    "RealtimeBox",
+    "RealtimeBuffer",
+    "RealtimeClock",
+    "RealtimePublisher",
+    "RealtimeServerGoalHandle",
+    "ResourceConflict",
+    "ResourceHandle",
+    "ResourceManager",
+    "RobotHW",
+    "SetPointElement",
+    "SetPointPort",
+    "SimpleTransmission",
+    "Snapshot",
+    "SnapshotRing",
+    "SoftJointLimits",
+    "Station",
+    "StationError",
+    "Strictness",
+    "SwitchRefusedError",
+    "SwitchRequest",
+    "SwitchResult",
+    "SwitchState",
+    "SystemClock",
+    "TableLoader",
+    "Transmission",
+    "TransmissionInterfaceLoader",
+    "Tunable",
+    "VelocityActuatorInterface",
+    "VelocityJointInterface",
+    "VelocityJointSoftLimitsHandle",
+    "VelocityJointSoftLimitsInterface",
+    "default_loaders",
+]

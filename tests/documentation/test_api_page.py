@@ -1,0 +1,91 @@
+"""docs/api.md tells the whole API: routes, access, statuses, topics, close codes."""
+
+import re
+
+import pytest
+
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.routes import PREFIX
+from station.api.routes.problems import MEANINGS
+from station.api.schemas import streams
+from station.api.streams import broadcaster
+from station.api.streams.topics import ControllerStateTopic, CycleTopic, Topic
+from tests.api.spring import make_station
+from tests.documentation.shell_examples import ROOT, commands, curl_request
+
+PAGE = ROOT / "docs" / "api.md"
+OPERATIONS = {
+    (method.upper(), path.removeprefix(PREFIX)): operation
+    for path, methods in create_app(make_station(), Authenticator())
+    .openapi()["paths"]
+    .items()
+    for method, operation in methods.items()
+}
+
+
+def rows(header: str) -> list[list[str]]:
+    """Return the cells of the table whose first header cell is `header`."""
+    _, _, table = PAGE.read_text().partition(f"| {header} |")
+    lines = table.partition("\n\n")[0].splitlines()[2:]
+    return [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in lines]
+
+
+def test_routes_are_those_of_the_api():
+    listed = [(method, route) for method, route, *_ in rows("Method")]
+
+    assert sorted(listed) == sorted(OPERATIONS)
+
+
+@pytest.mark.parametrize(
+    ("method", "route", "access"), [row[:3] for row in rows("Method")]
+)
+def test_access_is_what_the_route_asks_for(http, method, route, access):
+    url = PREFIX + re.sub(r"\{\w+\}", "x", route)
+
+    anonymous = http.request(method, url)
+    http.headers["Authorization"] = "Bearer viewer-token"
+    viewer = http.request(method, url)
+
+    assert (anonymous.status_code == 401) == (access != "-")
+    assert (viewer.status_code == 403) == (access == "operator")
+
+
+def test_every_route_has_an_example_with_curl():
+    tried = []
+    for command in commands(PAGE, {"API": ""}):
+        if command.words[0] == "curl":
+            request = curl_request(command.words)
+            tried.append((request.method, request.url.partition("?")[0]))
+
+    for method, route in OPERATIONS:
+        pattern = re.compile(re.sub(r"\{\w+\}", "[^/]+", route))
+        assert any(m == method and pattern.fullmatch(u) for m, u in tried), route
+
+
+def test_statuses_are_all_explained():
+    listed = {int(status) for status, _ in rows("Status")}
+
+    assert listed >= set(MEANINGS)
+
+
+def test_close_codes_are_those_of_the_streams():
+    known = {v for n, v in vars(streams).items() if n.startswith("CLOSE_")}
+    known.add(broadcaster.CLOSE_INTERNAL_ERROR)
+
+    assert {int(code) for code, _ in rows("Close code")} == known
+
+
+def test_topics_have_the_rate_and_the_fields_of_the_page():
+    kinds = [kind for base in (Topic, CycleTopic) for kind in base.__subclasses__()]
+    reports = [kind for base in kinds for kind in base.__subclasses__()]
+    topics = {
+        ("controller_state/{name}" if kind is ControllerStateTopic else kind.name): kind
+        for kind in {*kinds, *reports}
+        if not kind.__abstractmethods__
+    }
+
+    for name, rate, fields in rows("Topic"):
+        assert float(rate) == topics[name].default_rate
+        assert set(topics[name].fields) <= set(re.findall(r"\w+", fields))
+    assert {row[0] for row in rows("Topic")} == set(topics)

@@ -1,0 +1,83 @@
+"""Every shell example works: curl and `station` lines run against a real station."""
+
+import httpx
+import pytest
+
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.server import ApiServer
+from station.app.composition import compose
+from station.cli.arguments import build_parser
+from station.cli.main import main, normalise
+from station.config import load_config
+from station.core.switching import SwitchRequest
+from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
+
+OPERATOR = "operator-token"
+TRIED = [ROOT / "README.md", ROOT / "docs" / "api.md"]
+ENDLESS = {"run", "ui", "doctor"}
+VERBS = [
+    pytest.param(command.words[1:], id=command.text)
+    for page in PAGES
+    for command in commands(page)
+    if command.words[0] == "station"
+]
+
+
+@pytest.fixture
+def url():
+    """Serve the station of the default configuration; return its address."""
+    config = load_config()
+    station = compose(config).station
+    station.loop.start()
+    try:
+        station.switch_controllers(SwitchRequest(start=config.start))
+        with ApiServer(create_app(station, Authenticator(OPERATOR)), port=0) as server:
+            yield server.url
+    finally:
+        station.loop.stop()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", TRIED, ids=lambda page: page.name)
+def test_examples_of_the_page_work_in_their_order(page, url, monkeypatch, capsys):
+    monkeypatch.setenv("STATION_URL", url)
+    monkeypatch.setenv("STATION_TOKEN", OPERATOR)
+    variables = {
+        "API": f"{url}/api/v1",
+        "TOKEN": OPERATOR,
+        "AUTH": f"Authorization: Bearer {OPERATOR}",
+    }
+    tried = 0
+
+    for command in commands(page, variables):
+        if command.words[0] == "curl":
+            answer = send(command.words)
+            expected = {command.status or 200}
+            assert answer.status_code in expected, f"{command.text}: {answer.text}"
+            if answer.status_code == 201 and "id" in answer.json():
+                variables["GOAL"] = answer.json()["id"]
+        elif command.words[0] == "station" and command.words[1] not in ENDLESS:
+            code = main(command.words[1:])
+            assert code == 0, f"{command.text}: {capsys.readouterr().err}"
+        else:
+            continue
+        tried += 1
+
+    assert tried
+
+
+def send(words: list[str]) -> httpx.Response:
+    request = curl_request(words)
+    return httpx.request(
+        request.method,
+        request.url,
+        headers=request.headers,
+        content=request.body,
+        timeout=30.0,
+    )
+
+
+@pytest.mark.parametrize("words", VERBS)
+def test_the_command_line_understands_the_example(words):
+    assert build_parser().parse_args(normalise(words)).handler
