@@ -151,32 +151,39 @@ def test_an_operation_may_raise_anything_and_the_loop_runs_on():
 
 def test_whoever_waits_when_the_loop_dies_is_told_at_once():
     hw = OneJoint()
-    hw.fail_in_cycle = 3
     loop = _loop(hw)
-    reached, go_on = threading.Event(), threading.Event()
+    begun = threading.Event()
 
-    def hold(time: float, period: float) -> None:
-        reached.set()
-        go_on.wait(5.0)
+    def fail_once_somebody_waits(*_: float) -> None:
+        begun.set()
+        while not loop._operations:
+            pass
+        raise RuntimeError("the cable is out")
 
-    hw.write = hold
+    hw.write = fail_once_somebody_waits
     loop.start()
-    assert reached.wait(5.0)
-    told: list[BaseException] = []
+    assert begun.wait(5.0)
+    with pytest.raises(LoopError, match="the cable is out"):
+        loop.run_in_cycle(lambda: None, timeout=60.0)
+    loop.stop()
 
-    def wait() -> None:
-        try:
-            while True:
-                loop.run_in_cycle(lambda: None, timeout=60.0)
-        except LoopError as error:
-            told.append(error)
 
-    waiter = threading.Thread(target=wait)
-    waiter.start()
-    go_on.set()
-    waiter.join(5.0)
-    assert not waiter.is_alive()
-    assert "the cable is out" in str(told[0])
+def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
+    hw = OneJoint()
+    loop = _loop(hw)
+    stopped: list[float] = []
+    loop.manager.stop_all = stopped.append
+
+    def fail(*_: float) -> None:
+        loop.stop_latch.engage("meanwhile")
+        raise RuntimeError("the cable is out")
+
+    hw.write = fail
+    loop.start()
+    loop._thread.join(5.0)
+    assert stopped == [pytest.approx(PERIOD)]
+    assert not loop.stop_latch.pending
+    assert loop.epoch == 2
     loop.stop()
 
 
