@@ -6,7 +6,6 @@ since the last cycle and so a multiple of the nominal period.
 """
 
 import threading
-import traceback
 from collections import deque
 from collections.abc import Callable
 from typing import TypeVar
@@ -14,6 +13,7 @@ from typing import TypeVar
 from station.core.clock import Clock
 from station.core.controller_manager import ControllerManager
 from station.core.errors import LoopError
+from station.core.faults import CONTAINED, trace_of_fault
 from station.core.interfaces import JointStateGroup, JointStateInterface
 from station.core.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.robot_hw import RobotHW
@@ -42,8 +42,13 @@ class _Operation:
         if not self.abandoned:
             try:
                 self.result = self.action()
-            except Exception as error:  # noqa: BLE001 - handed to the caller
+            except BaseException as error:  # noqa: BLE001 - handed to the caller
                 self.error = error
+        self.done.release()
+
+    def give_up(self, error: LoopError) -> None:
+        """Tell who waits that nobody will run it."""
+        self.error = error
         self.done.release()
 
 
@@ -176,14 +181,9 @@ class ControlLoop:
         thread = self._thread
         if thread is None or thread is threading.current_thread():
             return action()
-        if self._state is LoopState.FAILED:
-            raise LoopError(
-                f"The control loop died: {self.failure_summary()}",
-                remedy="Restart the station; GET /loop has the whole traceback.",
-                details={"failure": self._failure},
-            )
         operation = _Operation(action)
         self._operations.append(operation)
+        self.check_alive()  # after it: whoever dies later gives it up
         if not operation.done.acquire(timeout=timeout):
             operation.abandoned = True
             raise LoopError(
@@ -194,6 +194,15 @@ class ControlLoop:
         if operation.error is not None:
             raise operation.error
         return operation.result  # type: ignore[return-value]  # of this action
+
+    def check_alive(self) -> None:
+        """Refuse when the loop died; nothing moves any more.
+
+        Raises:
+            LoopError: It did, and why.
+        """
+        if self._state is LoopState.FAILED:
+            raise self._death()
 
     def report(self) -> LoopReport:
         """Return how the loop is doing. Any thread."""
@@ -219,7 +228,8 @@ class ControlLoop:
         """Stop every controller now; control thread, or when no thread runs."""
         self.next_epoch()
         self.manager.stop_all(self.time)
-        self.stop_latch.carried_out(self.cycle)
+        if self.stop_latch.pending:
+            self.stop_latch.carried_out(self.cycle)
 
     def age(self) -> float:
         """Return how long ago the last cycle ended [s wall time]."""
@@ -233,9 +243,26 @@ class ControlLoop:
         self._scheduler = request_realtime_priority()
         try:
             self._run_until_stopped()
-        except Exception:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
-            self._failure = traceback.format_exc()
+        except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
+            self._failure = trace_of_fault()
             self._state = LoopState.FAILED
+            self._end_what_ran()
+
+    def _end_what_ran(self) -> None:
+        """Stop the controllers of a loop that died and tell who waits for it."""
+        try:
+            self.carry_out_stop()
+        except CONTAINED:
+            self._failure = f"{trace_of_fault()}\nAfter:\n{self._failure}"
+        while self._operations:
+            self._operations.popleft().give_up(self._death())
+
+    def _death(self) -> LoopError:
+        return LoopError(
+            f"The control loop died: {self.failure_summary()}",
+            remedy="Restart the station; GET /loop has the whole traceback.",
+            details={"failure": self._failure},
+        )
 
     def _run_until_stopped(self) -> None:
         wall_period = self.period / self.real_time_factor

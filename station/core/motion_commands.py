@@ -68,6 +68,7 @@ class MotionCommands:
             InvalidCommandError: It takes no set-points, or `values` is malformed.
             StaleEpochError: `epoch` is over.
             StoppedError: The station is stopped.
+            LoopError: The loop died.
         """
         port = self._set_point_port(name)
         port.check(values)
@@ -92,6 +93,7 @@ class MotionCommands:
             InvalidTrajectoryError: `request` cannot be followed.
             StaleEpochError: `epoch` is over.
             StoppedError: The station is stopped.
+            LoopError: The loop died.
             StationError: One of these came true meanwhile; nothing moves.
         """
         port = self._goal_port(name)
@@ -156,6 +158,7 @@ class MotionCommands:
             InvalidCommandError: It takes no trajectories.
             StaleEpochError: `epoch` is over.
             StoppedError: The station is stopped.
+            LoopError: The loop died.
             StationError: One of these came true meanwhile; nothing moves.
         """
         port = self._trajectory_port(name)
@@ -196,7 +199,9 @@ class MotionCommands:
             ControllerStateError: The controller is not running.
             StaleEpochError: `epoch` is over.
             StoppedError: The station is stopped.
+            LoopError: The loop died.
         """
+        self.loop.check_alive()
         self.loop.stop_latch.check()
         controller = self.manager.get_controller(name)
         if not controller.is_running():

@@ -107,10 +107,16 @@ class Station(MotionCommands):
         """Return the robot's interfaces, claims, limits, transmissions and clamps."""
         return report_hardware(self.loop.hw, self.manager.list_controllers())
 
+    def dead(self) -> str:
+        """Return why only a restart helps; empty while the loop has not died."""
+        if self.loop.state is not LoopState.FAILED:
+            return ""
+        return f"The control loop died: {self.loop.failure_summary()}"
+
     def ready(self) -> str:
         """Return why the station is not ready; empty when it is."""
-        if self.loop.state is LoopState.FAILED:
-            return f"The control loop died: {self.loop.failure_summary()}"
+        if self.dead():
+            return self.dead()
         if self.loop.state is not LoopState.RUNNING:
             return "The control loop is not running."
         age = self.loop.age()
@@ -200,7 +206,9 @@ class Station(MotionCommands):
             StoppedError: The station is stopped and something is to be started.
             SwitchRefusedError: It is not possible; nothing changed.
             SwitchTimeoutError: The hardware did not get there in time.
+            LoopError: The loop died.
         """
+        self.loop.check_alive()
         if request.start and not request.dry_run:
             self.loop.stop_latch.check()
         return self.manager.switch_controller(request)
@@ -229,6 +237,7 @@ class Station(MotionCommands):
             ControllerNotFoundError: None of that name is loaded.
             GainsChangedError: `revision` is not the present one.
             InvalidGainError: A name or value is not allowed; nothing changed.
+            LoopError: The loop died or hangs.
         """
         with self._change_lock:
             controller = self.manager.get_controller(name)
@@ -263,16 +272,20 @@ class Station(MotionCommands):
     def stop(self, reason: str) -> None:
         """Stop every controller in the next cycle and let nothing move until armed."""
         self.loop.stop_latch.engage(reason)
-        if self.loop.state is LoopState.STOPPED:
+        if self.loop.state is not LoopState.RUNNING:
             self.loop.carry_out_stop()
 
     def release_stop(self, *, arm: bool) -> StopState:
         """Release the latched stop, or with `arm` allow motion again.
 
         Raises:
-            StoppedError: `arm` without a release before.
+            StoppedError: `arm` without a release before, or a release of a stop that
+                the loop does not carry out.
         """
-        latch = self.loop.stop_latch
+        latch, clock = self.loop.stop_latch, self.loop.clock
+        deadline = clock.now() + FRESH
+        while latch.pending and clock.now() < deadline:
+            clock.sleep_until(clock.now() + self.loop.period)
         if arm:
             latch.arm()
         else:

@@ -33,12 +33,14 @@ class StopLatch:
         self.pending = False
         self.reason = ""
         self.cycle = 0
+        self._engagements = 0
 
     def engage(self, reason: str) -> None:
         """Stop everything; again when it is stopped already changes nothing else."""
+        self._engagements += 1
         self.reason = reason
-        self.state = StopState.STOPPED
         self.pending = True
+        self.state = StopState.STOPPED
 
     def carried_out(self, cycle: int) -> None:
         """Note that the loop has stopped everything in `cycle` (control thread)."""
@@ -46,9 +48,21 @@ class StopLatch:
         self.cycle = cycle
 
     def release(self) -> None:
-        """First step: say that the cause is gone. Nothing moves yet."""
-        if self.state is StopState.STOPPED and not self.pending:
-            self.state = StopState.RELEASED
+        """First step: say that the cause is gone. Nothing moves yet.
+
+        Raises:
+            StoppedError: The stop has not been carried out yet.
+        """
+        before = self._engagements
+        if self.state is not StopState.STOPPED:
+            return
+        if self.pending:
+            raise StoppedError(
+                f"The stop ({self.reason}) is not carried out yet.",
+                remedy="Release it again in a moment; /loop says whether cycles run.",
+                details={"stop_state": self.state.value, "reason": self.reason},
+            )
+        self._change(StopState.RELEASED, before)
 
     def arm(self) -> None:
         """Second step: allow motion again. Nothing resumes by itself.
@@ -56,12 +70,19 @@ class StopLatch:
         Raises:
             StoppedError: The stop was not released first.
         """
+        before = self._engagements
         if self.state is StopState.STOPPED:
             raise StoppedError(
                 f"The station is stopped ({self.reason}); release it before arming.",
                 remedy="POST /stop/release, then POST it again with arm: true.",
             )
-        self.state = StopState.ARMED
+        self._change(StopState.ARMED, before)
+
+    def _change(self, state: StopState, before: int) -> None:
+        # A stop may come at any point of this, from any thread; it wins.
+        self.state = state
+        if self._engagements != before:
+            self.state = StopState.STOPPED
 
     def check(self) -> None:
         """Refuse motion unless the station is armed.

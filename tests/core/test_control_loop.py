@@ -1,5 +1,6 @@
 """The loop's timing and its promises, on a clock that jumps instead of waiting."""
 
+import sys
 import threading
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from station.core.clock import Clock, ManualClock, SystemClock
 from station.core.control_loop import ControlLoop
 from station.core.controller_manager import ControllerManager
-from station.core.errors import LoopError
+from station.core.errors import LoopError, StoppedError
 from station.core.interfaces import JointStateHandle, JointStateInterface
 from station.core.loop_report import LoopState
 from station.core.parameters import Parameters
@@ -30,6 +31,7 @@ class OneJoint(RobotHW):
         self.durations: list[float] = []
         self.periods: list[float] = []
         self.fail_in_cycle = 0
+        self.error: BaseException = RuntimeError("the cable is out")
         self.cycles_done = threading.Event()
         self.cycles_wanted = 0
 
@@ -37,7 +39,7 @@ class OneJoint(RobotHW):
         self.position[0] = time
         self.periods.append(period)
         if len(self.periods) == self.fail_in_cycle:
-            raise RuntimeError("the cable is out")
+            raise self.error
         if self.clock is not None and self.durations:
             self.clock.advance(self.durations.pop(0))
 
@@ -122,6 +124,76 @@ def test_an_exception_ends_the_thread_and_is_kept():
     with pytest.raises(LoopError, match="the cable is out"):
         loop.run_in_cycle(lambda: None)
     loop.stop()
+
+
+@pytest.mark.parametrize("error", [SystemExit(3), KeyboardInterrupt()])
+def test_no_exception_at_all_leaves_a_dead_loop_that_looks_alive(error):
+    hw = OneJoint()
+    hw.fail_in_cycle, hw.error = 3, error
+    loop = _loop(hw)
+    loop.start()
+    loop._thread.join(5.0)
+    assert loop.state is LoopState.FAILED
+    assert type(error).__name__ in loop.failure_summary()
+    loop.stop()
+
+
+def test_an_operation_may_raise_anything_and_the_loop_runs_on():
+    loop = _loop(OneJoint(), SystemClock())
+    loop.start()
+    try:
+        with pytest.raises(SystemExit):
+            loop.run_in_cycle(lambda: sys.exit(1))
+        assert loop.run_in_cycle(lambda: 42) == 42
+    finally:
+        loop.stop()
+
+
+def test_whoever_waits_when_the_loop_dies_is_told_at_once():
+    hw = OneJoint()
+    loop = _loop(hw)
+    begun = threading.Event()
+
+    def fail_once_somebody_waits(*_: float) -> None:
+        begun.set()
+        while not loop._operations:
+            pass
+        raise RuntimeError("the cable is out")
+
+    hw.write = fail_once_somebody_waits
+    loop.start()
+    assert begun.wait(5.0)
+    with pytest.raises(LoopError, match="the cable is out"):
+        loop.run_in_cycle(lambda: None, timeout=60.0)
+    loop.stop()
+
+
+def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
+    hw = OneJoint()
+    loop = _loop(hw)
+    stopped: list[float] = []
+    loop.manager.stop_all = stopped.append
+
+    def fail(*_: float) -> None:
+        loop.stop_latch.engage("meanwhile")
+        raise RuntimeError("the cable is out")
+
+    hw.write = fail
+    loop.start()
+    loop._thread.join(5.0)
+    assert stopped == [pytest.approx(PERIOD)]
+    assert not loop.stop_latch.pending
+    assert loop.epoch == 2
+    loop.stop()
+
+
+def test_a_switch_that_comes_after_a_stop_starts_nothing():
+    loop = _loop(OneJoint())
+    loop.stop_latch.engage("test")
+    gate = loop.manager.start_gate
+    assert gate is not None
+    with pytest.raises(StoppedError):
+        gate()
 
 
 def test_step_is_refused_while_the_thread_runs():

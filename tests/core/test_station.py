@@ -15,6 +15,7 @@ from station.core.errors import (
     GainsChangedError,
     InvalidCommandError,
     InvalidGainError,
+    LoopError,
     ParameterError,
     StaleEpochError,
     StoppedError,
@@ -207,6 +208,67 @@ def test_nothing_resumes_by_itself_after_a_stop(running):
     running.release_stop(arm=True)
     running.loop.step(3)
     assert running.controller("spring").state is ControllerState.STOPPED
+
+
+def test_a_release_waits_for_the_stop_to_be_carried_out(running):
+    latch, clock = running.loop.stop_latch, running.loop.clock
+    latch.engage("test")
+    sleep = clock.sleep_until
+
+    def sleep_until(deadline):
+        sleep(deadline)
+        running.loop.carry_out_stop()
+
+    clock.sleep_until = sleep_until
+    assert running.release_stop(arm=False) is StopState.RELEASED
+
+
+def test_a_stop_that_nobody_carries_out_cannot_be_released(running):
+    running.loop.stop_latch.engage("test")
+    with pytest.raises(StoppedError, match="not carried out"):
+        running.release_stop(arm=False)
+
+
+def _die(station):
+    def fail(*_):
+        raise RuntimeError("the cable is out")
+
+    station.loop.hw.read = fail
+    station.loop.start()
+    station.loop._thread.join(5.0)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda station: station.set_command("spring", [0.5]),
+        lambda station: station.set_gains("spring", {"k": 1.0}),
+        lambda station: station.switch_controllers(SwitchRequest(start=("spring",))),
+        lambda station: station.switch_controllers(SwitchRequest(stop=("spring",))),
+        lambda station: station.reset_loop_statistics(),
+    ],
+)
+def test_a_dead_loop_refuses_everything_that_needs_it_and_says_why(running, ask):
+    _die(running)
+    with pytest.raises(LoopError, match="the cable is out"):
+        ask(running)
+    running.loop.stop()
+
+
+def test_a_dead_loop_looks_dead(running):
+    _die(running)
+    assert running.controller("spring").state is ControllerState.STOPPED
+    assert "the cable is out" in running.ready()
+    assert running.dead().startswith("The control loop died")
+    running.loop.stop()
+
+
+def test_a_dead_loop_can_still_be_stopped_and_released(running):
+    _die(running)
+    running.stop("test")
+    assert running.status().stop_state is StopState.STOPPED
+    assert running.release_stop(arm=False) is StopState.RELEASED
+    running.loop.stop()
 
 
 def test_a_station_without_a_running_loop_is_not_ready_and_says_why(station):

@@ -60,5 +60,31 @@ def test_a_stop_that_arrives_between_release_and_arm_wins():
 def test_a_stop_not_yet_carried_out_cannot_be_released():
     latch = StopLatch()
     latch.engage("test")
-    latch.release()
+    with pytest.raises(StoppedError, match="not carried out yet"):
+        latch.release()
+    assert latch.state is StopState.STOPPED
+
+
+class InterruptedLatch(StopLatch):
+    """Another thread stops in the middle of the next release or arming."""
+
+    def __setattr__(self, name, value):
+        interrupted = name == "state" and self.__dict__.pop("interrupt", False)
+        if interrupted:
+            self.engage("another thread")
+            self.carried_out(8)
+        super().__setattr__(name, value)
+
+
+@pytest.mark.parametrize("step", ["release", "arm"])
+def test_a_stop_in_the_middle_of_a_release_or_arming_wins(step):
+    latch = InterruptedLatch()
+    latch.engage("test")
+    latch.carried_out(7)
+    if step == "arm":
+        latch.release()
+    latch.interrupt = True
+
+    getattr(latch, step)()
+
     assert latch.state is StopState.STOPPED

@@ -10,9 +10,16 @@ from station.api.schemas import Health, Ready
 router = APIRouter(tags=["health"])
 
 
-@router.get("/health")
+@router.get("/health", responses=problems(503))
 async def health(station: StationDep) -> Health:
-    """Say that the process lives."""
+    """Say that the process lives; 503 when its control loop died: restart it then.
+
+    Raises:
+        ProblemError: The control loop died.
+    """
+    reason = station.dead()
+    if reason:
+        raise ProblemError(503, "loop_died", reason, "Restart the station.")
     return Health(boot_id=station.boot_id)
 
 

@@ -1,7 +1,7 @@
 """The latched stop. A software stop, not a safety device.
 
-These routes run in the event loop itself, so that no other request, however many
-there are and however long they take, makes a stop wait.
+Stopping runs in the event loop itself, so that no other request, however many there
+are and however long they take, makes a stop wait.
 """
 
 from fastapi import APIRouter
@@ -37,7 +37,7 @@ async def stop(
 @router.post(
     "/stop/release", dependencies=[Operator], responses=problems(413, 422, 423)
 )
-async def release_stop(
+def release_stop(
     station: StationDep, request: ReleaseRequest | None = None
 ) -> StopState:
     """Release the stop; a second time with `arm` to allow motion again.

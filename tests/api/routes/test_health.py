@@ -12,6 +12,14 @@ def test_health_needs_no_token(http, station):
     assert answer.json() == {"status": "ok", "boot_id": station.boot_id}
 
 
+def test_a_dead_loop_is_not_healthy_and_says_why(http, station, monkeypatch):
+    monkeypatch.setattr(station, "dead", lambda: "The control loop died: no cable")
+
+    problem = problem_of(http.get("/api/v1/health"), 503, "loop_died")
+
+    assert "no cable" in problem["detail"]
+
+
 def test_not_ready_says_why_and_needs_no_token(http):
     problem = problem_of(http.get("/api/v1/ready"), 503, "not_ready")
 
