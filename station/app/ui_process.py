@@ -100,6 +100,8 @@ class UiProcess:
             env={**os.environ, "STATION_TOKEN": self._options.token},
             start_new_session=True,
         )
+        # The dashboard must not share the favour that the station's threads enjoy.
+        os.setpriority(os.PRIO_PROCESS, self._process.pid, 0)
 
     def answers(self) -> bool:
         """Say whether the dashboard answers requests already."""

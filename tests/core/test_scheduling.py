@@ -8,6 +8,7 @@ import pytest
 
 from station.core.scheduling import (
     GC_THRESHOLDS,
+    NICENESS,
     SWITCH_INTERVAL,
     realtime_interpreter,
     request_realtime_priority,
@@ -15,12 +16,36 @@ from station.core.scheduling import (
 
 
 def test_settings_hold_inside_and_are_restored_after():
-    before = (sys.getswitchinterval(), gc.get_threshold())
+    before = _settings()
     with realtime_interpreter():
         assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL)
         assert gc.get_threshold() == GC_THRESHOLDS
         assert gc.get_freeze_count() > 0
-    assert (sys.getswitchinterval(), gc.get_threshold()) == before
+    assert _settings() == before
+
+
+def test_threads_started_inside_are_favoured_where_that_is_permitted(monkeypatch):
+    asked = []
+    monkeypatch.setattr(os, "setpriority", lambda *call: asked.append(call))
+    niceness = os.getpriority(os.PRIO_PROCESS, 0)
+    with realtime_interpreter():
+        assert asked == [(os.PRIO_PROCESS, 0, NICENESS)]
+    assert asked[1:] == [(os.PRIO_PROCESS, 0, niceness)]
+
+
+def test_a_refused_niceness_is_no_obstacle(monkeypatch):
+    def refuse(_which: int, _who: int, niceness: int) -> None:
+        if niceness < 0:
+            raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "setpriority", refuse)
+    with realtime_interpreter():
+        assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL)
+
+
+def _settings() -> tuple[object, ...]:
+    niceness = os.getpriority(os.PRIO_PROCESS, 0)
+    return sys.getswitchinterval(), gc.get_threshold(), niceness
 
 
 def test_a_refused_priority_is_said_in_words(monkeypatch):
