@@ -144,6 +144,7 @@ class StationRun:
             port,
             robot_description=str(robot.get("robot_description", "")),
             arm_id=str(robot.get("arm_id", "panda")),
+            base=_floats(robot.get("base_xyz")) + _floats(robot.get("base_rpy")),
         )
 
     def _watch(
@@ -213,3 +214,8 @@ def _hold(station: Station) -> None:
         and loop.clock.now() < deadline
     ):
         loop.clock.sleep_until(loop.clock.now() + 0.002)
+
+
+def _floats(value: object) -> tuple[float, ...]:
+    """Return three numbers that the robot has checked; zeros if there are none."""
+    return tuple(map(float, value)) if isinstance(value, list) else (0.0,) * 3

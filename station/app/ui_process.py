@@ -58,6 +58,7 @@ class UiOptions:
         port: Its port, not 0.
         robot_description: The robot to draw; empty draws none.
         arm_id: Prefix of the robot's joints.
+        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
     """
 
     api_url: str
@@ -66,6 +67,7 @@ class UiOptions:
     port: int
     robot_description: str = ""
     arm_id: str = "panda"
+    base: tuple[float, ...] = (0.0,) * 6
 
     def command(self) -> list[str]:
         """Return the command line; the token is not in it, others could read it."""
@@ -73,6 +75,7 @@ class UiOptions:
             *(sys.executable, "-m", "station", "ui", "--connect", self.api_url),
             *("--host", self.host, "--port", str(self.port)),
             *("--robot-description", self.robot_description),
+            *("--base", *(f"{value:.6f}" for value in self.base)),
             *("--arm-id", self.arm_id, "--parent-pid", str(os.getpid())),
         ]
 

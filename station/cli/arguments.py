@@ -109,6 +109,14 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         help="what to draw: example-robot-data:NAME or a URDF",
     )
     ui.add_argument("--arm-id", default="panda", help="prefix of the joint names")
+    ui.add_argument(
+        "--base",
+        type=float,
+        nargs=6,
+        default=(0.0,) * 6,
+        metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"),
+        help="where the robot stands [m], [rad]",
+    )
     # Given by `station run`: the dashboard ends when that process does.
     ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
     verbs.add(

@@ -38,6 +38,7 @@ class DashboardConfig:
         robot_description: The robot to draw, `example-robot-data:<robot>` or a URDF;
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
+        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
         host_names: Further names under which users reach the dashboard.
         ends_with_parent: Stop when the process that started this one has ended.
     """
@@ -48,6 +49,7 @@ class DashboardConfig:
     port: int = 8080
     robot_description: str = "example-robot-data:panda"
     arm_id: str = "panda"
+    base: tuple[float, ...] = (0.0,) * 6
     host_names: tuple[str, ...] = ()
     ends_with_parent: bool = False
 
@@ -97,7 +99,7 @@ async def _serve(
         loop.add_signal_handler(number, ended.set)
     urdf = None
     if config.robot_description:
-        urdf = load_robot(config.robot_description, config.arm_id)
+        urdf = load_robot(config.robot_description, config.arm_id, config.base)
     guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)

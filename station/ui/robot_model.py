@@ -3,9 +3,10 @@
 import importlib.metadata
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from urllib.parse import unquote, urlparse
+from xml.etree import ElementTree
 
 import yourdfpy
 from viser.transforms import SO3
@@ -21,12 +22,15 @@ class RobotModelError(Exception):
     """The robot cannot be drawn; the message says why and what to do."""
 
 
-def load_robot(reference: str, arm_id: str = "panda") -> yourdfpy.URDF:
+def load_robot(
+    reference: str, arm_id: str = "panda", base: Sequence[float] = (0.0,) * 6
+) -> yourdfpy.URDF:
     """Load a robot with its visual meshes.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
         arm_id: Takes the place of `panda` in the names of a Panda's joints and links.
+        base: Where the root link stands: x, y, z [m], roll, pitch, yaw [rad].
 
     Returns:
         The model; its scene graph holds the visual meshes.
@@ -40,12 +44,12 @@ def load_robot(reference: str, arm_id: str = "panda") -> yourdfpy.URDF:
         if arm_id != "panda":
             xml = xml.replace('"panda_', f'"{arm_id}_')
         return yourdfpy.URDF.load(
-            io.BytesIO(xml.encode()),
+            io.BytesIO(_with_base(xml, base)),
             filename_handler=_mesh_finder(path),
             load_collision_meshes=False,
             force_collision_mesh=False,
         )
-    except (OSError, ValueError) as exc:
+    except (OSError, ValueError, ElementTree.ParseError) as exc:
         raise RobotModelError(
             f"The robot {reference!r} cannot be drawn: {exc}. Give the path of a URDF "
             "whose meshes are at hand."
@@ -81,7 +85,8 @@ def _joint_frame(joint: yourdfpy.Joint) -> JointFrame:
         x, y, z = (float(value) for value in joint.origin[:3, 3])
     axis = (1.0, 0.0, 0.0)
     if joint.axis is not None:
-        length = sum(float(part) ** 2 for part in joint.axis) ** 0.5
+        # Fixed joints may have the axis 0 0 0.
+        length = sum(float(part) ** 2 for part in joint.axis) ** 0.5 or 1.0
         ax, ay, az = (float(part) / length for part in joint.axis)
         axis = (ax, ay, az)
     mimic = None
@@ -92,6 +97,24 @@ def _joint_frame(joint: yourdfpy.Joint) -> JointFrame:
     return JointFrame(
         joint.name, Motion.of_urdf_type(joint.type), axis, (x, y, z), wxyz, mimic
     )
+
+
+def _with_base(xml: str, base: Sequence[float]) -> bytes:
+    """Return the URDF with a new root link, on which the old one stands at `base`."""
+    robot = ElementTree.fromstring(xml)
+    children = {child.get("link") for child in robot.iterfind("joint/child")}
+    links = [link.get("name", "") for link in robot.findall("link")]
+    for name in links:
+        if name not in children:
+            joint = ElementTree.SubElement(
+                robot, "joint", name="station_base_joint", type="fixed"
+            )
+            ElementTree.SubElement(joint, "parent", link="station_base")
+            ElementTree.SubElement(joint, "child", link=name)
+            xyz, rpy = (" ".join(map(str, part)) for part in (base[:3], base[3:]))
+            ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+    ElementTree.SubElement(robot, "link", name="station_base")
+    return ElementTree.tostring(robot)
 
 
 def _urdf_path(reference: str) -> Path:

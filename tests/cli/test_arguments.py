@@ -14,6 +14,7 @@ LINES = {
     "list": "list",
     "list_controller_types": "list_controller_types",
     "list_types": "list_types",
+    "list_hardware_interfaces": "list_hardware_interfaces -v",
     "load_controller": "load_controller arm arm.yaml --type a/B",
     "load": "load arm",
     "unload_controller": "unload_controller arm",

@@ -2,7 +2,12 @@
 
 import pytest
 
-from station.ui.robot_model import RobotModelError, joint_limits, load_robot
+from station.ui.robot_model import (
+    RobotModelError,
+    joint_frames,
+    joint_limits,
+    load_robot,
+)
 
 
 def test_the_panda_comes_with_its_meshes():
@@ -43,4 +48,12 @@ def test_a_missing_mesh_is_named(tmp_path):
 
 @pytest.mark.parametrize("robot", ["ur5", "kinova", "talos_left_arm"])
 def test_other_robots_are_drawn_too(robot):
-    assert load_robot(f"example-robot-data:{robot}").scene.geometry
+    loaded = load_robot(f"example-robot-data:{robot}")
+    assert loaded.scene.geometry
+    assert len(joint_frames(loaded)) == len(loaded.joint_map)
+
+
+def test_the_robot_stands_on_its_base():
+    robot = load_robot("example-robot-data:ur5", base=(0.0, 0.1, 0.5, 0.0, 0.0, 0.0))
+    placed = robot.get_transform("base_link", robot.base_link)
+    assert placed[:3, 3] == pytest.approx([0.0, 0.1, 0.5])

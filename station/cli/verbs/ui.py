@@ -38,6 +38,7 @@ def ui(options: Namespace) -> int:
         port=options.port,
         robot_description=options.robot_description,
         arm_id=options.arm_id,
+        base=tuple(options.base),
         host_names=tuple(host_names(options.host)),
         ends_with_parent=options.parent_pid is not None,
     )

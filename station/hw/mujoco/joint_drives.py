@@ -8,10 +8,11 @@ with M_ii the inertia at the joint and c what gravity (unless it is compensated)
 Coriolis forces need. `D dq` lives in MuJoCo's motor, where the integrator treats it
 implicitly: it is stable for every inertia. v_d changes with at most the acceleration
 a = 0.3 f_max / M_ii, which leaves the motor something for what other joints do to this
-one. It aims at the velocity target, or with K = 100/s and e = q_target - q at
+one. It aims at the velocity target, or with K = 100/s, e = q_target - q and b = 0.8 a
+(the rest makes up for the servo's lag) at
 
-    v = K e                          where |e| <= a/K^2
-    v = sqrt(2 a |e| - a^2/K^2)      elsewhere, with the sign of e,
+    v = K e                          where |e| <= b/K^2
+    v = sqrt(2 b |e| - b^2/K^2)      elsewhere, with the sign of e,
 
 the fastest approach from which the joint can still stop, and never at more than the
 joint's velocity limit. A velocity target gives way to that approach before the ends of
@@ -29,6 +30,7 @@ from station.hw.mujoco.world_joints import WorldJoints
 _VELOCITY_GAIN = 1000.0
 _POSITION_GAIN = 100.0
 _SHARE_OF_EFFORT = 0.3
+_SHARE_OF_ACCELERATION = 0.8
 
 
 class DriveMode(Enum):
@@ -85,12 +87,13 @@ class JointDrives:
                 self._pass_effort_on(i, dq[i], inertia[i])
                 continue
             acceleration = self._efforts[i] / inertia[i]
+            braking = _SHARE_OF_ACCELERATION * acceleration
             if mode is DriveMode.VELOCITY:
-                high = _approach(joints.upper_limits[i] - q[i], acceleration)
-                low = _approach(joints.lower_limits[i] - q[i], acceleration)
+                high = _approach(joints.upper_limits[i] - q[i], braking)
+                low = _approach(joints.lower_limits[i] - q[i], braking)
                 aim = max(low, min(high, self.velocity_target[i]))
             else:
-                aim = _approach(self.position_target[i] - q[i], acceleration)
+                aim = _approach(self.position_target[i] - q[i], braking)
             gain = _VELOCITY_GAIN * inertia[i]
             velocity = self._follow(i, aim, acceleration)
             controls[i] = gain * velocity + bias[i] - weight[i]
@@ -130,9 +133,9 @@ class JointDrives:
         return velocity
 
 
-def _approach(error: float, acceleration: float) -> float:
+def _approach(error: float, braking: float) -> float:
     """Return the velocity [rad/s or m/s] at a distance [rad or m] from the target."""
-    knee = acceleration / (_POSITION_GAIN * _POSITION_GAIN)
+    knee = braking / (_POSITION_GAIN * _POSITION_GAIN)
     if abs(error) <= knee:
         return _POSITION_GAIN * error
-    return copysign(sqrt(acceleration * (2.0 * abs(error) - knee)), error)
+    return copysign(sqrt(braking * (2.0 * abs(error) - knee)), error)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from station.core.errors import ParameterError
+from station.core.errors import ParameterError, RobotDescriptionError
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -39,9 +39,15 @@ def simulate_robot(
         gravity_compensation=parameters.gravity_compensation,
         disabled_collisions=disabled_collisions(description.srdf_path),
     )
-    add_robot(spec, urdf, options)
-    add_sensors(spec, parameters.sensors)
-    world = World(compile_world(spec))
+    try:
+        add_robot(spec, urdf, options)
+        add_sensors(spec, parameters.sensors)
+        model = compile_world(spec)
+    except RobotDescriptionError as exc:
+        raise RobotDescriptionError(
+            f"{description.urdf_path}: {exc.message}", remedy=exc.remedy
+        ) from exc
+    world = World(model)
     world.reset(_start_positions(urdf, parameters.initial_positions))
     return world
 

@@ -1,0 +1,102 @@
+"""Which command a joint obeys."""
+
+from math import nan
+
+import pytest
+
+from station.core.interfaces import EffortJointInterface, PositionJointInterface
+from station.core.pid import Pid, PidGains
+from station.core.robot_hw import ControllerInfo, InterfaceResources
+from station.core.transmissions import RawJointData
+from station.hw.mujoco.joint_command_modes import JointCommandModes
+from station.hw.mujoco.joint_drives import DriveMode
+from station.hw.mujoco.joint_pids import JointPid
+from station.hw.urdf import Joint, JointType, Pose
+
+WHEEL = Joint(
+    name="b",
+    type=JointType.CONTINUOUS,
+    parent="x",
+    child="y",
+    origin=Pose(),
+    axis=(0.0, 0.0, 1.0),
+    limit=None,
+    damping=0.0,
+    friction=0.0,
+    mimic=None,
+    safety=None,
+)
+
+
+class Bench:
+    """Two joints, `a` at 1 rad and `b` at 2 rad; `b` has a PID controller."""
+
+    def __init__(self):
+        self.joints = RawJointData()
+        for name in ("a", "b"):
+            self.joints.add(name)
+        self.joints.position[:] = [1.0, 2.0]
+        self.joints.velocity[:] = [0.0, 0.0]
+        self.drives = [DriveMode.POSITION] * 2
+        pids = {"b": JointPid(WHEEL, Pid(PidGains(p=10.0)))}
+        self.modes = JointCommandModes(self.joints, pids, self.drives)
+        self.modes.restart()
+
+
+def info(interface, *joints):
+    claims = (InterfaceResources(interface.type_name, joints),)
+    return [ControllerInfo("c", "test/C", claims)]
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+def test_unclaimed_joint_is_held_where_it_came_to_rest(bench):
+    bench.joints.velocity[0] = 1.0
+    bench.modes.run(0.001)
+    bench.joints.position[0] = 1.1
+    bench.joints.velocity[0] = 0.0
+    bench.modes.run(0.001)
+    bench.joints.position[0] = 1.2
+    bench.modes.run(0.001)
+    assert bench.joints.position_command == [1.1, 2.0]
+    assert bench.drives == [DriveMode.POSITION] * 2
+    assert bench.modes.in_use == []
+
+
+def test_claimed_joint_obeys_the_interface_it_is_claimed_through(bench):
+    start = info(EffortJointInterface, "a")
+    bench.joints.effort_command[0] = 9.0
+    bench.modes.switch(start, [])
+    assert bench.drives == [DriveMode.EFFORT, DriveMode.POSITION]
+    assert bench.modes.in_use == [("a", "effort")]
+    assert bench.modes.quantities == ["effort", "position"]
+    assert bench.joints.effort_command[0] == 0.0
+    bench.modes.switch([], start)
+    assert bench.drives == [DriveMode.POSITION] * 2
+
+
+def test_joint_with_gains_is_driven_by_effort(bench):
+    bench.modes.switch(info(PositionJointInterface, "b"), [])
+    bench.joints.position_command[1] = 2.5
+    bench.modes.run(0.001)
+    assert bench.drives[1] is DriveMode.EFFORT
+    assert bench.joints.effort_command[1] == pytest.approx(5.0)
+
+
+def test_joint_that_stays_in_its_mode_keeps_its_command(bench):
+    first = info(PositionJointInterface, "a")
+    bench.modes.switch(first, [])
+    bench.joints.position_command[0] = 1.7
+    bench.modes.switch(info(PositionJointInterface, "a"), first)
+    assert bench.joints.position_command[0] == 1.7
+
+
+def test_command_that_is_no_number_frees_the_joint(bench):
+    bench.modes.switch(info(EffortJointInterface, "a", "b"), [])
+    bench.joints.effort_command[0] = nan
+    assert bench.modes.release_bad_commands()
+    assert bench.modes.in_use == [("b", "effort")]
+    assert not bench.modes.release_bad_commands()
