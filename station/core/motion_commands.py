@@ -71,7 +71,7 @@ class MotionCommands:
             LoopError: The loop died.
         """
         port = self._set_point_port(name)
-        port.check(values)
+        port.check(values, timeout)
         present = self._check_may_move(name, epoch)
         port.post(values, timeout)
         return present

@@ -48,6 +48,7 @@ class SetPointPort:
     Args:
         elements: What the numbers of a set-point are, in order.
         timeout: How long a set-point is valid [s]; 0 for ever.
+        longest: Longest validity that a set-point may ask for [s].
         clock: The clock that measures it.
 
     Attributes:
@@ -60,23 +61,37 @@ class SetPointPort:
         elements: list[SetPointElement],
         *,
         timeout: float = 0.0,
+        longest: float = inf,
         clock: Clock | None = None,
     ) -> None:
         self.elements = elements
         self.timeout = timeout
+        self.longest = longest
         self.clock: Clock = SystemClock() if clock is None else clock
         self.last: list[float] | None = None
         # Appending and popping are atomic: no set-point is lost between them.
         self._slot: deque[tuple[list[float], float]] = deque(maxlen=1)
         self._deadline = inf
+        self._is_void = False
 
-    def check(self, values: list[float]) -> None:
+    def check(self, values: list[float], timeout: float | None = None) -> None:
         """Refuse a malformed set-point.
 
+        Args:
+            values: The set-point.
+            timeout: How long it shall be valid [s], 0 for ever; None for `timeout`.
+
         Raises:
-            InvalidCommandError: Wrong length, or an element is not finite or out of
-                its range.
+            InvalidCommandError: Wrong length, an element is not finite or out of its
+                range, or it shall be valid for too long.
         """
+        if timeout is not None and not 0.0 < (timeout or inf) <= self.longest:
+            raise InvalidCommandError(
+                f"The timeout of the command is {timeout} s; allowed is more than 0 "
+                f"and at most {self.longest} s.",
+                remedy="Leave it out, and send set-points again and again.",
+                details={"timeout": timeout, "longest": self.longest},
+            )
         names = ", ".join(element.name for element in self.elements)
         if len(values) != len(self.elements):
             raise InvalidCommandError(
@@ -127,3 +142,10 @@ class SetPointPort:
         self._slot.clear()
         self.last = None
         self._deadline = inf
+        self._is_void = True
+
+    def take_void(self) -> bool:
+        """Say, once, that what was picked up before is void (control thread only)."""
+        was_void = self._is_void
+        self._is_void = False
+        return was_void

@@ -159,3 +159,17 @@ def test_controllers_without_a_port_say_so(station):
             call("group")
     with pytest.raises(InvalidCommandError, match="'arm' takes no set-points"):
         station.set_point("arm")
+
+
+def test_a_new_epoch_lets_set_point_controllers_rest(station):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.set_command("group", [0.3, 0.3])
+    station.loop.step(3)
+    station.loop.hw.joints.mode[:] = ["", ""]  # as if moved from outside
+    station.loop.hw.joints.position[:] = [0.1, 0.1]
+    station.loop.step(2)
+
+    station.loop.next_epoch()
+    station.loop.step(2)
+
+    assert station.controller_sample("group").desired == [0.1, 0.1]

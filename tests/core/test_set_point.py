@@ -95,3 +95,21 @@ def test_clearing_voids_all_set_points_and_the_time_limit(port, clock):
     assert port.last is None
     assert port.take() is None
     assert not port.take_expiry()
+
+
+@pytest.mark.parametrize("timeout", [0.0, 1.5, float("inf"), float("nan")])
+def test_a_port_can_bound_how_long_a_set_point_is_valid(timeout):
+    port = SetPointPort([SetPointElement("j", "rad/s")], timeout=0.2, longest=1.0)
+    port.check([0.1])
+    port.check([0.1], 1.0)
+
+    with pytest.raises(InvalidCommandError, match="timeout"):
+        port.check([0.1], timeout)
+
+
+def test_clearing_is_told_once():
+    port = SetPointPort([SetPointElement("j", "rad")])
+    assert not port.take_void()
+    port.clear()
+    assert port.take_void()
+    assert not port.take_void()

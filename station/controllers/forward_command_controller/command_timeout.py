@@ -1,6 +1,7 @@
 """What happens when whoever commands a controller falls silent."""
 
 from enum import Enum
+from math import inf
 
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters
@@ -25,32 +26,44 @@ class TimeoutAction(Enum):
     STOP = "stop"
 
 
-def read_command_timeout(params: Parameters) -> tuple[float, TimeoutAction]:
+def read_command_timeout(
+    params: Parameters, default: float = 0.0, *, longest: float = inf
+) -> tuple[float, TimeoutAction]:
     """Return how long a set-point is valid [s], 0 for ever, and what happens then.
 
     Args:
         params: The controller's namespace.
+        default: Validity when `command_timeout` is absent [s].
+        longest: Longest validity [s]; when finite, every set-point ends by itself.
 
     Raises:
         ParameterError: `command_timeout` is no number >= 0, or
-            `command_timeout_action` is not one of `TimeoutAction`.
+            `command_timeout_action` is not one of `TimeoutAction`, or the timeout is
+            beyond `longest`.
     """
-    timeout = params.get_float("command_timeout", 0.0)
-    if timeout < 0.0:
+    is_required = longest < inf
+    timeout = params.get_float("command_timeout", default)
+    if not 0.0 <= timeout < inf or not 0.0 < (timeout or inf) <= longest:
+        bounds = f"more than 0 and at most {longest} s" if is_required else ">= 0 s"
         raise ParameterError(
             f"Parameter '{params.resolve('command_timeout')}' is {timeout}; it must be "
-            "at least 0 s.",
-            remedy="Give a time in seconds, or 0 for no timeout.",
+            f"{bounds}.",
+            remedy="Give a time in seconds"
+            + ("." if is_required else ", or 0 for no timeout."),
             details={"parameter": params.resolve("command_timeout")},
         )
     action = params.get_str("command_timeout_action", TimeoutAction.HOLD.value)
-    try:
-        chosen = TimeoutAction(action)
-    except ValueError as error:
+    allowed = [
+        each.value
+        for each in TimeoutAction
+        if not (is_required and each is TimeoutAction.OFF)
+    ]
+    if action not in allowed:
         raise ParameterError(
             f"Parameter '{params.resolve('command_timeout_action')}' is '{action}'; "
-            f"allowed are {', '.join(each.value for each in TimeoutAction)}.",
+            f"allowed are {', '.join(allowed)}.",
             remedy="Choose one of them.",
             details={"parameter": params.resolve("command_timeout_action")},
-        ) from error
+        )
+    chosen = TimeoutAction(action)
     return (0.0 if chosen is TimeoutAction.OFF else timeout), chosen

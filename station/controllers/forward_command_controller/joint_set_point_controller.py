@@ -1,5 +1,6 @@
 """The base of all controllers that follow one set-point per joint."""
 
+from math import inf
 from typing import ClassVar, TypeVar
 
 from typing_extensions import override
@@ -43,12 +44,17 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     Attributes:
         quantity: What the set-points are.
         is_group: Whether the parameter `joints` names the joints, or `joint` one.
+        default_timeout: Value of `command_timeout` when it is absent [s].
+        longest_timeout: Longest validity of a set-point [s]; when it is finite, every
+            set-point ends by itself.
         group: The joints.
         joints: What is known about them, same order.
     """
 
     quantity: ClassVar[JointQuantity]
     is_group: ClassVar[bool] = True
+    default_timeout: ClassVar[float] = 0.0
+    longest_timeout: ClassVar[float] = inf
 
     def __init__(self) -> None:
         super().__init__()
@@ -68,9 +74,13 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             JointDescription(name) if description is None else description.joint(name)
             for name in self.joint_names
         ]
-        timeout, self._timeout_action = read_command_timeout(params)
+        timeout, self._timeout_action = read_command_timeout(
+            params, self.default_timeout, longest=self.longest_timeout
+        )
         self._port = SetPointPort(
-            [self._element(joint) for joint in self.joints], timeout=timeout
+            [self._element(joint) for joint in self.joints],
+            timeout=timeout,
+            longest=self.longest_timeout,
         )
         self.set_points = self._port
 
@@ -92,11 +102,13 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         """Return the set-point in force, shape (n,); never change the list.
 
         It is kept within the joints' limits, whoever posted it. When it is no longer
-        valid, rest takes its place.
+        valid, or was made void by a stop, a reset or a recovery, rest takes its place.
 
         Raises:
             CommandTimeoutError: It is no longer valid and the action is `stop`.
         """
+        if self._port.take_void():
+            self._set_point = self.rest()
         newest = self._port.take()
         if newest is not None:
             self._set_point = [
