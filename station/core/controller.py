@@ -62,7 +62,8 @@ class ControllerBase:
 
     Order: constructed, `init_request`, then any number of times `starting`,
     `update` every cycle from the next one on, `stopping`. The state changes after a
-    callback has returned (CM-9).
+    callback has returned (CM-9). Throughout, `time` is station time [s] and `period`
+    the time since the last cycle [s], >= 0.
 
     Attributes:
         state: Where it is in its life; set by this class and the manager only.

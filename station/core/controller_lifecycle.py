@@ -23,6 +23,8 @@ from station.core.robot_hw import ControllerInfo, RobotHW, SwitchState
 class ControllerLifecycle:
     """Starts, stops and aborts loaded controllers; for the control thread.
 
+    Throughout, `time` is station time [s].
+
     Args:
         hw: The robot.
 

@@ -128,7 +128,15 @@ class LoopMeter:
         real_time_factor: float,
         scheduler: str,
     ) -> LoopReport:
-        """Summarise the cycles since the last reset. Any thread."""
+        """Summarise the cycles since the last reset. Any thread.
+
+        Args:
+            state: Whether the thread runs.
+            failure: Traceback of what ended it; empty if nothing did.
+            period: Nominal period in station time [s], > 0.
+            real_time_factor: Station time over wall time, as asked for, > 0.
+            scheduler: Scheduling class granted to the thread, in words.
+        """
         elapsed = self._last - self._since
         cycles, skipped = self._cycles, self._skipped
         rate = real_time_factor / period

@@ -94,9 +94,8 @@ def curl_request(words: list[str]) -> Request:
         elif word in {"-H", "--header"}:
             name, _, value = next(rest).partition(":")
             request.headers[name.strip()] = value.strip()
-        elif word == "--json":
+        elif word in {"-d", "--data"}:
             request.body = next(rest)
-            request.headers["Content-Type"] = "application/json"
         elif word in {"-s", "-i"}:
             continue
         else:

@@ -25,7 +25,7 @@ from station.core.limits.joint_limits_handle import (
     JointLimitsHandle,
     require_limit,
 )
-from station.core.limits.saturate import saturate
+from station.core.limits.saturate import saturate, soft_velocity_bound
 
 
 class EffortJointSaturationHandle(JointLimitsHandle):
@@ -118,15 +118,11 @@ class EffortJointSoftLimitsHandle(JointLimitsHandle):
         high_velocity = max_velocity
         if self._has_position_limits:
             position = joint.get_position()
-            low_velocity = saturate(
-                -self._k_position * (position - self._soft_min),
-                -max_velocity,
-                max_velocity,
+            low_velocity = soft_velocity_bound(
+                position, self._soft_min, self._k_position, max_velocity
             )
-            high_velocity = saturate(
-                -self._k_position * (position - self._soft_max),
-                -max_velocity,
-                max_velocity,
+            high_velocity = soft_velocity_bound(
+                position, self._soft_max, self._k_position, max_velocity
             )
         velocity = joint.get_velocity()
         max_effort = self._max_effort

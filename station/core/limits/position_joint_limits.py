@@ -27,7 +27,7 @@ from station.core.limits.joint_limits_handle import (
     JointLimitsHandle,
     require_limit,
 )
-from station.core.limits.saturate import saturate
+from station.core.limits.saturate import soft_velocity_bound
 
 
 class PositionJointSaturationHandle(JointLimitsHandle):
@@ -130,15 +130,11 @@ class PositionJointSoftLimitsHandle(JointLimitsHandle):
         low_velocity = -max_velocity
         high_velocity = max_velocity
         if self._has_position_limits:
-            low_velocity = saturate(
-                -self._k_position * (previous - self._soft_min),
-                -max_velocity,
-                max_velocity,
+            low_velocity = soft_velocity_bound(
+                previous, self._soft_min, self._k_position, max_velocity
             )
-            high_velocity = saturate(
-                -self._k_position * (previous - self._soft_max),
-                -max_velocity,
-                max_velocity,
+            high_velocity = soft_velocity_bound(
+                previous, self._soft_max, self._k_position, max_velocity
             )
         low = previous + low_velocity * period
         high = previous + high_velocity * period

@@ -1,4 +1,4 @@
-"""Clip one number, exactly as the original does."""
+"""Clip one number, and the velocity in front of a bound, as the original does."""
 
 
 def saturate(value: float, low: float, high: float) -> float:
@@ -21,3 +21,25 @@ def saturate(value: float, low: float, high: float) -> float:
     if high < result:
         result = high
     return result
+
+
+def soft_velocity_bound(
+    position: float, bound: float, k_position: float, max_velocity: float
+) -> float:
+    """Return the velocity that a soft bound allows at a position.
+
+    It falls in proportion to the distance, is 0 at the bound and points back beyond it.
+
+    Args:
+        position: Where the joint is [rad or m].
+        bound: The soft bound [rad or m].
+        k_position: Velocity per distance, >= 0 [1/s].
+        max_velocity: Largest magnitude, >= 0 [rad/s or m/s].
+
+    Returns:
+        `clip(-k_position * (position - bound), -max_velocity, max_velocity)`.
+
+    Source:
+        ros_control@633c374 joint_limits_interface.h, the soft limit handles.
+    """
+    return saturate(-k_position * (position - bound), -max_velocity, max_velocity)

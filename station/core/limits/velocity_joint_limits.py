@@ -28,7 +28,7 @@ from station.core.limits.joint_limits_handle import (
     JointLimitsHandle,
     require_limit,
 )
-from station.core.limits.saturate import saturate
+from station.core.limits.saturate import soft_velocity_bound
 
 
 class VelocityJointSaturationHandle(JointLimitsHandle):
@@ -117,15 +117,11 @@ class VelocityJointSoftLimitsHandle(JointLimitsHandle):
         high = max_velocity
         if self._has_position_limits:
             position = joint.get_position()
-            low = saturate(
-                -self._k_position * (position - self._soft_min),
-                -max_velocity,
-                max_velocity,
+            low = soft_velocity_bound(
+                position, self._soft_min, self._k_position, max_velocity
             )
-            high = saturate(
-                -self._k_position * (position - self._soft_max),
-                -max_velocity,
-                max_velocity,
+            high = soft_velocity_bound(
+                position, self._soft_max, self._k_position, max_velocity
             )
         range_low = low
         range_high = high

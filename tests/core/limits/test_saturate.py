@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.core.limits.saturate import saturate
+from station.core.limits.saturate import saturate, soft_velocity_bound
 
 numbers = st.floats(allow_nan=False)
 
@@ -31,3 +31,11 @@ def test_nan_is_returned_as_it_is():
 
 def test_negative_zero_keeps_its_sign_at_a_zero_bound():
     assert copysign(1.0, saturate(-0.0, 0.0, 1.0)) == -1.0
+
+
+@pytest.mark.parametrize(
+    ("position", "velocity"),
+    [(0.0, 2.0), (0.9, 1.0), (1.0, 0.0), (1.1, -1.0), (5.0, -2.0)],
+)
+def test_soft_bound_slows_down_stops_and_sends_back(position, velocity):
+    assert soft_velocity_bound(position, 1.0, 10.0, 2.0) == pytest.approx(velocity)
