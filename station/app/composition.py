@@ -51,6 +51,7 @@ def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
     root = Parameters(tree)
     robot = create_robot(config.robot.type)
     robot.init(root, root.namespace(ROBOT_NAMESPACE))
+    robot.check_period(1.0 / config.station.rate)
     manager = ControllerManager(robot, root, default_loaders(CONTROLLERS), clock)
     loop = ControlLoop(
         robot,

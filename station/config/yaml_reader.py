@@ -20,6 +20,9 @@ KeyPath = tuple[str | int, ...]
 _TAG = "tag:yaml.org,2002:"
 _AMBIGUOUS = "!ambiguous"
 _FIX_FILE = "Correct the file and start again."
+_MAX_DEPTH = 64
+_MAX_VALUES = 100_000
+"""Aliases of aliases make a few lines into more values than there is memory."""
 # What a scalar without quotes is; the first pattern that matches decides.
 _PLAIN_SCALARS = (
     (f"{_TAG}null", r"~|null|Null|NULL|"),
@@ -118,7 +121,7 @@ def parse_yaml(text: str, name: str) -> YamlDocument:
     values = builder.build(root, ())
     if not isinstance(values, dict):
         raise ConfigError(
-            [f"{name}:1:1: the file holds {values!r}; it must hold a mapping."],
+            [f"{name}:1:1: the file holds {values!r:.80}; it must hold a mapping."],
             remedy="Write `key: value` lines.",
         )
     return YamlDocument(name, values, builder.positions)
@@ -142,6 +145,10 @@ def _compose(text: str, name: str) -> yaml.Node | None:
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
         message = f"{name}{place}: not valid YAML: {error.problem or error.context}."
         raise ConfigError([message], remedy=_FIX_FILE) from error
+    except RecursionError as error:
+        raise ConfigError(
+            [f"{name}: nested deeper than {_MAX_DEPTH} levels."], remedy=_FIX_FILE
+        ) from error
     except yaml.YAMLError as error:
         raise ConfigError(
             [f"{name}: not valid YAML: {error}."], remedy=_FIX_FILE
@@ -156,6 +163,7 @@ class _Builder:
         self.positions: dict[KeyPath, tuple[int, int]] = {}
         self._name = name
         self._open: list[yaml.Node] = []
+        self._count = 0
 
     def build(self, node: yaml.Node, path: KeyPath) -> object:
         """Return the data of `node`.
@@ -167,6 +175,13 @@ class _Builder:
         self.positions[path] = (mark.line + 1, mark.column + 1)
         if any(node is parent for parent in self._open):
             raise self._refuse(node, "an alias may not contain itself")
+        if len(self._open) >= _MAX_DEPTH:
+            raise self._refuse(node, f"nested deeper than {_MAX_DEPTH} levels")
+        self._count += 1
+        if self._count > _MAX_VALUES:
+            raise self._refuse(
+                node, f"more than {_MAX_VALUES} values, aliases written out"
+            )
         self._open.append(node)
         try:
             if isinstance(node, yaml.MappingNode):

@@ -95,6 +95,19 @@ class CombinedRobotHW(RobotHW):
             robot.write(time, period)
 
     @override
+    def check_period(self, period: float) -> None:
+        """Ask every robot.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: The loop is too fast or too slow for a robot.
+        """
+        for robot in self.robots.values():
+            robot.check_period(period)
+
+    @override
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:

@@ -140,6 +140,16 @@ class RobotHW(InterfaceManager):
             if len(claims) > 1
         ]
 
+    def check_period(self, period: float) -> None:
+        """Refuse a loop that the robot cannot be run with; once, after `init`.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: The loop is too fast or too slow for the robot.
+        """
+
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:

@@ -5,7 +5,7 @@ import pytest
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.errors import ParameterError, StationError
+from station.core.errors import HardwareInterfaceError, ParameterError, StationError
 from tests.app.mass_hw import TYPE
 
 GROUP = "position_controllers/JointGroupPositionController"
@@ -73,6 +73,14 @@ def test_impossible_parameter_of_the_robot_is_refused(tmp_path):
 
     with pytest.raises(ParameterError, match="'robot/start' is 'here'"):
         compose(config, ManualClock())
+
+
+def test_a_rate_that_the_robot_cannot_follow_is_refused_at_the_start(tmp_path):
+    path = tmp_path / "station.yaml"
+    path.write_text("station: {rate: 2000}")
+
+    with pytest.raises(HardwareInterfaceError, match="2000 Hz"):
+        compose(load_config(path), ManualClock())
 
 
 def test_the_default_configuration_has_trajectory_controllers_ready():

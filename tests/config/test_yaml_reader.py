@@ -114,3 +114,22 @@ def test_unreadable_files_are_refused(tmp_path):
         read_yaml(tmp_path / "latin.yaml")
     with pytest.raises(ConfigError, match="cannot be read"):
         read_yaml(tmp_path)
+
+
+@pytest.mark.parametrize("depth", [100, 20_000])
+def test_endless_nesting_is_refused(depth):
+    with pytest.raises(ConfigError, match="nested deeper than 64 levels"):
+        parse_yaml("x: " + "[" * depth + "]" * depth, "deep.yaml")
+
+
+def test_aliases_that_explode_are_refused_at_once():
+    nine = [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 12)]
+    lines = ["a0: &a0 [1]", *nine]
+    with pytest.raises(ConfigError, match="more than 100000 values"):
+        parse_yaml("\n".join(lines), "laughs.yaml")
+
+
+def test_a_long_list_in_place_of_a_mapping_is_shown_in_part():
+    with pytest.raises(ConfigError, match="must hold a mapping") as caught:
+        parse_yaml("- some text\n" * 1000, "list.yaml")
+    assert len(caught.value.message) < 300

@@ -16,7 +16,11 @@ from math import degrees
 
 from typing_extensions import override
 
-from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.errors import (
+    HardwareInterfaceError,
+    ParameterError,
+    SwitchRefusedError,
+)
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import (
@@ -63,6 +67,8 @@ _logger = logging.getLogger(__name__)
 # Arm cycles that are made up for in one cycle of the loop; as many as libfranka lets a
 # connection miss.
 _MOST_CYCLES_AT_ONCE = 20
+# Up to here franka_control's gains of effort-controlled joints are stable.
+_SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {mode: mode.name.lower() for mode in RobotMode}
 
 
@@ -92,6 +98,7 @@ class FrankaHW(RobotHW):
         self._switch_failed = False
         self._time_due = 0.0
         self._fingers: FingerJoints | None = None
+        self._goals: list[float] = []
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -158,7 +165,9 @@ class FrankaHW(RobotHW):
         self._time_due += period
         cycles = round(self._time_due / arm.cycle_time)
         self._time_due -= cycles * arm.cycle_time
-        for _ in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
+        for cycle in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
+            if cycle > 0:
+                self._send()  # the arm wants a command in each of its own cycles
             arm.read_once()
         if self._fingers is not None:
             self._fingers.read()
@@ -168,16 +177,23 @@ class FrankaHW(RobotHW):
         """Limit, filter and send the commands of the present mode."""
         if self._fingers is not None:
             self._fingers.write()
+        commands = self.commands
+        if self.arm.state.robot_mode is not RobotMode.MOVE:
+            return
+        if not commands.are_finite():
+            self.arm.stop_motion()
+            return
+        self._goals = commands.goals()
+        if period > 0.0:
+            commands.enforce_limits(period)
+        self._send()
+
+    def _send(self) -> None:
+        """Filter and send the commands as they are, for one cycle of the arm."""
         arm, commands, state = self.arm, self.commands, self.arm.state
         if state.robot_mode is not RobotMode.MOVE:
             return
-        if not commands.are_finite():
-            arm.stop_motion()
-            return
-        goals = commands.goals()
-        if period > 0.0:
-            commands.enforce_limits(period)
-        filtered = self._filter
+        goals, filtered = self._goals, self._filter
         if commands.has_positions:
             q = filtered.positions(commands.positions, state, goals=goals)
             arm.command_joint_positions(q)
@@ -194,6 +210,33 @@ class FrankaHW(RobotHW):
     @override
     def clamps(self) -> Sequence[ClampReport]:
         return self.commands.clamps()
+
+    @override
+    def check_period(self, period: float) -> None:
+        """Refuse a loop faster than the arm; warn of a slow one.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: It is shorter than the arm's own cycle.
+        """
+        cycle_time, arm_id = self.arm.cycle_time, self._parameters.arm_id
+        if period < 0.999 * cycle_time:
+            raise HardwareInterfaceError(
+                f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' takes at most "
+                f"{1.0 / cycle_time:g} commands per second.",
+                remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
+                details={"rate": 1.0 / period},
+            )
+        if period > _SLOWEST_TORQUE_PERIOD:
+            _logger.warning(
+                "arm '%s' with a loop of %g Hz: torque controllers need small gains "
+                "below %g Hz, above all the damping; franka_control's are too large",
+                arm_id,
+                1.0 / period,
+                1.0 / _SLOWEST_TORQUE_PERIOD,
+            )
 
     @override
     def check_for_conflict(
@@ -303,6 +346,7 @@ class FrankaHW(RobotHW):
             arm.stop_motion()
         self._mode = mode
         self.commands.begin(mode)
+        self._goals = self.commands.goals()
         self._filter.begin(
             cutoff_frequency=self._settings.cutoff_frequency,
             rate_limiting=self._settings.rate_limiting,

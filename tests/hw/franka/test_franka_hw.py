@@ -5,7 +5,11 @@ from math import degrees
 
 import pytest
 
-from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.errors import (
+    HardwareInterfaceError,
+    ParameterError,
+    SwitchRefusedError,
+)
 from station.core.interfaces import (
     EffortJointInterface,
     JointStateInterface,
@@ -328,3 +332,45 @@ def test_warning_names_joints_close_to_their_limits() -> None:
 def test_unknown_parameter_is_refused() -> None:
     with pytest.raises(ParameterError, match="robot/speed' is unknown to FrankaHW"):
         make(speed=1)
+
+
+@pytest.mark.parametrize("arm_cycles", [1, 2, 4])
+def test_a_slower_loop_moves_the_arm_alike(hw, arm_cycles):
+    period, seconds = arm_cycles * PERIOD, 0.4
+    switch(hw, "jp")
+    hw.read(0.0, period)
+    target = [q + 0.05 for q in hw.robot_state.q_d]
+    for cycle in range(1, round(seconds / period) + 1):
+        hw.commands.positions[:] = target
+        hw.write(cycle * period, period)
+        hw.read(cycle * period, period)
+    assert hw.robot_state.q_d == pytest.approx(target, abs=1e-3)
+
+
+def test_each_cycle_of_the_arm_gets_a_command_whatever_the_rate_of_the_loop(hw):
+    switch(hw, "jt")
+    step_until_torques_act(hw)
+    hw.commands.efforts[:] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.0]
+    hw.write(1.0, 4 * PERIOD)
+    hw.read(1.004, 4 * PERIOD)
+    # The Panda's torques may change by 1 Nm per cycle; the low-pass takes a little off.
+    assert 3.5 < hw.robot_state.tau_J_d[6] <= 4.0
+
+
+def step_until_torques_act(hw: FrankaHW) -> None:
+    for cycle in range(200):
+        hw.write(cycle * PERIOD, PERIOD)
+        hw.read(cycle * PERIOD, PERIOD)
+
+
+def test_a_loop_faster_than_the_arm_is_refused_with_the_reason(hw):
+    with pytest.raises(HardwareInterfaceError, match="at most 1000 commands"):
+        hw.check_period(0.0005)
+
+
+def test_a_loop_too_slow_for_usual_gains_is_warned_of(hw, caplog):
+    hw.check_period(0.001)
+    hw.check_period(0.004)
+    assert not caplog.records
+    hw.check_period(0.01)
+    assert "small gains" in caplog.text
