@@ -3,7 +3,7 @@
 #   make run    the station; ARGS="--rate 500" are handed on to `station run`
 #   make test   all that CI runs      make check   without the slow and browser tests
 #   make setup  only prepares .venv   make lock    after a change of dependencies
-#   make bench  the benchmarks, if any make clean   removes all that can be made again
+#   make bench  the benchmarks         make clean   removes all that can be made again
 
 .DEFAULT_GOAL := help
 .PHONY: help setup run test check static lock bench clean
@@ -41,10 +41,8 @@ lock: $(READY)
 	.venv/bin/uv lock --no-config $(ARGS)
 	.venv/bin/uv export --quiet --no-config --locked --no-emit-project --output-file requirements.lock
 
-ifneq ($(wildcard benchmarks/bench_*.py),)
 bench: $(READY)
 	@set -e; for script in benchmarks/bench_*.py; do echo "$$script"; .venv/bin/python "$$script"; done
-endif
 
 clean:
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis artifacts build dist
