@@ -18,6 +18,13 @@ CONTROLLERS: dict[str, str] = {
     "effort_controllers/JointGroupPositionController": (
         "station.controllers.effort_controllers:JointGroupPositionController"
     ),
+    "effort_controllers/JointJogController": (
+        "station.controllers.smoothed_motion.effort_controllers:JointJogController"
+    ),
+    "effort_controllers/JointStreamingController": (
+        "station.controllers.smoothed_motion.effort_controllers"
+        ":JointStreamingController"
+    ),
     "effort_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller.effort_controllers"
         ":JointTrajectoryController"
@@ -51,6 +58,13 @@ CONTROLLERS: dict[str, str] = {
     ),
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"
+    ),
+    "position_controllers/JointJogController": (
+        "station.controllers.smoothed_motion.position_controllers:JointJogController"
+    ),
+    "position_controllers/JointStreamingController": (
+        "station.controllers.smoothed_motion.position_controllers"
+        ":JointStreamingController"
     ),
     "position_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller.position_controllers"

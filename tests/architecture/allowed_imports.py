@@ -20,14 +20,15 @@ class AllowedImportsContract(Contract):
 
     The package itself, the root package (which holds the version) and the standard
     library are always allowed. A package that does not exist keeps the contract.
-    Options: `package`, and `allowed`, whose entries are third-party packages or
-    packages of the station.
+    Options: `package`; `allowed`, whose entries are third-party packages or packages of
+    the station; and `permitted_imports`, single imports written `importer -> imported`.
     """
 
     type_name = "allowed_imports"
 
     package = fields.StringField()
     allowed = fields.SetField(subfield=fields.StringField())
+    permitted_imports = fields.SetField(subfield=fields.StringField(), required=False)
 
     def check(self, graph: ImportGraph, verbose: bool) -> ContractCheck:  # noqa: FBT001 - import-linter's signature
         """Compare every direct import of the package with the list.
@@ -43,11 +44,14 @@ class AllowedImportsContract(Contract):
         del verbose
         root = self.package.partition(".")[0]
         allowed = {self.package, *self.allowed}
+        permitted = self.permitted_imports or set()
         violations = [
             f"{importer} -> {imported} (line {_line(graph, importer, imported)})"
             for importer in _modules_of(graph, self.package)
             for imported in sorted(graph.find_modules_directly_imported_by(importer))
-            if imported != root and not _is_allowed(imported, allowed)
+            if imported != root
+            and not _is_allowed(imported, allowed)
+            and f"{importer} -> {imported}" not in permitted
         ]
         return ContractCheck(kept=not violations, metadata={"violations": violations})
 

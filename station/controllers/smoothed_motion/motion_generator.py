@@ -1,0 +1,131 @@
+"""Positions that follow targets within limits of velocity, acceleration and jerk.
+
+The only module of the controllers that imports something besides core and numbers:
+ruckig, which works out time-optimal motions in microseconds and without allocating.
+"""
+
+from ruckig import (
+    ControlInterface,
+    InputParameter,
+    OutputParameter,
+    Result,
+    Ruckig,
+    Synchronization,
+    Trajectory,
+)
+
+from station.controllers.smoothed_motion.motion_limits import MotionLimits
+from station.core.errors import InvalidCommandError
+
+_NOMINAL_PERIOD = 0.001
+
+
+class MotionGenerator:
+    """The smooth motion of n joints. Control thread only.
+
+    Args:
+        limits: Bounds that hold at all times, but for a start that is faster.
+
+    Attributes:
+        positions: Desired positions [rad or m], shape (n,), a new list each cycle.
+        velocities: Desired velocities [rad/s or m/s], shape (n,), likewise.
+    """
+
+    def __init__(self, limits: MotionLimits) -> None:
+        size = len(limits.velocity)
+        self.positions = [0.0] * size
+        self.velocities = [0.0] * size
+        self._size = size
+        self._ruckig = Ruckig(size, _NOMINAL_PERIOD)
+        self._input = InputParameter(size)
+        self._output = OutputParameter(size)
+        self._braking = InputParameter(size)
+        self._trajectory = Trajectory(size)
+        for each in (self._input, self._braking):
+            each.max_velocity = list(limits.velocity)
+            each.max_acceleration = list(limits.acceleration)
+            each.max_jerk = list(limits.jerk)
+        self._braking.control_interface = ControlInterface.Velocity
+        self._braking.synchronization = Synchronization.No
+        self._braking.target_velocity = [0.0] * size
+        self._braking.target_acceleration = [0.0] * size
+
+    def start(self, positions: list[float], velocities: list[float]) -> None:
+        """Begin anew at a state and come to rest.
+
+        Args:
+            positions: Where the joints are [rad or m], shape (n,).
+            velocities: How they move [rad/s or m/s], shape (n,).
+        """
+        self.positions, self.velocities = list(positions), list(velocities)
+        self._ruckig.reset()
+        self._input.current_position = positions
+        self._input.current_velocity = velocities
+        self._input.current_acceleration = [0.0] * self._size
+        self._input.target_acceleration = [0.0] * self._size
+        self.brake()
+
+    def go_to(self, positions: list[float]) -> None:
+        """Go to positions and rest there; all joints arrive together.
+
+        Args:
+            positions: Where [rad or m], shape (n,).
+        """
+        self._input.control_interface = ControlInterface.Position
+        self._input.synchronization = Synchronization.Time
+        self._input.target_position = positions
+        self._input.target_velocity = [0.0] * self._size
+
+    def go_at(self, velocities: list[float]) -> None:
+        """Move at velocities, each joint by itself.
+
+        Args:
+            velocities: How fast [rad/s or m/s], shape (n,), within the limits.
+        """
+        self._input.control_interface = ControlInterface.Velocity
+        self._input.synchronization = Synchronization.No
+        self._input.target_velocity = velocities
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self.go_at([0.0] * self._size)
+
+    def resting_positions(self) -> list[float]:
+        """Return where the joints would come to rest if they braked now [rad or m].
+
+        Raises:
+            InvalidCommandError: No motion can be worked out.
+        """
+        braking = self._braking
+        braking.current_position = self._input.current_position
+        braking.current_velocity = self._input.current_velocity
+        braking.current_acceleration = self._input.current_acceleration
+        _check(self._ruckig.calculate(braking, self._trajectory))
+        positions: list[float] = self._trajectory.at_time(self._trajectory.duration)[0]
+        return positions
+
+    def advance(self, period: float) -> None:
+        """Move on.
+
+        Args:
+            period: Time since the last cycle [s], >= 0; nothing happens when it is 0.
+
+        Raises:
+            InvalidCommandError: No motion to the target can be worked out.
+        """
+        if period == 0.0:
+            return
+        if period != self._ruckig.delta_time:
+            self._ruckig.delta_time = period
+        _check(self._ruckig.update(self._input, self._output))
+        self._output.pass_to_input(self._input)
+        self.positions = self._output.new_position
+        self.velocities = self._output.new_velocity
+
+
+def _check(result: Result) -> None:
+    if result not in {Result.Working, Result.Finished}:
+        raise InvalidCommandError(
+            f"No motion to the target can be worked out: {result}.",
+            remedy="Send finite targets within the limits; start the controller again.",
+        )

@@ -1,0 +1,80 @@
+"""Smooth motion against closed forms."""
+
+import pytest
+
+from station.controllers.smoothed_motion.motion_generator import MotionGenerator
+from station.controllers.smoothed_motion.motion_limits import MotionLimits
+
+LIMITS = MotionLimits((1.0, 1.0), (2.0, 2.0), (20.0, 20.0))
+
+
+@pytest.fixture
+def generator():
+    generator = MotionGenerator(LIMITS)
+    generator.start([0.0, 0.5], [0.0, 0.0])
+    return generator
+
+
+def run(generator, cycles, period=0.001):
+    for _ in range(cycles):
+        generator.advance(period)
+
+
+def test_it_rests_where_it_started(generator):
+    run(generator, 100)
+
+    assert generator.positions == [0.0, 0.5]
+    assert generator.velocities == [0.0, 0.0]
+
+
+def test_the_fastest_way_takes_the_time_of_the_closed_form(generator):
+    # With cruise: distance/v + v/a + a/j = 1 + 0.5 + 0.1 s for 1 m.
+    generator.go_to([1.0, 0.5])
+    run(generator, 1_599)
+    assert generator.velocities[0] > 0.0
+    run(generator, 2)
+
+    assert generator.positions == pytest.approx([1.0, 0.5], abs=1e-9)
+    assert generator.velocities == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_braking_ends_where_it_says(generator):
+    generator.go_at([1.0, -0.5])
+    run(generator, 700)
+    ends = generator.resting_positions()
+    # From full speed: v^2/(2a) + v a/(2j) = 0.25 + 0.05 m.
+    assert ends[0] == pytest.approx(generator.positions[0] + 0.3, abs=1e-9)
+
+    generator.brake()
+    run(generator, 700)
+
+    assert generator.positions == pytest.approx(ends, abs=1e-9)
+    assert generator.velocities == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_long_cycles_lead_to_the_same_place(generator):
+    generator.go_to([1.0, 0.0])
+    for period in (0.001, 0.004, 0.02) * 80:
+        generator.advance(period)
+
+    assert generator.positions == pytest.approx([1.0, 0.0], abs=1e-9)
+
+
+def test_time_that_stands_still_moves_nothing(generator):
+    generator.go_to([1.0, 0.0])
+    run(generator, 300)
+    before = generator.positions
+
+    run(generator, 10, period=0.0)
+
+    assert generator.positions == before
+
+
+def test_a_start_in_motion_is_continued_and_ended(generator):
+    generator.start([0.0, 0.0], [0.5, 3.0])  # the second is faster than allowed
+    generator.advance(0.001)
+    assert generator.positions == pytest.approx([0.5e-3, 3.0e-3], abs=1e-5)
+
+    run(generator, 3_000)
+
+    assert generator.velocities == pytest.approx([0.0, 0.0], abs=1e-9)
