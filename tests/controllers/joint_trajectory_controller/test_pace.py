@@ -37,6 +37,30 @@ def test_a_faster_one_is_refused_with_its_numbers(distance):
     assert details["distance"] == pytest.approx(distance)
 
 
+@pytest.mark.parametrize(
+    "end",
+    [
+        PosVelAccState([0.1], [2.001]),
+        PosVelAccState([0.1], [1e9]),
+        PosVelAccState([0.1], [0.0], [1e9]),
+        PosVelAccState([0.1], [0.0], [1e300]),
+    ],
+)
+def test_points_that_ask_for_an_impossible_velocity_are_refused(end):
+    start = PosVelAccState([0.0], [0.0], [0.0])
+    way = JointTrajectorySegment(QuinticSplineSegment(0.0, start, 1.0, end), end)
+
+    with pytest.raises(InvalidTrajectoryError, match="limit is 2 rad/s"):
+        check_pace(JointDescription("j", velocity=2.0), way)
+
+
+def test_the_velocity_between_the_points_may_be_what_a_smooth_way_needs():
+    start, end = (PosVelAccState([x], [0.0], [0.0]) for x in (0.0, 2.0))
+    way = JointTrajectorySegment(QuinticSplineSegment(0.0, start, 1.0, end), end)
+
+    check_pace(JointDescription("j", velocity=2.0), way)
+
+
 def test_a_goal_that_starts_far_away_is_not_raced_to(robot, start, make_goal):
     controller = start()
     goal = make_goal((0.0, [0.4, 2.9, 1.0]), (0.1, [0.4, 3.0, 1.0]))
