@@ -33,7 +33,8 @@ class RobotScene:
     def __init__(self, server: viser.ViserServer, urdf: yourdfpy.URDF) -> None:
         self._server = server
         self._shown: dict[str, float] = {}
-        _prepare_room(server)
+        bounds = urdf.scene.bounds  # (2, 3); None for a robot without meshes
+        _prepare_room(server, 0.56 if bounds is None else float(bounds[:, 2].mean()))
         self._moving = _draw(server, urdf)
 
     def show(self, positions: Mapping[str, float]) -> None:
@@ -56,8 +57,13 @@ class RobotScene:
                     frame.handle.position = frame.joint.position_at(q)
 
 
-def _prepare_room(server: viser.ViserServer) -> None:
-    """Set the floor, the light and a camera that sees the whole arm."""
+def _prepare_room(server: viser.ViserServer, middle: float) -> None:
+    """Set the floor, the light and a camera that sees the whole arm.
+
+    Args:
+        server: The scene's server.
+        middle: Height of the robot's middle above the floor [m].
+    """
     server.scene.add_grid(
         "/floor",
         width=6.0,
@@ -77,8 +83,10 @@ def _prepare_room(server: viser.ViserServer) -> None:
     # the station's own machine must leave the control loop its time.
     server.scene.configure_default_lights(cast_shadow=False)
     server.scene.set_background_image(_backdrop(), format="png")
-    server.initial_camera.position = (1.55, -1.05, 0.95)
-    server.initial_camera.look_at = (0.18, 0.0, 0.42)
+    # Arms bend forwards and down from where they are straight.
+    height = middle - 0.14
+    server.initial_camera.position = (1.55, -1.05, height + 0.53)
+    server.initial_camera.look_at = (0.18, 0.0, height)
     server.initial_camera.fov = 0.7
 
 

@@ -43,3 +43,11 @@ def test_a_pose_shown_already_is_not_sent_again(scene, monkeypatch):
     monkeypatch.setattr(server._websock_server, "queue_message", sent.append)
     scene.show({"panda_joint2": 0.5})
     assert sent == []
+
+
+@pytest.mark.parametrize("height", [0.0, 1.5])
+def test_the_camera_looks_at_the_robot(shared_bench, height):
+    server = shared_bench.guarded.server
+    base = (0.0, 0.0, height, 0.0, 0.0, 0.0)
+    RobotScene(server, load_robot("example-robot-data:panda", base=base))
+    assert server.initial_camera.look_at[2] == pytest.approx(height + 0.42, abs=0.02)
