@@ -1,15 +1,21 @@
 """What a controller needs to know about a joint from the robot's URDF.
 
-Source: urdfdom@3.0.0 urdf_parser/src/joint.cpp; only type and limits are read.
+Types and limits are read as `station.core.limits.urdf` reads them.
 """
 
 from dataclasses import dataclass
 from enum import Enum
-from math import isfinite
+from math import inf
 from xml.etree import ElementTree
 
 from station.core.errors import RobotDescriptionError
+from station.core.limits import (
+    JointLimits,
+    JointLimitsError,
+    joint_limits_from_urdf,
+)
 from station.core.parameters import Parameters
+from station.core.urdf_text import parse_robot_description
 
 ROBOT_DESCRIPTION = "robot_description"
 """Name of the parameter that holds the URDF as a string."""
@@ -66,13 +72,7 @@ class RobotDescription:
     """
 
     def __init__(self, xml: str) -> None:
-        try:
-            root = ElementTree.fromstring(xml)
-        except ElementTree.ParseError as error:
-            raise RobotDescriptionError(
-                f"The robot description is not XML: {error}.",
-                remedy=f"Put the URDF document itself into '{ROBOT_DESCRIPTION}'.",
-            ) from error
+        root = parse_robot_description(xml)
         if root.tag != "robot":
             raise RobotDescriptionError(
                 f"The robot description is a <{root.tag}> document.",
@@ -147,67 +147,20 @@ def require_robot_description(params: Parameters) -> RobotDescription:
 
 
 def _joint_description(name: str, element: ElementTree.Element) -> JointDescription:
-    kind = element.get("type", "")
+    limits = joint_limits_from_urdf(element) or JointLimits()
     try:
-        joint_type = JointType(kind)
-    except ValueError as error:
+        limits.validate(name)
+    except JointLimitsError as error:
         raise RobotDescriptionError(
-            f"Joint '{name}' has the type '{kind}'.",
-            remedy=f"Allowed are {', '.join(t.value for t in JointType)}.",
-            details={"resource": name},
+            error.message, remedy=error.remedy, details={"resource": name}
         ) from error
-    limit = element.find("limit")
-    if limit is None:
-        if joint_type in {JointType.REVOLUTE, JointType.PRISMATIC}:
-            raise RobotDescriptionError(
-                f"Joint '{name}' is {kind} and has no <limit>.",
-                remedy="Add <limit lower= upper= effort= velocity=>.",
-                details={"resource": name},
-            )
-        return JointDescription(name, joint_type)
-    velocity = _bound(name, limit, "velocity")
-    effort = _bound(name, limit, "effort")
-    if joint_type not in {JointType.REVOLUTE, JointType.PRISMATIC}:
-        return JointDescription(name, joint_type, velocity=velocity, effort=effort)
-    lower = _number(name, limit, "lower", 0.0)
-    upper = _number(name, limit, "upper", 0.0)
-    if lower > upper:
-        raise RobotDescriptionError(
-            f"Joint '{name}' has the lower limit {lower} above the upper one {upper}.",
-            remedy="Correct the <limit> of the joint.",
-            details={"resource": name},
-        )
-    return JointDescription(name, joint_type, lower, upper, velocity, effort)
-
-
-def _bound(name: str, limit: ElementTree.Element, key: str) -> float:
-    """Return a speed or an effort; 0 in a URDF stands for a joint nobody limited.
-
-    Raises:
-        RobotDescriptionError: It is negative or no finite number.
-    """
-    value = _number(name, limit, key, 0.0)
-    if value < 0.0:
-        raise RobotDescriptionError(
-            f"Joint '{name}' has the {key} limit {value}.",
-            remedy="Give a positive number, or 0 for no limit.",
-            details={"resource": name},
-        )
-    return value if value > 0.0 else float("inf")
-
-
-def _number(name: str, limit: ElementTree.Element, key: str, default: float) -> float:
-    text = limit.get(key)
-    if text is None:
-        return default
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not isfinite(value):
-        raise RobotDescriptionError(
-            f"Joint '{name}' has the {key} limit '{text}'.",
-            remedy="Give a finite number.",
-            details={"resource": name},
-        )
-    return value
+    low, high = limits.min_position, limits.max_position
+    return JointDescription(
+        name,
+        JointType(element.get("type")),
+        lower=-inf if low is None else low,
+        upper=inf if high is None else high,
+        # 0 in a URDF stands for a joint nobody limited.
+        velocity=limits.max_velocity or inf,
+        effort=limits.max_effort or inf,
+    )

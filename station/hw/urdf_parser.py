@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from station.core.errors import RobotDescriptionError
+from station.core.limits import joint_limits_from_urdf, soft_joint_limits_from_urdf
 from station.hw.robot_description import RobotDescription
 from station.hw.urdf import (
     Inertial,
@@ -64,6 +65,12 @@ class _Parser:
         return RobotDescriptionError(
             f"{self._description.urdf_path}: {element}: {reason}",
             remedy="correct that element of the URDF",
+        )
+
+    def _located(self, error: RobotDescriptionError) -> RobotDescriptionError:
+        """Return an error that names the element already, with the file's name."""
+        return RobotDescriptionError(
+            f"{self._description.urdf_path}: {error.message}", remedy=error.remedy
         )
 
     def _unique(self, items: list[_Item]) -> dict[str, _Item]:
@@ -184,30 +191,27 @@ class _Parser:
             child=self._attribute(self._child(what, element, "child"), "link", what),
             origin=self._pose(what, element),
             axis=(1.0, 0.0, 0.0) if axis is None else self._axis(what, axis, kind),
-            limit=self._limit(what, element.find("limit"), kind),
+            limit=self._limit(what, element, kind),
             damping=self._not_negative(what, dynamics, "damping"),
             friction=self._not_negative(what, dynamics, "friction"),
             mimic=self._mimic(what, element.find("mimic")),
-            safety=self._safety(what, element.find("safety_controller")),
+            safety=self._safety(element),
         )
 
-    def _limit(
-        self, what: str, element: Element | None, kind: JointType
-    ) -> JointLimit | None:
-        bounded = kind in (JointType.REVOLUTE, JointType.PRISMATIC)
-        if element is None or kind is JointType.FIXED:
-            if bounded:
-                raise self._error(what, f"is {kind.value} but has no <limit>")
+    def _limit(self, what: str, element: Element, kind: JointType) -> JointLimit | None:
+        if kind is JointType.FIXED:
+            return None
+        try:
+            limits = joint_limits_from_urdf(element)
+        except RobotDescriptionError as exc:
+            raise self._located(exc) from exc
+        if limits is None:
             return None
         what = f"{what} <limit>"
-        effort = self._number(element, "effort", what)
-        velocity = self._number(element, "velocity", what)
-        lower, upper = None, None
-        if bounded:
-            lower = self._number(element, "lower", what, 0.0)
-            upper = self._number(element, "upper", what, 0.0)
-            if lower >= upper:
-                raise self._error(what, f"lower {lower} is not below upper {upper}")
+        lower, upper = limits.min_position, limits.max_position
+        if lower is not None and upper is not None and lower >= upper:
+            raise self._error(what, f"lower {lower} is not below upper {upper}")
+        velocity, effort = limits.max_velocity or 0.0, limits.max_effort or 0.0
         if effort < 0.0 or velocity < 0.0:
             raise self._error(what, "effort and velocity must not be negative")
         return JointLimit(lower, upper, velocity, effort)
@@ -222,15 +226,15 @@ class _Parser:
             self._number(element, "offset", what, 0.0),
         )
 
-    def _safety(self, what: str, element: Element | None) -> SafetyController | None:
-        if element is None:
+    def _safety(self, element: Element) -> SafetyController | None:
+        try:
+            soft = soft_joint_limits_from_urdf(element)
+        except RobotDescriptionError as exc:
+            raise self._located(exc) from exc
+        if soft is None:
             return None
-        what = f"{what} <safety_controller>"
         return SafetyController(
-            self._number(element, "soft_lower_limit", what, 0.0),
-            self._number(element, "soft_upper_limit", what, 0.0),
-            self._number(element, "k_position", what, 0.0),
-            self._number(element, "k_velocity", what),
+            soft.min_position, soft.max_position, soft.k_position, soft.k_velocity
         )
 
     def _axis(self, what: str, element: Element, kind: JointType) -> Vector3:

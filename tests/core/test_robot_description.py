@@ -14,6 +14,8 @@ from station.core.robot_description import (
     require_robot_description,
 )
 
+SLIDE = "type='prismatic'"
+
 
 def _joint(attributes, limit=""):
     return RobotDescription(
@@ -44,10 +46,11 @@ def test_a_continuous_joint_has_no_position_limits():
     [
         ("type='revolute'", "", "has no <limit>"),
         ("type='wobbly'", "", "has the type 'wobbly'"),
-        ("type='prismatic'", "<limit lower='1' upper='0'/>", "above the upper"),
-        ("type='prismatic'", "<limit lower='x' upper='0'/>", "lower limit 'x'"),
-        ("type='prismatic'", "<limit lower='0' upper='inf'/>", "upper limit 'inf'"),
-        ("type='prismatic'", "<limit velocity='-1'/>", "velocity limit -1.0"),
+        ("type='prismatic'", "<limit lower='0' upper='1'/>", "without effort"),
+        (SLIDE, "<limit lower='1' upper='0' effort='1' velocity='1'/>", "from 1.0 to"),
+        (SLIDE, "<limit lower='x' upper='0' effort='1' velocity='1'/>", 'lower="x"'),
+        (SLIDE, "<limit upper='inf' effort='1' velocity='1'/>", 'upper="inf"'),
+        (SLIDE, "<limit effort='1' velocity='-1'/>", "velocity limit of -1.0"),
     ],
 )
 def test_an_impossible_joint_is_refused(attributes, limit, message):

@@ -77,12 +77,15 @@ def test_rpy_turns_about_fixed_axes_x_then_y_then_z() -> None:
         (LINKS, "one root link, but has .'a', 'b'."),
         (LINKS + '<link name="a"/>', "link 'a': is defined twice"),
         (hinge().replace(LINKS, '<link name="a"/>'), "names the link 'b'"),
-        (hinge("<limit/>"), "has no attribute 'effort'"),
+        (hinge("<limit/>"), "Joint 'j' has a <limit> without effort"),
         (
             hinge('<limit lower="1" upper="0" effort="1" velocity="1"/>'),
             "joint 'j' <limit>: lower 1.0 is not below upper 0.0",
         ),
-        (hinge('<limit upper="1" effort="nan" velocity="1"/>'), "effort is 'nan'"),
+        (
+            hinge('<limit upper="1" effort="nan" velocity="1"/>'),
+            "Joint 'j' has a <limit> with effort=",
+        ),
         (hinge('<limit upper="1" effort="-1" velocity="1"/>'), "not be negative"),
         (hinge(attributes='name="j" type="floating"'), "type 'floating'; use one"),
         (hinge('<axis xyz="0 0 0"/>'), "has the axis 0 0 0"),
@@ -92,7 +95,7 @@ def test_rpy_turns_about_fixed_axes_x_then_y_then_z() -> None:
         (
             f'{LINKS}<joint name="j" type="revolute"><parent link="a"/>'
             '<child link="b"/></joint>',
-            "joint 'j': is revolute but has no <limit>",
+            "Joint 'j' is revolute and has no <limit>",
         ),
         ('<link name="a"><collision/></link>', "link 'a' <collision>: has no <geom"),
         (

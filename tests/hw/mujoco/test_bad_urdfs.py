@@ -35,10 +35,14 @@ MESH = '<mesh filename="package://nobody/arm.stl"/>'
 SECOND = TRANSMISSION.replace('"t"', '"t2"')
 # What to replace in GOOD, by what, and what the message must say of it.
 CASES = {
-    "no limits": (LIMIT, "", ["joint 'j'", "revolute", "no <limit>"]),
-    "no effort": (' effort="5"', "", ["joint 'j' <limit>", "effort"]),
+    "no limits": (LIMIT, "", ["Joint 'j'", "revolute", "no <limit>"]),
+    "no effort": (' effort="5"', "", ["Joint 'j'", "<limit> without effort"]),
     "inverted limits": ('lower="-1"', 'lower="3"', ["joint 'j' <limit>", "3.0", "1.0"]),
-    "limit is no number": ('upper="1"', 'upper="one"', ["<limit> upper", "'one'"]),
+    "limit is no number": (
+        'upper="1"',
+        'upper="one"',
+        ["Joint 'j'", '<limit> with upper="one"'],
+    ),
     "unknown transmission": (
         "/SimpleTransmission",
         "/MagicTransmission",
