@@ -6,6 +6,7 @@ import pytest
 
 from station.app.composition import Composition, compose
 from station.config import load_config
+from station.core.limits import ClampReason
 from station.core.switching import SwitchRequest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -50,3 +51,18 @@ def test_effort_controller_takes_over_without_a_jump(robot):
 
     assert station.latest().position == pytest.approx(before, abs=2e-3)
     assert station.controller(name).fault == ""
+
+
+def test_command_that_is_cut_off_shows_in_hardware_and_status():
+    station = run("ur5").station
+    name = "position_group_controller"
+    station.switch_controllers(SwitchRequest(start=[name]))
+    assert station.status().clamps == ()
+
+    station.set_command(name, [3.0, -1.2, 1.4, -1.8, -1.57, 0.0])
+    station.loop.step(10)
+
+    (clamp,) = station.status().clamps
+    assert (clamp.last.joint, clamp.last.asked) == ("shoulder_pan_joint", 3.0)
+    assert clamp.last.reason is ClampReason.VELOCITY
+    assert station.hardware().clamps == (clamp,)
