@@ -1,5 +1,9 @@
 """From the core's values to the wire models."""
 
+from collections.abc import Mapping
+
+from pydantic import JsonValue
+
 from station.api import schemas, wire_hardware
 from station.api.wire_numbers import measured, measured_list
 from station.core import loop_report, statistics, tunables
@@ -102,10 +106,16 @@ def _command_element(element: SetPointElement) -> schemas.CommandElement:
 
 
 def controller_sample(
-    sample: ControllerSample, names: list[str]
+    sample: ControllerSample,
+    names: list[str],
+    published: Mapping[str, Mapping[str, object]] | None = None,
 ) -> schemas.ControllerSample:
-    """Return what a controller did in one cycle."""
+    """Return what a controller did in one cycle, and what it published."""
     return schemas.ControllerSample(
+        published={
+            topic: {key: _value(value) for key, value in message.items()}
+            for topic, message in (published or {}).items()
+        },
         stamp=sample.stamp,
         name=names,
         desired=measured_list(sample.desired),
@@ -128,14 +138,19 @@ def goal(found: Goal) -> schemas.Goal:
         else schemas.GoalResult(
             code=result.code,
             message=result.message,
-            details={key: _fact(value) for key, value in result.details.items()},
+            details={key: _value(value) for key, value in result.details.items()},
         ),
     )
 
 
-def _fact(value: object) -> str | int | float | bool | None:
+def _value(value: object) -> JsonValue:
+    """Return a value of a message as JSON has it."""
     if isinstance(value, float):
         return measured(value)
+    if isinstance(value, Mapping):
+        return {str(key): _value(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_value(each) for each in value]
     return value if isinstance(value, (bool, int)) or value is None else str(value)
 
 

@@ -4,6 +4,7 @@ Source: ros_controllers@678b92a force_torque_sensor_controller/src/
 force_torque_sensor_controller.cpp; geometry_msgs/WrenchStamped.msg.
 """
 
+from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
 from typing_extensions import override
@@ -72,3 +73,7 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
                 )
                 for sensor in self._sensors
             }
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        return {name: wrench._asdict() for name, wrench in self.wrenches.items()}

@@ -4,6 +4,7 @@ Source: ros_controllers@678b92a imu_sensor_controller/src/imu_sensor_controller.
 sensor_msgs/Imu.msg.
 """
 
+from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
 from typing_extensions import override
@@ -82,6 +83,10 @@ class ImuSensorController(Controller[ImuSensorInterface]):
             self.readings = {
                 sensor.name: _reading(sensor, time) for sensor in self._sensors
             }
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        return {name: reading._asdict() for name, reading in self.readings.items()}
 
 
 def _reading(sensor: ImuSensorHandle, time: float) -> Imu:

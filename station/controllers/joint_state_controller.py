@@ -4,6 +4,7 @@ Source: ros_controllers@678b92a joint_state_controller/src/joint_state_controlle
 """
 
 import logging
+from collections.abc import Mapping
 from typing import ClassVar
 
 from typing_extensions import override
@@ -72,6 +73,11 @@ class JointStateController(Controller[JointStateInterface]):
                 velocity=self._group.get_velocities() + self._extra_values["velocity"],
                 effort=self._group.get_efforts() + self._extra_values["effort"],
             )
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        states = self.joint_states
+        return {} if states is None else {"joint_states": states._asdict()}
 
 
 def _read_extra_joints(

@@ -140,6 +140,14 @@ class ControllerBase:
     def apply_gains(self, values: Mapping[str, float]) -> None:
         """Take over a complete, checked set. Called between two cycles."""
 
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the latest messages by topic; empty when it publishes none.
+
+        Called in any thread. Values are numbers, texts, lists of numbers, or mappings
+        of these.
+        """
+        return {}
+
     def is_running(self) -> bool:
         """Say whether the controller is running."""
         return self.state is ControllerState.RUNNING

@@ -5,6 +5,7 @@ import threading
 from station.core.command_guard import CommandGuard, as_pieces
 from station.core.controller import ControllerBase
 from station.core.controller_status import ControllerStatistics, ControllerStatus
+from station.core.goal import Goal
 from station.core.robot_hw import ControllerInfo
 from station.core.statistics import DurationRing
 
@@ -45,6 +46,7 @@ class LoadedController:
         self.traceback = ""
         self.fresh = False
         self._last_set_point: list[float] | None = None
+        self._last_goal: Goal | None = None
         self.ownership = threading.Lock()
         self.durations = DurationRing(1024)
         self.total = 0.0
@@ -108,11 +110,19 @@ class LoadedController:
         port = self.controller.set_points
         self.fresh = True
         self._last_set_point = None if port is None else port.last
+        self._last_goal = self._newest_goal()
 
     def got_set_point(self) -> bool:
-        """Say whether it has picked up a set-point since it was started."""
+        """Say whether it has got a set-point or a goal since it was started."""
         port = self.controller.set_points
-        return port is not None and port.last is not self._last_set_point
+        if port is not None and port.last is not self._last_set_point:
+            return True
+        return self._newest_goal() is not self._last_goal
+
+    def _newest_goal(self) -> Goal | None:
+        port = self.controller.goals
+        goals = [] if port is None else port.goals()
+        return goals[-1] if goals else None
 
     def jumps(self) -> dict[str, float]:
         """Return how far its commands are from before it was started, by resource."""

@@ -269,6 +269,14 @@ class Station(MotionCommands):
         """
         return self.manager.get_controller(name).sample
 
+    def published(self, name: str) -> Mapping[str, Mapping[str, object]]:
+        """Return the latest messages of a controller by topic.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        return self.manager.get_controller(name).published()
+
     def stop(self, reason: str) -> None:
         """Stop every controller in the next cycle and let nothing move until armed."""
         self.loop.stop_latch.engage(reason)

@@ -58,3 +58,13 @@ def test_a_rate_of_zero_publishes_nothing(sensing_robot):
     controller = sensing_robot.start(ForceTorqueSensorController, publish_rate=0)
     sensing_robot.step(controller, count=100)
     assert controller.wrenches == {}
+
+
+def test_its_messages_can_be_asked_for_by_sensor(sensing_robot):
+    controller = sensing_robot.start(ForceTorqueSensorController, publish_rate=500)
+    assert controller.published() == {}
+    sensing_robot.step(controller, count=4)
+
+    message = controller.published()["wrist"]
+    assert message["force"] == [1.0, 2.0, 3.0]
+    assert set(message) == {"stamp", "frame_id", "force", "torque"}

@@ -59,3 +59,11 @@ def test_it_needs_a_publish_rate(robot):
     robot.register_interface(ImuSensorInterface())
     with pytest.raises(ParameterError, match="'arm/publish_rate' is missing"):
         robot.load(ImuSensorController)
+
+
+def test_its_messages_can_be_asked_for_by_sensor(robot):
+    controller = _start(robot)
+    assert controller.published() == {}
+    robot.step(controller, count=20)
+
+    assert "angular_velocity" in controller.published()["base"]

@@ -116,3 +116,13 @@ def test_unusable_extra_joints_are_left_out_with_a_warning(robot, extra, caplog)
     robot.step(controller)
     assert controller.joint_states.name == ["elbow", "slide", "wheel"]
     assert "ignored" in caplog.text
+
+
+def test_its_message_can_be_asked_for(robot):
+    controller = robot.start(JointStateController, publish_rate=50)
+    assert controller.published() == {}
+    robot.step(controller)
+
+    message = controller.published()["joint_states"]
+    assert message["name"] == ["elbow", "slide", "wheel"]
+    assert message["position"] == [0.0, 0.0, 0.0]

@@ -173,3 +173,18 @@ def test_a_new_epoch_lets_set_point_controllers_rest(station):
     station.loop.step(2)
 
     assert station.controller_sample("group").desired == [0.1, 0.1]
+
+
+def test_a_goal_before_the_first_update_is_no_jump(station):
+    station.load_controller(
+        "gripper",
+        "position_controllers/GripperActionController",
+        {"joint": "j1", "goal_tolerance": 0.001},
+    )
+    station.switch_controllers(SwitchRequest(start=("gripper",)))
+    goal = station.submit_goal("gripper", {"command": {"position": 1.5}})
+    station.loop.step(5)
+
+    assert station.controller("gripper").fault == ""
+    assert goal.status is GoalStatus.SUCCEEDED
+    assert positions(station)[0] == pytest.approx(1.5)

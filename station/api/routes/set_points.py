@@ -13,6 +13,7 @@ from station.api.schemas import (
     CommandRequest,
     ControllerSample,
 )
+from station.core import controller as core_controller
 
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 
@@ -38,18 +39,23 @@ def put_command(
 
 @router.get("/controllers/{name}/state", responses=problems(404, 409))
 def get_state(name: str, station: StationDep) -> ControllerSample:
-    """Return desired, actual, error and output of the controller's last cycle.
+    """Return desired, actual, error and output of the last cycle, and messages.
+
+    Sensor controllers have messages alone.
 
     Raises:
         ProblemError: It has not run yet.
     """
-    sample = station.controller_sample(name)
-    if sample is None:
+    sample, published = station.controller_sample(name), station.published(name)
+    if sample is None and not published:
         raise ProblemError(
             409,
             "no_sample",
             f"Controller '{name}' has no state: it has not run, or it reports none.",
             "Start it with POST /api/v1/controllers/switch.",
         )
-    names = station.manager.get_controller(name).joint_names
-    return wire.controller_sample(sample, list(names))
+    names = list(station.manager.get_controller(name).joint_names)
+    if sample is None:
+        sample = core_controller.ControllerSample(station.loop.time, [], [], [], [])
+        names = []
+    return wire.controller_sample(sample, names, published)

@@ -2,7 +2,7 @@
 
 from typing import Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from station.api.schemas.base import (
     ControllerName,
@@ -297,6 +297,8 @@ class ControllerSample(ResponseModel):
         actual: Measured value, same unit.
         error: Their difference as the control law sees it.
         output: Commands written, in the unit of the hardware interface.
+        published: The latest messages of the controller by topic, e.g. `state` of a
+            trajectory controller, or a sensor's name; absent in streams.
     """
 
     stamp: float
@@ -305,6 +307,7 @@ class ControllerSample(ResponseModel):
     actual: list[Measured]
     error: list[Measured]
     output: list[Measured]
+    published: dict[str, dict[str, JsonValue]] = Field(default_factory=dict)
 
 
 class ControllerType(ResponseModel):

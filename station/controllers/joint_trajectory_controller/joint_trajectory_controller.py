@@ -178,6 +178,22 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
         )
 
     @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return what the original's topic `state` says."""
+        state = self.trajectory_state
+        if state is None:
+            return {}
+        return {
+            "state": {
+                "stamp": state.stamp,
+                "joint_names": list(self.joint_names),
+                "desired": _message(state.desired),
+                "actual": _message(state.actual),
+                "error": _message(state.error),
+            }
+        }
+
+    @override
     def gain_schema(self) -> Mapping[str, Tunable]:
         return self._schema
 
@@ -189,6 +205,15 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
     def apply_gains(self, values: Mapping[str, float]) -> None:
         self.apply_command_gains(values)
         self.execution.speed.target = values[SPEED_SCALING]
+
+
+def _message(state: PosVelAccState) -> dict[str, object]:
+    """Return a state like a trajectory_msgs/JointTrajectoryPoint."""
+    return {
+        "positions": state.position,
+        "velocities": state.velocity,
+        "accelerations": state.acceleration,
+    }
 
 
 def _read_duration(params: Parameters, key: str, default: float) -> float:

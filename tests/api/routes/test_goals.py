@@ -120,6 +120,18 @@ def test_a_trajectory_without_a_goal_and_where_it_leads(arm, station):
     assert arm.goals("arm") == []
 
 
+def test_the_state_of_a_trajectory_controller_has_its_message(arm, station):
+    arm.submit_goal("arm", GOAL)
+    station.loop.step(100)
+
+    state = arm.controller_state("arm")
+    message = state.published["state"]
+    assert message["joint_names"] == JOINTS
+    assert message["desired"]["positions"] == state.desired
+    assert message["desired"]["velocities"][0] > 0.0
+    assert message["error"]["positions"] == pytest.approx(state.error)
+
+
 @pytest.mark.parametrize("time", ["nan", "inf", "abc", "", "-1"])
 @pytest.mark.usefixtures("arm")
 def test_impossible_times_are_refused(operator, time):

@@ -113,6 +113,18 @@ def test_a_controller_that_has_not_run_has_no_state(client):
     assert (caught.value.status, caught.value.code) == (409, "no_sample")
 
 
+def test_a_controller_that_only_publishes_has_its_messages_as_state(spring, station):
+    controller = station.manager.get_controller("spring")
+    controller.sample = None
+    message = {"stamp": 0.5, "force": [1.0, float("nan"), 2.0], "frame_id": "hand"}
+    controller.published = lambda: {"wrist": message}
+
+    state = spring.controller_state("spring")
+
+    assert state.name == state.desired == []
+    assert state.published == {"wrist": message | {"force": [1.0, None, 2.0]}}
+
+
 @pytest.mark.parametrize("ask", ["command", "last_command", "controller_state"])
 def test_an_unknown_controller(spring, ask):
     arguments = ([0.5],) if ask == "command" else ()

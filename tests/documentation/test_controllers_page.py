@@ -1,0 +1,155 @@
+"""docs/controllers.md tells every controller and every parameter as they are."""
+
+import re
+from dataclasses import dataclass, field
+
+import pytest
+
+from station.controllers import CONTROLLERS
+from station.core.parameters import Parameters
+from tests.conformance.benches import JOINTS, bench_for
+from tests.documentation.shell_examples import ROOT
+
+PAGE = (ROOT / "docs" / "controllers.md").read_text()
+GETTERS = ("get_float", "get_int", "get_bool", "get_str", "get_str_list")
+# Defaults that depend on the robot or on another parameter; the page says how.
+IN_WORDS = {"i_clamp", "-i_clamp", "none"}
+
+
+def table(heading: str) -> list[list[str]]:
+    """Return the cells of the table below a heading, without its head."""
+    section = PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    rows = [line for line in section.splitlines() if line.startswith("|")][2:]
+    return [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+
+
+def groups_of(cell: str) -> set[str]:
+    return {"all", *cell.split(", ")}
+
+
+TYPES = {row[0].strip("`"): row for row in table("Types")}
+
+
+@dataclass
+class Reading:
+    """A controller after loading, and what it asked the parameters for.
+
+    Attributes:
+        status: Its status.
+        controller: The controller.
+        defaults: By key: the defaults given; nothing for a key that is only looked at.
+    """
+
+    status: object
+    controller: object
+    defaults: dict[str, list[object]] = field(default_factory=dict)
+
+
+@pytest.fixture(params=CONTROLLERS)
+def reading(request, monkeypatch):
+    """Load each controller and note every parameter of its own that it reads."""
+    asked: dict[str, list[object]] = {}
+
+    def note(view, key, *defaults):
+        path = view.resolve(key)
+        if path.startswith("it/"):
+            name = re.sub("|".join(JOINTS), "<joint>", path.removeprefix("it/"))
+            asked.setdefault(name, []).extend(defaults)
+
+    def watch(name):
+        original = getattr(Parameters, name)
+
+        def getter(view, key="", default=None):
+            note(view, key, *([default] if name in GETTERS else []))
+            return original(view, key, default)
+
+        monkeypatch.setattr(Parameters, name, getter)
+
+    for name in ("get", *GETTERS):
+        watch(name)
+    bench = bench_for(request.param)
+    (status,) = bench.manager.list_controllers()
+    return Reading(status, bench.manager.get_controller("it"), asked)
+
+
+def documented(controller_type: str) -> dict[str, str]:
+    """Return the default of each parameter of a type as the page tells it."""
+    groups = groups_of(TYPES[controller_type][3])
+    return {
+        row[0].strip("`"): row[2].strip("`")
+        for row in table("Parameters")
+        if row[3] in groups
+    }
+
+
+def test_all_types_are_told():
+    assert sorted(TYPES) == sorted(CONTROLLERS)
+
+
+def test_every_group_of_parameters_is_used():
+    used = set().union(*(groups_of(row[3]) for row in TYPES.values()))
+
+    assert {row[3] for row in table("Parameters")} == used
+    assert {row[2] for row in table("Run-time parameters")} <= used
+
+
+def test_the_interface_is_the_one_that_is_claimed(reading):
+    (claim,) = reading.status.claimed_resources
+    told = TYPES[reading.status.type][1].strip("`")
+
+    assert claim.hardware_interface == f"hardware_interface::{told}"
+
+
+def test_what_it_takes_is_told(reading):
+    controller = reading.controller
+    ports = {
+        "set-points": controller.set_points,
+        "goals": controller.goals,
+        "trajectories": controller.trajectories,
+    }
+    takes = [name for name, port in ports.items() if port is not None]
+
+    assert TYPES[reading.status.type][2] == (", ".join(takes) or "nothing")
+
+
+def test_every_parameter_that_is_read_is_told_and_no_other(reading):
+    assert set(reading.defaults) == set(documented(reading.status.type))
+
+
+def test_defaults_are_told(reading):
+    told = documented(reading.status.type)
+    for key, defaults in reading.defaults.items():
+        for default in defaults:
+            if default is None:
+                assert told[key] == "required", key
+            elif isinstance(default, bool):
+                assert told[key] == str(default).lower(), key
+            elif isinstance(default, str):
+                assert told[key] == default, key
+            elif isinstance(default, float) and told[key] not in IN_WORDS:
+                number = re.fullmatch(r"-?[\d.]+", told[key])
+                assert not number or float(told[key]) == default, key
+                assert number or " " in told[key], key
+
+
+def test_run_time_parameters_and_their_ranges_are_told(reading):
+    groups = groups_of(TYPES[reading.status.type][3])
+    told = {
+        row[0].strip("`"): row[1]
+        for row in table("Run-time parameters")
+        if row[2] in groups
+    }
+    schema = {
+        re.sub("|".join(JOINTS), "<joint>", name): tunable
+        for name, tunable in reading.controller.gain_schema().items()
+    }
+
+    assert {
+        name: f"{tunable.minimum:g} to {tunable.maximum:g}"
+        for name, tunable in schema.items()
+    } == told
+
+
+@pytest.mark.parametrize("name", ["state_publish_rate", "action_monitor_rate"])
+def test_parameters_without_effect_are_told(name):
+    assert f"`{name}`" in PAGE
