@@ -60,7 +60,8 @@ def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
         period=1.0 / config.station.rate,
         real_time_factor=config.station.real_time_factor,
     )
-    station = Station(loop, manager, root, config.robot.type)
+    reserved = frozenset({ROBOT_NAMESPACE})
+    station = Station(loop, manager, root, config.robot.type, reserved)
     return Composition(station, _load_controllers(station, config))
 
 

@@ -6,6 +6,10 @@ that cannot be printed, or letters that no JSON can carry.
 
 import traceback
 
+MAX_REASON = 1000
+"""Longest text of a fault: every client gets it, in every list of controllers."""
+MAX_TRACE = 20_000
+"""Longest traceback; its end is kept."""
 CONTAINED = (Exception, SystemExit)
 """What a plugin may raise without harm to others; `exit()` in it ends nothing else."""
 
@@ -26,12 +30,14 @@ def describe(error: BaseException) -> str:
         text = str(error)
     except CONTAINED:
         text = "(its text cannot be had)"
+    if len(text) > MAX_REASON:
+        text = f"{text[:MAX_REASON]}... ({len(text)} characters)"
     return printable(f"{type(error).__name__}: {text}")
 
 
 def trace_of_fault() -> str:
     """Return the traceback of the exception being handled."""
-    return printable(traceback.format_exc())
+    return printable(traceback.format_exc()[-MAX_TRACE:])
 
 
 def printable(text: str) -> str:

@@ -41,6 +41,7 @@ class Station(MotionCommands):
         manager: The loop's controller manager.
         parameters: The root of the parameter tree; controllers live under their name.
         robot_type: Type of the robot for the status.
+        reserved: Names at the root of the tree that no controller may have.
 
     Attributes:
         boot_id: Random name of this run.
@@ -52,11 +53,13 @@ class Station(MotionCommands):
         manager: ControllerManager,
         parameters: Parameters,
         robot_type: str = "",
+        reserved: frozenset[str] = frozenset(),
     ) -> None:
         super().__init__(loop, manager)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters
         self._robot_type = robot_type
+        self._reserved = reserved
         self._change_lock = threading.Lock()
         self._revisions: dict[str, int] = {}
 
@@ -307,7 +310,13 @@ class Station(MotionCommands):
         params: Mapping[str, object] | None,
         before: object,
     ) -> dict[str, object]:
-        known = before if isinstance(before, dict) else {}
+        known = {} if before is None else before
+        if name in self._reserved or not isinstance(known, dict):
+            raise ParameterError(
+                f"'{name}' is a parameter of the station and no controller's.",
+                remedy="Choose another name for the controller.",
+                details={"parameter": name},
+            )
         wanted = dict(known if params is None else params)
         chosen = controller_type or wanted.get("type") or known.get("type")
         if not isinstance(chosen, str):

@@ -30,6 +30,7 @@ class FakeStation:
         self.calls: list[tuple[object, ...]] = []
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
+        self.faults: dict[str, str] = {}
         self.failed: dict[str, str] = {}
         self.goals: list[Goal] = []
         self.refusal: BaseException | None = None
@@ -56,7 +57,7 @@ class FakeStation:
             type=GROUP,
             state=self.states[name],
             claimed_resources=claims,
-            fault="",
+            fault=self.faults.get(name, ""),
             traceback="",
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),

@@ -32,3 +32,11 @@ def test_a_traceback_can_be_encoded_and_says_where():
         trace = trace_of_fault()
     assert "test_faults.py" in trace
     assert trace.encode()
+
+
+def test_endless_text_is_cut():
+    assert len(describe(ValueError("x" * 10_000_000))) < 2000
+    try:
+        raise ValueError("x" * 10_000_000)
+    except ValueError:
+        assert len(trace_of_fault()) <= 20_000

@@ -94,7 +94,7 @@ def station() -> Station:
     hw, clock, parameters = OneJoint(), ManualClock(), Parameters()
     manager = ControllerManager(hw, parameters, [SpringLoader()], clock)
     loop = ControlLoop(hw, manager, clock=clock)
-    return Station(loop, manager, parameters, "test/OneJoint")
+    return Station(loop, manager, parameters, "test/OneJoint", frozenset({"robot"}))
 
 
 @pytest.fixture
@@ -125,6 +125,18 @@ def test_a_failed_load_leaves_the_parameters_as_they_were(station):
         station.load_controller("a", "test/Spring", {})
     assert station.parameters.get("a") is None
     assert station.controllers() == []
+
+
+@pytest.mark.parametrize("name", ["robot", "robot_description"])
+def test_a_controller_never_takes_the_place_of_other_parameters(station, name):
+    station.parameters.set("robot_description", "<robot/>")
+    station.parameters.set("robot", {"type": "test/OneJoint"})
+    before = station.parameters.get(name)
+
+    with pytest.raises(ParameterError, match="no controller's"):
+        station.load_controller(name, "test/Spring", {"joint": "j"})
+
+    assert station.parameters.get(name) == before
 
 
 def test_a_controller_without_a_type_is_refused(station):

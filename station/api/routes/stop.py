@@ -30,7 +30,7 @@ async def stop(
     Stopping again is fine. Nothing moves until the stop is released and armed.
     """
     reason = request.reason if request is not None else ""
-    station.stop(reason or f"asked for by a {role.value}")
+    station.stop(reason or f"asked for by the {role.value}")
     return wire.stop_state(station)
 
 

@@ -26,7 +26,9 @@ def list_controllers(options: Namespace) -> int:
     if options.claimed_interfaces or options.verbose:
         headers.append("claimed interfaces")
     if options.verbose:
-        headers += ["p99 of update [us]", "fault"]
+        headers.append("p99 of update [us]")
+    if options.verbose or any(controller.fault for controller in controllers):
+        headers.append("fault")
     rows = [_row(c, headers) for c in controllers]
     say_table(headers, rows)
     return 0
@@ -45,7 +47,7 @@ def _row(controller: "ControllerState", headers: list[str]) -> list[str]:
         "state": controller.state,
         "claimed interfaces": "; ".join(claims) or "-",
         "p99 of update [us]": f"{time.p99 * 1e6:.0f}" if time.count else "-",
-        "fault": controller.fault or "-",
+        "fault": " ".join(controller.fault.split()) or "-",
     }
     return [cells[header] for header in headers]
 

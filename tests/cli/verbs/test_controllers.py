@@ -18,6 +18,16 @@ def test_claims_are_listed_when_asked_for(run, option):
     assert "PositionJoint: j1, j2" in run(f"list {option}").out
 
 
+def test_a_fault_is_listed_unasked_and_in_one_line(run, station):
+    assert "fault" not in run("list").out
+
+    station.faults = {"arm": "update raised ValueError: two\nlines"}
+
+    lines = run("list").out.splitlines()
+    assert len(lines) == 3
+    assert lines[1].endswith("update raised ValueError: two lines")
+
+
 def test_list_can_be_json(run):
     controllers = json.loads(run("list-controllers --json").out)
 
