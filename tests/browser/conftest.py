@@ -27,7 +27,7 @@ ARTIFACTS = Path("artifacts")
 _READY_LINES = 20
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
     """Debian's chromium without a GPU."""
     if not Path(CHROMIUM).exists():
