@@ -176,10 +176,19 @@ def last_command(name: str) -> Call[CommandInfo]:
 
 
 def command(
-    name: str, values: Sequence[float], epoch: int | None, timeout: float | None
+    name: str,
+    values: Sequence[float],
+    epoch: int | None,
+    timeout: float | None,
+    rates: Sequence[float] | None = None,
 ) -> Call[CommandAccepted]:
     """Send a set-point."""
-    body = CommandRequest(command=list(values), epoch=epoch, timeout=timeout)
+    body = CommandRequest(
+        command=list(values),
+        epoch=epoch,
+        timeout=timeout,
+        rates=None if rates is None else list(rates),
+    )
     return _send("PUT", _controller(name, "/command"), CommandAccepted, body)
 
 

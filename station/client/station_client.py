@@ -208,6 +208,7 @@ class StationClient:
         values: Sequence[float],
         epoch: int | None = None,
         timeout: float | None = None,
+        rates: Sequence[float] | None = None,
     ) -> CommandAccepted:
         """Send a set-point.
 
@@ -216,8 +217,9 @@ class StationClient:
             values: One number per element, in its order and units.
             epoch: Refuse when a stop or reset came since that epoch.
             timeout: How long it is valid [s], 0 for ever; None: the controller's own.
+            rates: How fast it changes, for controllers that feed it forward.
         """
-        return self._do(calls.command(name, values, epoch, timeout))
+        return self._do(calls.command(name, values, epoch, timeout, rates))
 
     def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""

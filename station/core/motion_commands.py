@@ -43,8 +43,9 @@ class MotionCommands:
             InvalidCommandError: It takes no set-points.
         """
         port = self._set_point_port(name)
-        last = port.last
-        return SetPoint(tuple(port.elements), None if last is None else tuple(last))
+        last, size = port.last, len(port.elements)
+        values = None if last is None else tuple(last[:size])
+        return SetPoint(tuple(port.elements), values)
 
     def set_command(
         self,
@@ -52,6 +53,7 @@ class MotionCommands:
         values: list[float],
         epoch: int | None = None,
         timeout: float | None = None,
+        rates: list[float] | None = None,
     ) -> int:
         """Give a running controller a new set-point; return the epoch it counts for.
 
@@ -61,19 +63,22 @@ class MotionCommands:
             epoch: The epoch in which the caller decided; the present one when None.
             timeout: How long it is valid [s wall time], 0 for ever; the controller's
                 own when None.
+            rates: How fast the set-point changes, one number per element; only for
+                controllers that feed it forward.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
             ControllerStateError: It is not running.
-            InvalidCommandError: It takes no set-points, or `values` is malformed.
+            InvalidCommandError: It takes no set-points or no rates, or they are
+                malformed.
             StaleEpochError: `epoch` is over.
             StoppedError: The station is stopped.
             LoopError: The loop died.
         """
         port = self._set_point_port(name)
-        port.check(values, timeout)
+        port.check(values, timeout, rates)
         present = self._check_may_move(name, epoch)
-        port.post(values, timeout)
+        port.post([*values, *(rates or [])], timeout)
         return present
 
     def submit_goal(

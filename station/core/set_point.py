@@ -52,8 +52,10 @@ class SetPointPort:
         clock: The clock that measures it.
 
     Attributes:
-        last: The last set-point picked up; None when there was none since the
-            controller started.
+        feed_forward: What may follow the numbers of a set-point: the rates at which
+            they change. Empty when the controller has no use for them.
+        last: The last set-point picked up, with its rates; None when there was none
+            since the controller started.
     """
 
     def __init__(
@@ -68,18 +70,25 @@ class SetPointPort:
         self.timeout = timeout
         self.longest = longest
         self.clock: Clock = SystemClock() if clock is None else clock
+        self.feed_forward: list[SetPointElement] = []
         self.last: list[float] | None = None
         # Appending and popping are atomic: no set-point is lost between them.
         self._slot: deque[tuple[list[float], float]] = deque(maxlen=1)
         self._deadline = inf
         self._is_void = False
 
-    def check(self, values: list[float], timeout: float | None = None) -> None:
+    def check(
+        self,
+        values: list[float],
+        timeout: float | None = None,
+        rates: list[float] | None = None,
+    ) -> None:
         """Refuse a malformed set-point.
 
         Args:
             values: The set-point.
             timeout: How long it shall be valid [s], 0 for ever; None for `timeout`.
+            rates: How fast it changes, as `feed_forward` says; None when unknown.
 
         Raises:
             InvalidCommandError: Wrong length, an element is not finite or out of its
@@ -92,28 +101,20 @@ class SetPointPort:
                 remedy="Leave it out, and send set-points again and again.",
                 details={"timeout": timeout, "longest": self.longest},
             )
-        names = ", ".join(element.name for element in self.elements)
-        if len(values) != len(self.elements):
+        _check_values(self.elements, values)
+        if rates is not None and not self.feed_forward:
             raise InvalidCommandError(
-                f"The command has {len(values)} values; this controller takes "
-                f"{len(self.elements)}: {names}.",
-                remedy="Send one number per element, in that order.",
-                details={"expected": [e.name for e in self.elements]},
+                "This controller takes no rates of its set-points.",
+                remedy="Leave them out, or use a PID position controller.",
             )
-        for element, value in zip(self.elements, values, strict=True):
-            if not element.minimum <= value <= element.maximum or value - value != 0:
-                raise InvalidCommandError(
-                    f"The command for '{element.name}' is {value}; allowed is "
-                    f"{element.minimum} to {element.maximum} {element.unit}.",
-                    remedy="Send finite numbers within the range.",
-                    details={"element": element.name},
-                )
+        if rates is not None:
+            _check_values(self.feed_forward, rates)
 
     def post(self, values: list[float], timeout: float | None = None) -> None:
         """Put a checked set-point into the slot; an older one there is replaced.
 
         Args:
-            values: The set-point.
+            values: The set-point, with its rates if there are any.
             timeout: How long it is valid [s], 0 for ever; the port's timeout when None.
         """
         limit = self.timeout if timeout is None else timeout
@@ -149,3 +150,27 @@ class SetPointPort:
         was_void = self._is_void
         self._is_void = False
         return was_void
+
+
+def _check_values(elements: list[SetPointElement], values: list[float]) -> None:
+    """Refuse values that are not what `elements` says.
+
+    Raises:
+        InvalidCommandError: Wrong length, or a value is not finite or out of range.
+    """
+    if len(values) != len(elements):
+        names = ", ".join(element.name for element in elements)
+        raise InvalidCommandError(
+            f"The command has {len(values)} values; this controller takes "
+            f"{len(elements)}: {names}.",
+            remedy="Send one number per element, in that order.",
+            details={"expected": [e.name for e in elements]},
+        )
+    for element, value in zip(elements, values, strict=True):
+        if not element.minimum <= value <= element.maximum or value - value != 0:
+            raise InvalidCommandError(
+                f"The command for '{element.name}' is {value}; allowed is "
+                f"{element.minimum} to {element.maximum} {element.unit}.",
+                remedy="Send finite numbers within the range.",
+                details={"element": element.name},
+            )

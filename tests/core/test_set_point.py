@@ -113,3 +113,16 @@ def test_clearing_is_told_once():
     port.clear()
     assert port.take_void()
     assert not port.take_void()
+
+
+@pytest.mark.parametrize("rates", [[], [0.1, 0.2], [1.1], [float("nan")]])
+def test_rates_are_checked_like_the_values(rates):
+    port = SetPointPort([SetPointElement("j", "rad")])
+    port.feed_forward = [SetPointElement("j", "rad/s", -1.0, 1.0)]
+    port.check([0.1], rates=[-1.0])
+    port.check([0.1])
+
+    with pytest.raises(InvalidCommandError):
+        port.check([0.1], rates=rates)
+    with pytest.raises(InvalidCommandError, match="2 values"):
+        port.check([0.1, 0.2])

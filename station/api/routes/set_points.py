@@ -33,7 +33,9 @@ def put_command(
     name: str, request: CommandRequest, station: StationDep
 ) -> CommandAccepted:
     """Give a running controller a set-point; the newest wins."""
-    epoch = station.set_command(name, request.command, request.epoch, request.timeout)
+    epoch = station.set_command(
+        name, request.command, request.epoch, request.timeout, request.rates
+    )
     return CommandAccepted(epoch=epoch)
 
 

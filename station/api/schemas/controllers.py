@@ -264,6 +264,8 @@ class CommandRequest(RequestModel):
         epoch: Epoch it was made for; refused when a stop or reset came since.
         timeout: How long it is valid [s wall time], 0 for ever; the controller's own
             when null. What happens then is the controller's setting.
+        rates: How fast the set-point changes, one number per element [rad/s or m/s];
+            position controllers with a PID feed it forward, others refuse it.
     """
 
     model_config = ConfigDict(
@@ -275,6 +277,7 @@ class CommandRequest(RequestModel):
     command: list[float] = Field(max_length=1024)
     epoch: int | None = Field(default=None, ge=0)
     timeout: float | None = Field(default=None, ge=0.0, le=3600.0)
+    rates: list[float] | None = Field(default=None, max_length=1024)
 
 
 class CommandAccepted(ResponseModel):

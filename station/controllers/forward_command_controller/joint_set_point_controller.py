@@ -49,6 +49,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             set-point ends by itself.
         group: The joints.
         joints: What is known about them, same order.
+        rates: How fast the set-point in force changes, shape (n,); empty when unknown.
     """
 
     quantity: ClassVar[JointQuantity]
@@ -63,6 +64,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         self._port = SetPointPort([])
         self._timeout_action = TimeoutAction.HOLD
         self._set_point: list[float] = []
+        self.rates: list[float] = []
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
@@ -108,15 +110,17 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             CommandTimeoutError: It is no longer valid and the action is `stop`.
         """
         if self._port.take_void():
-            self._set_point = self.rest()
+            self._set_point, self.rates = self.rest(), []
         newest = self._port.take()
         if newest is not None:
+            # The rates follow the values, if there are any.
             self._set_point = [
                 min(max(value, element.minimum), element.maximum)
-                for value, element in zip(newest, self._port.elements, strict=True)
+                for value, element in zip(newest, self._port.elements, strict=False)
             ]
+            self.rates = newest[len(self._set_point) :]
         if self._port.take_expiry():
-            self._set_point = self._timed_out()
+            self._set_point, self.rates = self._timed_out(), []
         return self._set_point
 
     def _timed_out(self) -> list[float]:
@@ -132,7 +136,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
 
     @override
     def starting(self, time: float) -> None:
-        self._set_point = self.rest()
+        self._set_point, self.rates = self.rest(), []
 
     def _element(self, joint: JointDescription) -> SetPointElement:
         lower, upper = self.quantity.range(joint)

@@ -59,7 +59,12 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
         set_point = self.newest_set_point()
         actual = self.quantity.measure(self.group)
         errors = self.errors(set_point, actual)
-        commands = self._pids.compute_commands(errors, period)
+        if self.rates:
+            measured = self.group.get_velocities()
+            missing = [d - a for d, a in zip(self.rates, measured, strict=True)]
+            commands = self._pids.compute_commands_with_rates(errors, missing, period)
+        else:
+            commands = self._pids.compute_commands(errors, period)
         self.group.set_commands(commands)
         self.sample = ControllerSample(time, set_point, actual, errors, commands)
 

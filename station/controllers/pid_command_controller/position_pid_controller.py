@@ -28,13 +28,16 @@ from station.core.robot_description import (
     RobotDescription,
     require_robot_description,
 )
+from station.core.set_point import SetPointElement
 
 
 class PositionPidController(JointPidController[CommandInterfaceT]):
     """Computes a command from the position error of every joint.
 
     A continuous joint turns the short way round, a revolute one the short way that
-    stays within its limits. The limits come from the robot description.
+    stays within its limits. The limits come from the robot description. A set-point
+    may say how fast it changes; the derivative gain then acts on what is missing to
+    that velocity.
 
     Source:
         JointGroupPositionController; differs: a set-point beyond the limits is refused
@@ -52,6 +55,17 @@ class PositionPidController(JointPidController[CommandInterfaceT]):
             RobotDescriptionError: There is none, or it cannot be used.
         """
         return require_robot_description(params)
+
+    @override
+    def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
+        """Take velocities with the positions, too, as the original's setCommand."""
+        super().init(interface, params)
+        velocity = JointQuantity.VELOCITY
+        if self.set_points is not None:
+            self.set_points.feed_forward = [
+                SetPointElement(each.name, velocity.unit(each), *velocity.range(each))
+                for each in self.joints
+            ]
 
     @override
     def errors(self, set_point: list[float], actual: list[float]) -> list[float]:

@@ -3,6 +3,7 @@
 import pytest
 
 from station.client import ApiError
+from station.core.set_point import SetPointElement
 from tests.api.test_errors import problem_of
 
 COMMAND = "/api/v1/controllers/spring/command"
@@ -45,6 +46,8 @@ def test_a_set_point_reaches_the_controller(spring, station):
         ('{"command": [0.5], "epoch": true}', 422, "invalid_request"),
         ('{"command": [0.5], "timeout": -1}', 422, "invalid_request"),
         ('{"command": [0.5], "timeout": NaN}', 422, "invalid_request"),
+        ('{"command": [0.5], "rates": ["1"]}', 422, "invalid_request"),
+        ('{"command": [0.5], "rates": [0.1]}', 422, "invalid_command"),
         ('{"command": []}', 422, "invalid_command"),
         ('{"command": [0.5, 0.5]}', 422, "invalid_command"),
         ('{"command": [1.01]}', 422, "invalid_command"),
@@ -102,6 +105,17 @@ def test_a_set_point_may_be_valid_for_a_while(spring, station, monkeypatch):
     spring.command("spring", [0.5], timeout=0.2)
 
     assert posted == [([0.5], 0.2)]
+
+
+def test_rates_reach_a_controller_that_feeds_them_forward(spring, station):
+    port = station.manager.get_controller("spring").set_points
+    port.feed_forward = [SetPointElement("j", "rad/s", -1.0, 1.0)]
+
+    spring.command("spring", [0.5], rates=[0.25])
+    station.loop.step()
+
+    assert port.last == [0.5, 0.25]
+    assert spring.last_command("spring").last == [0.5]
 
 
 def test_a_controller_that_has_not_run_has_no_state(client):

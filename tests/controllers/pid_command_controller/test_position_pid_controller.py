@@ -56,3 +56,20 @@ def test_it_needs_a_robot_description(make_robot, package):
         make_robot(urdf="").load(
             package.JointPositionController, joint="elbow", pid={"p": 1.0}
         )
+
+
+@single_joint
+def test_a_velocity_is_fed_forward(robot, package, commanded):
+    controller = robot.start(
+        package.JointPositionController, joint="elbow", pid={"p": 10.0, "d": 2.0}
+    )
+    robot.velocity[1] = 0.5
+    controller.set_points.post([0.1, 1.5])
+    robot.step(controller)
+    # p of 10 times 0.1 rad, d of 2 times the missing 1 rad/s
+    assert getattr(robot, commanded)[1] == pytest.approx(3.0)
+
+    robot.velocity[1] = 0.0
+    controller.set_points.clear()
+    robot.step(controller)
+    assert controller.rates == []
