@@ -77,8 +77,10 @@ class MotionCommands:
         """
         port = self._set_point_port(name)
         port.check(values, timeout, rates)
+        generation = port.generation
         present = self._check_may_move(name, epoch)
-        port.post([*values, *(rates or [])], timeout)
+        # Should a stop or a reset come in between, it is void.
+        port.post([*values, *(rates or [])], timeout, generation)
         return present
 
     def submit_goal(

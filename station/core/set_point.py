@@ -54,6 +54,7 @@ class SetPointPort:
     Attributes:
         feed_forward: What may follow the numbers of a set-point: the rates at which
             they change. Empty when the controller has no use for them.
+        generation: Counts how often set-points were made void.
         last: The last set-point picked up, with its rates; None when there was none
             since the controller started.
     """
@@ -73,7 +74,8 @@ class SetPointPort:
         self.feed_forward: list[SetPointElement] = []
         self.last: list[float] | None = None
         # Appending and popping are atomic: no set-point is lost between them.
-        self._slot: deque[tuple[list[float], float]] = deque(maxlen=1)
+        self._slot: deque[tuple[list[float], float, int]] = deque(maxlen=1)
+        self.generation = 0
         self._deadline = inf
         self._is_void = False
 
@@ -110,22 +112,33 @@ class SetPointPort:
         if rates is not None:
             _check_values(self.feed_forward, rates)
 
-    def post(self, values: list[float], timeout: float | None = None) -> None:
+    def post(
+        self,
+        values: list[float],
+        timeout: float | None = None,
+        generation: int | None = None,
+    ) -> None:
         """Put a checked set-point into the slot; an older one there is replaced.
 
         Args:
             values: The set-point, with its rates if there are any.
             timeout: How long it is valid [s], 0 for ever; the port's timeout when None.
+            generation: The generation in which the sender decided; it is dropped when
+                that is over. The present one when None.
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
-        self._slot.append((list(values), deadline))
+        of = self.generation if generation is None else generation
+        self._slot.append((list(values), deadline, of))
 
     def take(self) -> list[float] | None:
         """Return the newest set-point and empty the slot (control thread only)."""
         if not self._slot:
             return None
-        self.last, self._deadline = self._slot.pop()
+        values, deadline, generation = self._slot.pop()
+        if generation != self.generation:
+            return None
+        self.last, self._deadline = values, deadline
         return self.last
 
     def take_expiry(self) -> bool:
@@ -144,6 +157,7 @@ class SetPointPort:
         self.last = None
         self._deadline = inf
         self._is_void = True
+        self.generation += 1
 
     def take_void(self) -> bool:
         """Say, once, that what was picked up before is void (control thread only)."""

@@ -188,3 +188,24 @@ def test_a_goal_before_the_first_update_is_no_jump(station):
     assert station.controller("gripper").fault == ""
     assert goal.status is GoalStatus.SUCCEEDED
     assert positions(station)[0] == pytest.approx(1.5)
+
+
+def test_a_set_point_that_is_overtaken_by_a_new_epoch_is_void(station, monkeypatch):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.loop.step(2)
+    port = station.manager.get_controller("group").set_points
+    real = port.post
+
+    def post(*arguments):
+        station.loop.next_epoch()
+        real(*arguments)
+
+    monkeypatch.setattr(port, "post", post)
+    station.set_command("group", [0.3, 0.3])
+    station.loop.step(3)
+
+    assert positions(station) == [0.0, 0.0]
+    monkeypatch.undo()
+    station.set_command("group", [0.3, 0.3])
+    station.loop.step(3)
+    assert positions(station) == [0.3, 0.3]

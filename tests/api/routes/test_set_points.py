@@ -104,7 +104,7 @@ def test_a_set_point_may_be_valid_for_a_while(spring, station, monkeypatch):
 
     spring.command("spring", [0.5], timeout=0.2)
 
-    assert posted == [([0.5], 0.2)]
+    assert posted == [([0.5], 0.2, port.generation)]
 
 
 def test_rates_reach_a_controller_that_feeds_them_forward(spring, station):
