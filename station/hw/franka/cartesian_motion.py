@@ -209,5 +209,4 @@ def _solve(
 ) -> NDArray[np.float64]:
     """Return the least-squares step with Tikhonov damping."""
     gram = matrix.T @ matrix + damping * np.eye(7)
-    step: NDArray[np.float64] = np.linalg.solve(gram, matrix.T @ error)
-    return step
+    return np.asarray(np.linalg.solve(gram, matrix.T @ error), dtype=np.float64)

@@ -5,8 +5,8 @@ class DesiredMotion:
     """Desired positions, velocities and accelerations of n joints.
 
     Exactly one of `hold`, `extrapolate`, `follow_positions` and `follow_velocities`
-    is called per cycle. All of them start from the present desired motion, so q_d never jumps unless a
-    commanded position does. Allocates nothing that lasts.
+    is called per cycle. All of them start from the present desired motion, so q_d never
+    jumps unless a commanded position does. Allocates nothing that lasts.
 
     Args:
         q_d: Desired positions [rad], shape (n,). Changed in place, as the next two.

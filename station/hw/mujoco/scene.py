@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from typing import NoReturn
 
 import mujoco
 
@@ -54,11 +55,11 @@ def read_scene(root_params: Parameters) -> list[SceneObject]:
     """
     entries = root_params.get("scene/objects", [])
     if not isinstance(entries, list):
-        raise _refusal("scene/objects", f"is {entries!r}", "a list")
+        _refuse("scene/objects", f"is {entries!r}", "a list")
     found = [read_object(one, f"scene/objects/{i}") for i, one in enumerate(entries)]
     names = [one.name for one in found]
     if len(set(names)) != len(names):
-        raise _refusal("scene/objects", f"has the names {names}", "of unlike names")
+        _refuse("scene/objects", f"has the names {names}", "of unlike names")
     return found
 
 
@@ -75,23 +76,23 @@ def read_object(values: object, where: str) -> SceneObject:
     entry = values if isinstance(values, Mapping) else {}
     unknown = sorted(set(entry) - _KEYS)
     if not entry or unknown:
-        raise _refusal(where, f"is {values!r}", f"with keys of {sorted(_KEYS)}")
+        _refuse(where, f"is {values!r}", f"with keys of {sorted(_KEYS)}")
     name, kind = entry.get("name"), entry.get("type")
     if not isinstance(name, str) or not name:
-        raise _refusal(f"{where}/name", f"is {name!r}", "a name")
+        _refuse(f"{where}/name", f"is {name!r}", "a name")
     if not isinstance(kind, str) or kind not in _SIZES:
-        raise _refusal(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
+        _refuse(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
     file = entry.get("file", "")
     if kind == "mesh" and not Path(str(file)).is_file():
-        raise _refusal(f"{where}/file", f"is {file!r}", "the path of a mesh file")
+        _refuse(f"{where}/file", f"is {file!r}", "the path of a mesh file")
     size = _numbers(entry.get("size", []), _SIZES[kind], f"{where}/size")
     if any(value <= 0.0 for value in size):
-        raise _refusal(f"{where}/size", f"is {size}", "above 0")
+        _refuse(f"{where}/size", f"is {size}", "above 0")
     zeros = [0.0, 0.0, 0.0]
     mass = _numbers([entry.get("mass", 0.0)], 1, f"{where}/mass")[0]
     friction = _numbers([entry.get("friction", _FRICTION)], 1, f"{where}/friction")[0]
     if mass < 0.0 or friction < 0.0:
-        raise _refusal(where, f"has mass {mass} and friction {friction}", "0 or more")
+        _refuse(where, f"has mass {mass} and friction {friction}", "0 or more")
     return SceneObject(
         name=name,
         kind=kind,
@@ -147,12 +148,12 @@ def _numbers(values: object, count: int, where: str) -> tuple[float, ...]:
             for v in values
         )
     ):
-        raise _refusal(where, f"is {values!r}", f"{count} finite numbers")
+        _refuse(where, f"is {values!r}", f"{count} finite numbers")
     return tuple(float(value) for value in values)
 
 
-def _refusal(where: str, found: str, wanted: str) -> ParameterError:
-    return ParameterError(
+def _refuse(where: str, found: str, wanted: str) -> NoReturn:
+    raise ParameterError(
         f"'{where}' {found}; it must be {wanted}.",
         remedy="Correct the configuration.",
         details={"parameter": where},

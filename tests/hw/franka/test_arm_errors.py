@@ -38,7 +38,8 @@ def hold(arm: SimulatedArm, cycles: int = 5) -> list[float]:
     """Command what is there for some cycles; return it."""
     rest = list(arm.state.q_d)
     for _ in range(cycles):
-        arm.command_joint_positions(rest)
+        if arm.state.robot_mode is RobotMode.MOVE:
+            arm.command_joint_positions(rest)
         arm.read_once()
     return rest
 
