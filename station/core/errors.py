@@ -14,6 +14,7 @@ StationError
 │   └── ResourceConflictError     two controllers want the same resource
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
+├── ArmNotFoundError              there is no arm of that name (KeyError)
 ├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
 ├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
@@ -135,6 +136,12 @@ class InvalidCommandError(StationError, ValueError):
     """A set-point has the wrong length, is not finite or is out of range."""
 
     code = "invalid_command"
+
+
+class ArmNotFoundError(StationError, KeyError):
+    """There is no arm of that name."""
+
+    code = "arm_not_found"
 
 
 class ArmCommandError(StationError, RuntimeError):

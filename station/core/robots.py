@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from station.core.control_loop import ControlLoop
 from station.core.controller_manager import ControllerManager
-from station.core.errors import ResourceNotFoundError
+from station.core.errors import ArmNotFoundError
 from station.core.interfaces import (
     ArmError,
     ArmRecord,
@@ -91,23 +91,21 @@ class Robots:
 
     def reports(self) -> list[ArmReport]:
         """Return all arms at a glance."""
-        return self._loop.run_in_cycle(
-            lambda: [_report(arm) for arm in self._arms.values()]
-        )
+        return [_report(arm) for arm in self._arms.values()]
 
     def report(self, arm_id: str) -> ArmReport:
         """Return an arm at a glance.
 
         Raises:
-            ResourceNotFoundError: There is no such arm.
+            ArmNotFoundError: There is no such arm.
         """
-        return self._ask(arm_id, _report)
+        return _report(self._find(arm_id))
 
     def state(self, arm_id: str) -> RobotState:
         """Return a copy of an arm's whole state.
 
         Raises:
-            ResourceNotFoundError: There is no such arm.
+            ArmNotFoundError: There is no such arm.
         """
         return self._ask(arm_id, lambda arm: arm.get_robot_state())
 
@@ -115,7 +113,7 @@ class Robots:
         """Return the last cycles before the last error of an arm.
 
         Raises:
-            ResourceNotFoundError: There is no such arm.
+            ArmNotFoundError: There is no such arm.
         """
         return self._ask(arm_id, lambda arm: arm.log())
 
@@ -123,7 +121,7 @@ class Robots:
         """Return what the model of an arm says in its present state.
 
         Raises:
-            ResourceNotFoundError: There is no such arm.
+            ArmNotFoundError: There is no such arm.
         """
 
         def evaluate(arm: FrankaServices) -> ArmModelReport:
@@ -164,9 +162,7 @@ class Robots:
         load_inertia: Sequence[float],
     ) -> None:
         """Set what the hand holds; see `FrankaServices`."""
-        self._ask(
-            arm_id, lambda arm: arm.set_load(mass, F_x_center_load, load_inertia)
-        )
+        self._ask(arm_id, lambda arm: arm.set_load(mass, F_x_center_load, load_inertia))
 
     def set_collision_behavior(self, arm_id: str, behavior: CollisionBehavior) -> None:
         """Set the thresholds of contact and collision; see `FrankaServices`."""
@@ -184,7 +180,7 @@ class Robots:
             Names of the controllers that were started again.
 
         Raises:
-            ResourceNotFoundError: There is no such arm.
+            ArmNotFoundError: There is no such arm.
             ArmCommandError: The arm cannot recover itself now.
             StoppedError: The station is stopped and controllers were to be started.
             SwitchRefusedError: The controllers cannot be started; the arm recovered.
@@ -236,18 +232,25 @@ class Robots:
         self._ask(arm_id, lambda arm: arm.inject(fault))
 
     def _ask(self, arm_id: str, action: Callable[[FrankaServices], T]) -> T:
+        arm = self._find(arm_id)
+        return self._loop.run_in_cycle(lambda: action(arm))
+
+    def _find(self, arm_id: str) -> FrankaServices:
         arm = self._arms.get(arm_id)
         if arm is None:
-            raise ResourceNotFoundError(
+            raise ArmNotFoundError(
                 f"There is no arm '{arm_id}'.",
                 remedy=f"The arms are: {', '.join(self._arms) or 'none'}.",
                 details={"arm_id": arm_id},
             )
-        return self._loop.run_in_cycle(lambda: action(arm))
+        return arm
 
 
 def _report(arm: FrankaServices) -> ArmReport:
-    mode = arm.get_robot_state().robot_mode
     return ArmReport(
-        arm.name, mode, arm.is_connected(), tuple(arm.errors()), arm.remedy()
+        arm.name,
+        arm.robot_mode(),
+        arm.is_connected(),
+        tuple(arm.errors()),
+        arm.remedy(),
     )

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 from station.core.interfaces.franka_errors import ArmError
 from station.core.interfaces.franka_model import FrankaModelHandle
-from station.core.interfaces.franka_robot_state import RobotState
+from station.core.interfaces.franka_robot_state import RobotMode, RobotState
 from station.core.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
@@ -97,9 +97,14 @@ class SimulatedFault:
 class FrankaServices(ResourceHandle):
     """The services of one arm, under its arm_id.
 
-    Every method belongs to the control thread, between two cycles. The setters are
+    `robot_mode`, `errors`, `remedy` and `is_connected` may be called by any thread; the
+    other methods belong to the control thread, between two cycles. The setters are
     refused while the arm moves, as a real arm refuses them.
     """
+
+    @abstractmethod
+    def robot_mode(self) -> RobotMode:
+        """Return what the arm is doing."""
 
     @abstractmethod
     def get_robot_state(self) -> RobotState:

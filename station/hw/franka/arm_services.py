@@ -52,6 +52,10 @@ class ArmServices(FrankaServices):
         self._model = model
 
     @override
+    def robot_mode(self) -> RobotMode:
+        return self._hw.arm.state.robot_mode
+
+    @override
     def get_robot_state(self) -> RobotState:
         self._hw.arm.refresh_state()
         return self._hw.arm.state.copy()

@@ -10,19 +10,18 @@ from station.core.interfaces.franka_model import GRAVITY_EARTH
 from station.core.interfaces.franka_robot_state import RobotMode, RobotState
 from station.core.interfaces.franka_services import (
     ArmRecord,
-    CollisionBehavior,
     SimulatedFault,
 )
 from station.hw.franka.arm_frames import ArmFrames
 from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm_load import ArmLoad
 from station.hw.franka.arm_motors import ArmMotors
+from station.hw.franka.arm_settings import ArmSettings
 from station.hw.franka.arm_supervisor import ArmSupervisor, SupervisorLimits
 from station.hw.franka.contact_estimate import ContactEstimate
 from station.hw.franka.desired_motion import DesiredMotion
-from station.hw.franka.load import Load
 from station.hw.franka.motion_follower import CARTESIAN_GENERATORS, MotionFollower
-from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode, RobotArm
+from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.sensor_faults import SensorFaults
 from station.hw.mujoco.world import World
 
@@ -33,7 +32,7 @@ _ZEROS = [0.0] * 7
 _HALTED = (RobotMode.REFLEX, RobotMode.USER_STOPPED, RobotMode.OTHER)
 
 
-class SimulatedArm(RobotArm):
+class SimulatedArm(ArmSettings):
     """An arm in a `World`; several arms may share one.
 
     The world makes a step when the first of its arms asks for a state that it has not
@@ -85,11 +84,11 @@ class SimulatedArm(RobotArm):
             period=world.timestep,
         )
         self._follower = MotionFollower(state, self._motion, limits, world.timestep)
-        self._motors = ArmMotors(self._joints, state, damping_ratio)
-        self._load = load
+        self.motors = ArmMotors(self._joints, state, damping_ratio)
+        self.load = load
         self.frames = ArmFrames(state)
         self.supervisor = ArmSupervisor(state, limits, thresholds or SupervisorLimits())
-        self._contact = ContactEstimate(self._joints, state, limits, self._load_torques)
+        self.contact = ContactEstimate(self._joints, state, limits, self._load_torques)
         self._faults = SensorFaults(world, self._joints, hand)
         self._controller: ControllerMode | None = None
         self._generator = MotionGeneratorMode.NONE
@@ -153,7 +152,7 @@ class SimulatedArm(RobotArm):
         self.supervisor.begin_motion()
         self.frames.is_cartesian = motion_generator_mode in CARTESIAN_GENERATORS
         if controller_mode is ControllerMode.CARTESIAN_IMPEDANCE:
-            self._motors.engage_cartesian_impedance()
+            self.motors.engage_cartesian_impedance()
         self.state.robot_mode = RobotMode.MOVE
         self.state.control_command_success_rate = 1.0
 
@@ -197,39 +196,6 @@ class SimulatedArm(RobotArm):
         self._follower.command_cartesian(twist, elbow, 6)
 
     @override
-    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
-        self._refuse_while_moving("the joint impedance")
-        self._motors.joint_stiffness = list(stiffness)
-        self._motors.engage_joint_impedance()
-
-    @override
-    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
-        self._refuse_while_moving("the Cartesian impedance")
-        self._motors.cartesian_stiffness = list(stiffness)
-
-    @override
-    def set_end_effector_frame(self, frame: Sequence[float]) -> None:
-        self._refuse_while_moving("the end effector frame")
-        self.frames.set_frame(frame)
-
-    @override
-    def set_stiffness_frame(self, frame: Sequence[float]) -> None:
-        self._refuse_while_moving("the stiffness frame")
-        self.frames.set_stiffness_frame(frame)
-
-    @override
-    def set_load(self, load: Load) -> None:
-        self._refuse_while_moving("the load")
-        self.frames.set_load(load)
-        self._load.load = load
-        self._motors.load_weight = list(_ZEROS)
-
-    @override
-    def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
-        self._refuse_while_moving("the collision behaviour")
-        self._contact.behavior = behavior
-
-    @override
     def automatic_error_recovery(self) -> None:
         if self._world.diverged_because:
             raise ArmCommandError(
@@ -240,7 +206,7 @@ class SimulatedArm(RobotArm):
                 "cannot recover: the user stop is pressed", remedy=self.remedy()
             )
         self.supervisor.clear()
-        self._contact.recover()
+        self.contact.recover()
         if self.state.robot_mode is RobotMode.REFLEX:
             self.state.robot_mode = RobotMode.IDLE
 
@@ -301,12 +267,12 @@ class SimulatedArm(RobotArm):
 
     def before_step(self) -> None:
         """Take the commands, advance the desired motion, set the motors' controls."""
-        motors = self._motors
+        motors = self.motors
         wants_torques = self._controller is ControllerMode.EXTERNAL_CONTROLLER
         if wants_torques and not motors.torques_act and self._motion.is_at_rest:
             self._let_torques_act_when_settled()
-        if self._load.load.mass:
-            motors.load_weight = self._load.weight(self.state.theta)
+        if self.load.load.mass:
+            motors.load_weight = self.load.weight(self.state.theta)
         self._faults.before_step()
         if self.state.robot_mode is not RobotMode.MOVE:
             self._motion.hold()
@@ -328,11 +294,11 @@ class SimulatedArm(RobotArm):
         state.dq[:] = state.dtheta[:] = _ZEROS
         state.q[:] = state.theta[:] = self._joints.read_positions()
         self._motion.seed(state.theta, _ZEROS)
-        self._motors.engage_joint_impedance()
+        self.motors.engage_joint_impedance()
         if self._controller is ControllerMode.CARTESIAN_IMPEDANCE:
-            self._motors.engage_cartesian_impedance()
+            self.motors.engage_cartesian_impedance()
         self._faults.clear()
-        self._contact.reset()
+        self.contact.reset()
         self._follower.begin(self._generator)
         self._update_state()
         self.frames.invalidate()
@@ -342,7 +308,7 @@ class SimulatedArm(RobotArm):
     def _follow(self) -> None:
         """Advance the desired motion with the client's command; abort it on errors."""
         errors = self._follower.advance(
-            torques_act=self._motors.torques_act,
+            torques_act=self.motors.torques_act,
             is_lossy=self._faults.loses_packet(),
         )
         if errors:
@@ -362,9 +328,9 @@ class SimulatedArm(RobotArm):
         state.robot_mode = mode
         if was_moving:
             self.supervisor.end_motion()
-        if self._motors.torques_act or mode is not RobotMode.IDLE:
+        if self.motors.torques_act or mode is not RobotMode.IDLE:
             self._motion.seed(state.theta, state.dtheta)
-        self._motors.engage_joint_impedance()
+        self.motors.engage_joint_impedance()
         self._controller = None
         self._generator = MotionGeneratorMode.NONE
         self.frames.is_cartesian = False
@@ -375,13 +341,13 @@ class SimulatedArm(RobotArm):
         self._settling_time += self.cycle_time
         speed = max(map(abs, self.state.dtheta))
         if speed < _REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
-            self._motors.engage_torques()
+            self.motors.engage_torques()
 
     def _update_state(self) -> None:
         state, joints = self.state, self._joints
-        self._motors.read_torques(state.dtheta, self.cycle_time)
+        self.motors.read_torques(state.dtheta, self.cycle_time)
         dq = joints.read_velocities()
-        if self._load.load.mass:
+        if self.load.load.mass:
             self._ddq = [
                 (new - old) / self.cycle_time
                 for new, old in zip(dq, state.dtheta, strict=True)
@@ -394,7 +360,7 @@ class SimulatedArm(RobotArm):
             self._end_motion(RobotMode.OTHER)
 
     def _supervise(self) -> None:
-        errors = self._contact.update()
+        errors = self.contact.update()
         mode = self.state.robot_mode
         if mode is RobotMode.MOVE or mode is RobotMode.IDLE:
             errors = errors + self.supervisor.measured_errors(self.state.theta)
@@ -402,17 +368,10 @@ class SimulatedArm(RobotArm):
                 self._reflex(errors)
 
     def _load_torques(self) -> list[float] | None:
-        if not self._load.load.mass:
+        if not self.load.load.mass:
             return None
         state = self.state
-        return self._load.torques(state.theta, state.dtheta, self._ddq)
-
-    def _refuse_while_moving(self, what: str) -> None:
-        if self.state.robot_mode is RobotMode.MOVE:
-            raise ArmCommandError(
-                f"{what} cannot be changed while a motion runs",
-                remedy="stop the controllers of this arm first",
-            )
+        return self.load.torques(state.theta, state.dtheta, self._ddq)
 
     def _not_commandable(self, what: str) -> ArmCommandError:
         controller = self._controller.value if self._controller else "none"

@@ -183,14 +183,14 @@ def test_twist_into_a_joint_limit_is_named() -> None:
             break
         arm.command_cartesian_velocity([-min(0.1, 1e-4 * cycle * 0.1)] + [0.0] * 5)
         arm.read_once()
-    assert (
-        "cartesian_motion_generator_joint_position_limits_violation" in errors_of(arm)
+    assert "cartesian_motion_generator_joint_position_limits_violation" in errors_of(
+        arm
     )
 
 
 @pytest.mark.parametrize(("lost", "raised"), [(19, False), (20, True)])
 def test_twenty_lost_packets_in_a_row_end_the_motion(
-    arm: SimulatedArm, lost: int, raised: bool
+    arm: SimulatedArm, lost: int, *, raised: bool
 ) -> None:
     arm.start_motion(IMPEDANCE, POSITION)
     hold(arm, 200)
@@ -282,7 +282,12 @@ def test_table_stops_the_hand_at_once_a_hundred_times() -> None:
         arm.start_motion(IMPEDANCE, TWIST)
         crossed = 0
         for cycle in range(3_000):
-            arm.command_cartesian_velocity([0.0, 0.0, -min(0.1, 3e-4 * cycle)] + ZEROS[:3])
+            arm.command_cartesian_velocity([
+                0.0,
+                0.0,
+                -min(0.1, 3e-4 * cycle),
+                *ZEROS[:3],
+            ])
             arm.read_once()
             above = abs(arm.state.K_F_ext_hat_K[2]) > 20.0
             crossed = crossed or (cycle if above else 0)
@@ -299,7 +304,7 @@ def test_table_stops_the_hand_at_once_a_hundred_times() -> None:
         arm.start_motion(IMPEDANCE, TWIST)
         for cycle in range(300):  # away again
             speed = min(0.1, 3e-4 * cycle, 3e-4 * (299 - cycle))
-            arm.command_cartesian_velocity([0.0, 0.0, speed] + ZEROS[:3])
+            arm.command_cartesian_velocity([0.0, 0.0, speed, *ZEROS[:3]])
             arm.read_once()
         assert arm.state.robot_mode is RobotMode.MOVE, errors_of(arm)
         arm.stop_motion()
