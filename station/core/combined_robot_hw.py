@@ -154,6 +154,7 @@ class CombinedRobotHW(RobotHW):
     def clamps(self) -> Sequence[ClampReport]:
         return [r for robot in self.robots.values() for r in robot.clamps()]
 
+    @override
     def is_interrupted(self) -> bool:
         return any(robot.is_interrupted() for robot in self.robots.values())
 

@@ -1,4 +1,9 @@
-"""The interfaces through which controllers see an arm as a whole."""
+"""The interfaces through which controllers see an arm as a whole.
+
+Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, setupFrankaStateInterface,
+setupFrankaModelInterface; differs: the model is `<arm_id>_robot` as well, as the public
+documentation says.
+"""
 
 from station.core.interfaces import (
     FrankaModelHandle,
@@ -33,10 +38,6 @@ def model_interface(
         arm: The arm.
         arm_id: Prefix of its names.
         description: Its URDF.
-
-    Source:
-        franka_ros@c11f000 franka_hw/src/franka_hw.cpp, setupFrankaModelInterface;
-        differs: `<arm_id>_robot` names it as well, as the public documentation says.
     """
     models, model = FrankaModelInterface(), ArmModel(description)
     for name in (f"{arm_id}_model", f"{arm_id}_robot"):

@@ -12,13 +12,11 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Sequence
-from math import degrees
 
 from typing_extensions import override
 
 from station.core.errors import (
     HardwareInterfaceError,
-    InvalidCommandError,
     ParameterError,
     SwitchRefusedError,
 )
@@ -38,8 +36,8 @@ from station.hw.franka.arm_names import find_prefix, joint_names
 from station.hw.franka.arm_services import ArmServices
 from station.hw.franka.cartesian_commands import CartesianCommands
 from station.hw.franka.command_filter import CommandFilter
+from station.hw.franka.command_sender import CommandSender, arm_modes
 from station.hw.franka.control_mode import (
-    GENERATOR_OF_MODE,
     ControlMode,
     control_mode_of,
     find_conflicts,
@@ -47,16 +45,14 @@ from station.hw.franka.control_mode import (
 )
 from station.hw.franka.finger_joints import FingerJoints
 from station.hw.franka.franka_parameters import (
-    CommandSettings,
     FrankaParameters,
     read_command_settings,
     read_parameters,
 )
 from station.hw.franka.joint_commands import JointCommands
+from station.hw.franka.joint_limit_warnings import joint_limit_warnings
 from station.hw.franka.rate_limiter import rate_limits_of
 from station.hw.franka.robot_arm import (
-    ControllerMode,
-    MotionGeneratorMode,
     RobotArm,
 )
 from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
@@ -129,7 +125,9 @@ class FrankaHW(RobotHW):
         rates = rate_limits_of(limits)
         self.commands = JointCommands(self._arm.state, self._parameters.joint_names)
         self.cartesian = CartesianCommands(self._arm, arm_id, limits)
-        self._filter = CommandFilter(rates)
+        self._sender = CommandSender(
+            self.arm, self.commands, self.cartesian, CommandFilter(rates)
+        )
         urdf = parse_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rates):
@@ -188,7 +186,7 @@ class FrankaHW(RobotHW):
             arm.read_once()
         for cycle in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
             if cycle > 0:
-                self._send()  # the arm wants a command in each of its own cycles
+                self._sender.send()  # the arm wants a command in each of its own cycles
             arm.read_once()
         if self._fingers is not None:
             self._fingers.read()
@@ -198,36 +196,7 @@ class FrankaHW(RobotHW):
         """Limit, filter and send the commands of the present mode."""
         if self._fingers is not None:
             self._fingers.write()
-        commands = self.commands
-        if self.arm.state.robot_mode is not RobotMode.MOVE:
-            return
-        if not (commands.are_finite() and self.cartesian.are_finite()):
-            self.arm.stop_motion()
-            return
-        self._goals = commands.goals()
-        if period > 0.0:
-            commands.enforce_limits(period)
-        self._send()
-
-    def _send(self) -> None:
-        """Filter and send the commands as they are, for one cycle of the arm."""
-        arm, commands, state = self.arm, self.commands, self.arm.state
-        if state.robot_mode is not RobotMode.MOVE:
-            return
-        goals, filtered = self._goals, self._filter
-        if commands.has_positions:
-            q = filtered.positions(commands.positions, state, goals=goals)
-            arm.command_joint_positions(q)
-        if commands.has_velocities:
-            dq = filtered.velocities(commands.velocities, state)
-            arm.command_joint_velocities(dq)
-        if commands.has_efforts:
-            arm.command_joint_torques(filtered.torques(commands.efforts, state))
-        if self.cartesian.has_pose or self.cartesian.has_twist:
-            try:
-                self.cartesian.send(self._settings)
-            except InvalidCommandError:
-                arm.stop_motion()
+        self._sender.send_limited(period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -300,7 +269,7 @@ class FrankaHW(RobotHW):
                 details={"control_mode": mode.describe()},
             )
         if mode and (mode != self._mode or self.is_interrupted()):
-            refusal = self.arm.refusal(*_arm_modes(mode, settings))
+            refusal = self.arm.refusal(*arm_modes(mode, settings))
             if refusal:
                 raise SwitchRefusedError(
                     f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
@@ -366,17 +335,7 @@ class FrankaHW(RobotHW):
     def joint_limit_warnings(self) -> list[str]:
         """Return one sentence per joint that is close to a position limit."""
         threshold = self._parameters.joint_limit_warning_threshold
-        warnings = []
-        for joint, q in zip(self._joints, self.robot_state.q, strict=True):
-            limit = joint.limit
-            if limit is None or limit.lower is None or limit.upper is None:
-                continue
-            distance = min(abs(q - limit.lower), abs(q - limit.upper))
-            if distance < threshold:
-                warnings.append(
-                    f"{joint.name} is {degrees(distance):.1f} degrees from a limit"
-                )
-        return warnings
+        return joint_limit_warnings(self._joints, self.robot_state.q, threshold)
 
     def _add_fingers(self, arm_id: str) -> None:
         """Add the finger joints of a simulated hand to the arm's interfaces."""
@@ -392,15 +351,9 @@ class FrankaHW(RobotHW):
         if mode != self._mode or arm.state.robot_mode is not RobotMode.MOVE:
             arm.stop_motion()
         self._mode = mode
-        self.commands.begin(mode)
-        self._goals = self.commands.goals()
-        self.cartesian.begin(mode)
-        self._filter.begin(
-            cutoff_frequency=self._settings.cutoff_frequency,
-            rate_limiting=self._settings.rate_limiting,
-        )
+        self._sender.begin(mode, self._settings)
         if mode and arm.state.robot_mode is not RobotMode.MOVE:
-            modes = _arm_modes(mode, self._settings)
+            modes = arm_modes(mode, self._settings)
             if arm.refusal(*modes):
                 self._switch_failed = True
             else:
@@ -433,13 +386,3 @@ class FrankaHW(RobotHW):
         arm = self.simulation.arms[parameters.arm_id]
         arm.set_collision_behavior(parameters.collision_behavior)
         return arm
-
-
-def _arm_modes(
-    mode: ControlMode, settings: CommandSettings
-) -> tuple[ControllerMode, MotionGeneratorMode]:
-    """Return what the arm has to be told for a supported mode that is not NONE."""
-    generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
-    if mode & ControlMode.JOINT_TORQUE:
-        return ControllerMode.EXTERNAL_CONTROLLER, generator
-    return settings.internal_controller, generator
