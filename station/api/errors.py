@@ -27,6 +27,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ResourceConflictError: 409,
     errors.SwitchTimeoutError: 504,
     errors.InvalidCommandError: 422,
+    errors.ArmCommandError: 409,
+    errors.ArmNotFoundError: 404,
     errors.CommandTimeoutError: 409,
     errors.InvalidTrajectoryError: 422,
     errors.GoalNotFoundError: 404,

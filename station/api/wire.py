@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from pydantic import JsonValue
 
-from station.api import schemas, wire_hardware
+from station.api import robot_wire, schemas, wire_hardware
 from station.api.wire_numbers import measured, measured_list
 from station.core import loop_report, statistics, tunables
 from station.core.controller import ControllerSample
@@ -217,6 +217,7 @@ def status(station: Station, versions: dict[str, str]) -> schemas.Status:
         stop_state=found.stop_state.value,
         stop_reason=found.stop_reason,
         loop=loop(found.loop),
+        robots=[robot_wire.arm_report(r) for r in station.robots.reports()],
         versions=versions,
         clamps=wire_hardware.clamps(found.clamps),
     )

@@ -14,6 +14,7 @@ from station.core.station import Station
 from station.hw.robot_loader import create_robot
 
 ROBOT_NAMESPACE = "robot"
+SCENE_NAMESPACE = "scene"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +47,7 @@ def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
     tree = ParameterTree({
         **config.parameters,
         ROBOT_NAMESPACE: config.robot_parameters(),
+        SCENE_NAMESPACE: config.scene.model_dump(),
         **config.controller_parameters(),
     })
     root = Parameters(tree)

@@ -238,6 +238,15 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
     )
     stop.add_argument("names", nargs="*", metavar="NAME")
     stop.add_argument("--reason", default="", help="for the record")
+    recover = verbs.add(
+        "recover", "motion:recover", "clear the errors of an arm in reflex"
+    )
+    recover.add_argument("arm_id", nargs="?", help="default: every arm in reflex")
+    recover.add_argument(
+        "--restart",
+        action="store_true",
+        help="start the controllers again that the error stopped",
+    )
     release = verbs.add(
         "release", "motion:release", "take back a stop; nothing resumes by itself"
     )

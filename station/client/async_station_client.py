@@ -8,6 +8,7 @@ import httpx
 from pydantic import JsonValue
 
 from station.api.schemas import (
+    ArmReport,
     CommandAccepted,
     CommandInfo,
     ControllerSample,
@@ -29,7 +30,8 @@ from station.api.schemas import (
     SwitchRequest,
     SwitchResult,
 )
-from station.client import calls
+from station.client import calls, robot_calls
+from station.client.async_robot_client import AsyncRobotClient
 from station.client.async_stream import AsyncStream
 from station.client.calls import Call, ModelT, Strictness
 from station.client.errors import ApiError, StationUnreachableError
@@ -281,6 +283,14 @@ class AsyncStationClient:
     async def controller_types(self) -> list[ControllerType]:
         """Return the plugins that can be loaded."""
         return (await self._do(calls.controller_types())).controller_types
+
+    async def robots(self) -> list[ArmReport]:
+        """Return all arms, their modes and errors, and what to do."""
+        return (await self._do(robot_calls.robots())).robots
+
+    def robot(self, arm_id: str) -> AsyncRobotClient:
+        """Return the client of one arm."""
+        return AsyncRobotClient(self._do, arm_id)
 
     async def loop(self) -> LoopReport:
         """Return how the control loop does."""

@@ -8,6 +8,7 @@ import httpx
 from pydantic import JsonValue
 
 from station.api.schemas import (
+    ArmReport,
     CommandAccepted,
     CommandInfo,
     ControllerSample,
@@ -29,9 +30,10 @@ from station.api.schemas import (
     SwitchRequest,
     SwitchResult,
 )
-from station.client import calls
+from station.client import calls, robot_calls
 from station.client.calls import Call, ModelT, Strictness
 from station.client.errors import ApiError, StationUnreachableError
+from station.client.robot_client import RobotClient
 from station.client.stream import Stream
 from station.client.stream_options import Rate, StreamOptions, bearer
 
@@ -281,6 +283,14 @@ class StationClient:
     def controller_types(self) -> list[ControllerType]:
         """Return the plugins that can be loaded."""
         return self._do(calls.controller_types()).controller_types
+
+    def robots(self) -> list[ArmReport]:
+        """Return all arms, their modes and errors, and what to do."""
+        return (self._do(robot_calls.robots())).robots
+
+    def robot(self, arm_id: str) -> RobotClient:
+        """Return the client of one arm."""
+        return RobotClient(self._do, arm_id)
 
     def loop(self) -> LoopReport:
         """Return how the control loop does."""

@@ -48,6 +48,17 @@ class RobotSection(_Section):
     type: PluginType
 
 
+class SceneSection(_Section):
+    """What is in a simulated world besides the robot.
+
+    Attributes:
+        objects: Boxes, spheres, cylinders, tables and meshes; for the robot's class to
+            check.
+    """
+
+    objects: list[dict[str, Any]]
+
+
 class Controller(_Section):
     """A controller's parameters; all but the type are for its class to check.
 
@@ -92,6 +103,7 @@ class StationConfig(_Section):
     Attributes:
         station: The control loop.
         robot: The robot.
+        scene: What is around a simulated robot.
         controllers: Controllers to load, by name.
         start: Names of those to start, in order.
         parameters: Other parameters of the controller files (`joint_limits` …), which
@@ -102,6 +114,7 @@ class StationConfig(_Section):
 
     station: LoopSection
     robot: RobotSection
+    scene: SceneSection
     controllers: dict[Name, Controller]
     start: list[str]
     api: ApiSection

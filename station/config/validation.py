@@ -10,7 +10,7 @@ from station.config.models import NAME_PATTERN, PLUGIN_PATTERN, StationConfig
 from station.config.yaml_reader import KeyPath
 
 # Names of the parameter tree that are no controller's.
-RESERVED_NAMES = frozenset({"robot", "robot_description"})
+RESERVED_NAMES = frozenset({"robot", "robot_description", "scene"})
 _REMEDY = "Correct the configuration and start again."
 _WANTED = {
     "string_type": "text; put it in quotes",

@@ -38,6 +38,30 @@ CONTROLLERS: dict[str, str] = {
     "force_torque_sensor_controller/ForceTorqueSensorController": (
         "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
     ),
+    "franka_example_controllers/CartesianImpedanceExampleController": (
+        "station.controllers.franka_example_controllers:CartesianImpedanceExampleController"
+    ),
+    "franka_example_controllers/CartesianPoseExampleController": (
+        "station.controllers.franka_example_controllers:CartesianPoseExampleController"
+    ),
+    "franka_example_controllers/CartesianVelocityExampleController": (
+        "station.controllers.franka_example_controllers:CartesianVelocityExampleController"
+    ),
+    "franka_example_controllers/ElbowExampleController": (
+        "station.controllers.franka_example_controllers:ElbowExampleController"
+    ),
+    "franka_example_controllers/JointPositionExampleController": (
+        "station.controllers.franka_example_controllers:JointPositionExampleController"
+    ),
+    "franka_example_controllers/JointVelocityExampleController": (
+        "station.controllers.franka_example_controllers:JointVelocityExampleController"
+    ),
+    "franka_example_controllers/ModelExampleController": (
+        "station.controllers.franka_example_controllers:ModelExampleController"
+    ),
+    "franka_control/FrankaStateController": (
+        "station.controllers.franka_state_controller:FrankaStateController"
+    ),
     "imu_sensor_controller/ImuSensorController": (
         "station.controllers.imu_sensor_controller:ImuSensorController"
     ),

@@ -155,6 +155,19 @@ class CombinedRobotHW(RobotHW):
         return [r for robot in self.robots.values() for r in robot.clamps()]
 
     @override
+    def is_interrupted(self) -> bool:
+        return any(robot.is_interrupted() for robot in self.robots.values())
+
+    @override
+    def interruption_of(self, controller: ControllerInfo) -> str:
+        reasons = [
+            robot.interruption_of(part)
+            for robot in self.robots.values()
+            for part in _part_of(robot, [controller])
+        ]
+        return "; ".join(reason for reason in reasons if reason)
+
+    @override
     def mode(self) -> str:
         """Return the mode all robots are in, else that of the first not running."""
         modes = [robot.mode() for robot in self.robots.values()]

@@ -93,6 +93,11 @@ class ControllerManager:
         """Number of updates so far."""
         return self._runner.cycle
 
+    @property
+    def interrupted(self) -> tuple[str, ...]:
+        """Names of the controllers that the last interruption of the robot stopped."""
+        return self._runner.interrupted
+
     # The control thread
 
     def update(

@@ -35,6 +35,8 @@ class ControllerRunner(ControllerLifecycle):
         time: Station time of the last update [s].
         thread: Identity of the thread of the last update.
         updating: An update is under way.
+        interrupted: Names of the controllers that were stopped because the robot did
+            not carry out their commands, the last time that happened.
     """
 
     def __init__(self, hw: RobotHW) -> None:
@@ -44,6 +46,7 @@ class ControllerRunner(ControllerLifecycle):
         self.time = 0.0
         self.thread = 0
         self.updating = False
+        self.interrupted: tuple[str, ...] = ()
 
     def update(self, time: float, period: float, *, reset_controllers: bool) -> None:
         """Update all running controllers, then carry on with a pending switch.
@@ -59,6 +62,8 @@ class ControllerRunner(ControllerLifecycle):
         self.time = time
         try:
             loaded = self.loaded
+            if self.hw.is_interrupted():
+                self._stop_interrupted(time)
             if reset_controllers:
                 for one in loaded:
                     self.reset(one, time)
@@ -89,6 +94,22 @@ class ControllerRunner(ControllerLifecycle):
             self.fall_back(one, time)
         elif one.fresh:
             self.check_first_update(one, time)
+
+    def _stop_interrupted(self, time: float) -> None:
+        """Stop the controllers whose commands the robot does not carry out."""
+        found: list[LoadedController] = []
+        for one in self.loaded:
+            reason = ""
+            if one.controller.state is _RUNNING:
+                reason = self.hw.interruption_of(one.info)
+            if reason:
+                found.append(one)
+                self.stop(one, time)
+                one.fault = one.fault or reason
+                one.write_rest()
+        if found:
+            self.interrupted = tuple(one.info.name for one in found)
+            self.do_switch([], [one.info for one in found])
 
     def stop_all(self, time: float) -> None:
         """Stop every controller, rest the robot, and end a switch that is under way.

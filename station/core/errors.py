@@ -14,6 +14,8 @@ StationError
 │   └── ResourceConflictError     two controllers want the same resource
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
+├── ArmNotFoundError              there is no arm of that name (KeyError)
+├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
 ├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
 ├── GoalNotFoundError             no goal of that name is known (KeyError)
@@ -134,6 +136,18 @@ class InvalidCommandError(StationError, ValueError):
     """A set-point has the wrong length, is not finite or is out of range."""
 
     code = "invalid_command"
+
+
+class ArmNotFoundError(StationError, KeyError):
+    """There is no arm of that name."""
+
+    code = "arm_not_found"
+
+
+class ArmCommandError(StationError, RuntimeError):
+    """An arm refuses a request in its present mode, or cannot do it at all."""
+
+    code = "arm_command_refused"
 
 
 class CommandTimeoutError(StationError, TimeoutError):

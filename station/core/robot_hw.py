@@ -193,6 +193,21 @@ class RobotHW(InterfaceManager):
         """Return which commands its limits have cut off. Any thread."""
         return ()
 
+    def is_interrupted(self) -> bool:
+        """Tell whether the robot has stopped to carry out what controllers command.
+
+        Called in the control thread once per cycle, after `read`: must be cheap. When
+        it is true, the manager asks `interruption_of` for every running controller.
+        """
+        return False
+
+    def interruption_of(self, controller: ControllerInfo) -> str:  # noqa: ARG002
+        """Return why a controller's commands are not carried out; empty if they are.
+
+        The manager stops such a controller in the same cycle and calls `do_switch`.
+        """
+        return ""
+
     def mode(self) -> str:
         """Return the robot's mode in one word, for status displays.
 

@@ -21,6 +21,7 @@ from station.core.hardware_report import HardwareReport, report_hardware
 from station.core.loop_report import LoopReport, LoopState
 from station.core.motion_commands import MotionCommands
 from station.core.parameters import Parameters
+from station.core.robots import Robots
 from station.core.snapshot import Snapshot, SnapshotRing
 from station.core.station_status import StationStatus
 from station.core.stop_latch import StopState
@@ -45,6 +46,7 @@ class Station(MotionCommands):
 
     Attributes:
         boot_id: Random name of this run.
+        robots: The arms, their state, settings and recovery.
     """
 
     def __init__(
@@ -56,6 +58,7 @@ class Station(MotionCommands):
         reserved: frozenset[str] = frozenset(),
     ) -> None:
         super().__init__(loop, manager)
+        self.robots = Robots(loop, manager)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters
         self._robot_type = robot_type

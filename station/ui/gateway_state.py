@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from station.client.models import Status
 from station.ui.station_view import StationView
 
 
@@ -12,7 +13,7 @@ class BarState:
     Attributes:
         link: `live`, `stale` (data too old to trust) or `lost` (no answer).
         age: How old the newest data is [s]; None before the first.
-        mode: What the robot says it does.
+        mode: What the robot says it does, and its errors if it has some.
         stop_state: `armed`, `stopped` or `released`; empty while unknown.
         stop_reason: Why the stop was engaged last.
         rate_hz: Measured rate of the control loop [Hz].
@@ -47,7 +48,7 @@ def bar_state(view: StationView, message: str) -> BarState:
     return BarState(
         link=view.link,
         age=view.age,
-        mode=status.robot_mode,
+        mode=_mode(status),
         stop_state=status.stop_state,
         stop_reason=status.stop_reason,
         rate_hz=status.loop.achieved_rate,
@@ -55,3 +56,13 @@ def bar_state(view: StationView, message: str) -> BarState:
         epoch=status.epoch,
         message=message,
     )
+
+
+def _mode(status: Status) -> str:
+    """Return the robot's mode; with what is wrong and what to do when it is halted."""
+    wrong = []
+    for arm in status.robots:
+        if arm.remedy:
+            names = ", ".join(dict.fromkeys(error.name for error in arm.errors))
+            wrong.append(f"{arm.arm_id}: {names or arm.robot_mode}: {arm.remedy}")
+    return " · ".join([status.robot_mode, *wrong])

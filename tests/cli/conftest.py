@@ -13,6 +13,7 @@ from station.api.schemas import (
     GainsChange,
     Goal,
     Percentiles,
+    Recovery,
     StopState,
     StreamFrame,
     SwitchResult,
@@ -130,12 +131,42 @@ class FakeStation:
         self._record("release", arm)
         return self._stop_state("armed" if arm else "released")
 
+    def robots(self):
+        """Return two arms, one of them in reflex."""
+        self._record("robots")
+        return [_arm("left", "reflex"), _arm("right", "idle")]
+
+    def robot(self, arm_id):
+        """Return the client of an arm."""
+        return _FakeArm(self, arm_id)
+
     def _stop_state(self, state):
         return StopState(state=state, reason="", epoch=2)
 
     def stream(self, topic, **options):
         self._record("stream", topic, options)
         return _FakeStream(self.frames)
+
+
+def _arm(arm_id, mode):
+    return Recovery(
+        arm_id=arm_id,
+        robot_mode=mode,
+        connected=True,
+        errors=[],
+        remedy="",
+        restarted=["arm"] if arm_id == "right" else [],
+    )
+
+
+class _FakeArm:
+    def __init__(self, station, arm_id):
+        self.station, self.arm_id = station, arm_id
+
+    def recover(self, restart):
+        """Recover."""
+        self.station.calls.append(("recover", self.arm_id, restart))
+        return _arm(self.arm_id, "idle")
 
 
 class _FakeStream(list):

@@ -29,6 +29,7 @@ LINES = {
     "goto": "goto arm 1 -2 --duration 3",
     "stop": "stop",
     "release": "release --arm",
+    "recover": "recover panda --restart",
 }
 
 

@@ -9,6 +9,7 @@ from station.config.validation import validate
 MINIMAL = {
     "station": {"rate": 1000, "real_time_factor": 1.0},
     "robot": {"type": "a/B"},
+    "scene": {"objects": []},
     "controllers": {},
     "start": [],
     "api": {"host": "127.0.0.1", "port": 0, "token": None},
@@ -27,7 +28,11 @@ def test_minimal_configuration_is_valid():
 @pytest.mark.parametrize(
     ("section", "value", "message"),
     [
-        ("foo", 1, "<foo>: foo is unknown; allowed are station, robot, controllers"),
+        (
+            "foo",
+            1,
+            "<foo>: foo is unknown; allowed are station, robot, scene, controllers",
+        ),
         (
             "api",
             {"host": "h", "port": 0, "token": None, "prot": 1},

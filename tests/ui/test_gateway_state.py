@@ -1,8 +1,33 @@
 """What the bar at the top shows."""
 
+from station.client.models import ArmError, ArmReport
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.station_view import StationView
-from tests.ui.views import view
+from tests.ui.views import status, view
+
+
+def test_bar_names_the_errors_of_an_arm_and_what_to_do():
+    error = ArmError(
+        name="cartesian_reflex",
+        where="z",
+        value=30.0,
+        limit=20.0,
+        unit="N",
+        cycle=7,
+        description="",
+    )
+    arm = ArmReport(
+        arm_id="panda",
+        robot_mode="reflex",
+        connected=True,
+        errors=[error, error],
+        remedy="recover",
+    )
+    found = status().model_copy(update={"robot_mode": "reflex", "robots": [arm]})
+
+    bar = bar_state(StationView(status=found), "")
+
+    assert bar.mode == "reflex · panda: cartesian_reflex: recover"
 
 
 def test_bar_shows_mode_loop_epoch_and_stop():

@@ -11,6 +11,7 @@ from station.api.routes import (
     health,
     joint_states,
     loop,
+    robots,
     set_points,
     status,
     stop,
@@ -31,6 +32,7 @@ for _module in (
     joint_states,
     hardware,
     loop,
+    robots,
     stop,
     streams,
 ):

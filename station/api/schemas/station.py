@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field
 from station.api.schemas.base import RequestModel, ResponseModel
 from station.api.schemas.controllers import Percentiles
 from station.api.schemas.hardware import Clamp
+from station.api.schemas.robots import ArmReport
 
 StopStateName = Literal["armed", "stopped", "released"]
 
@@ -80,6 +81,7 @@ class Status(ResponseModel):
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the control loop does.
+        robots: The arms: mode, errors, and what to do about them.
         versions: Versions of the station and what it is built on.
         clamps: Commands that limits cut off; empty if none ever was.
     """
@@ -93,6 +95,7 @@ class Status(ResponseModel):
     stop_state: StopStateName
     stop_reason: str
     loop: LoopReport
+    robots: list[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
     clamps: list[Clamp] = Field(default_factory=list)
 

@@ -10,6 +10,7 @@ from station.cli.verbs.switching import stop_running
 if TYPE_CHECKING:
     from station.api.schemas import StopState
     from station.client import StationClient
+    from station.client.robot_calls import Restart
 
 
 def command(options: Namespace) -> int:
@@ -52,6 +53,27 @@ def release(options: Namespace) -> int:
     with open_client(options) as client:
         state = client.release_stop(arm=options.arm)
     return _tell(state, as_json=options.json)
+
+
+def recover(options: Namespace) -> int:
+    """Clear the errors of an arm, or of all of them."""
+    with open_client(options) as client:
+        arms = [options.arm_id] if options.arm_id else _arms_to_recover(client)
+        restart: Restart = "previous" if options.restart else "none"
+        for arm_id in arms:
+            recovered = client.robot(arm_id).recover(restart)
+            if options.json:
+                say_model(recovered)
+            else:
+                started = ", ".join(recovered.restarted) or "nothing"
+                say(f"{arm_id} is {recovered.robot_mode}. Started again: {started}.")
+    if not arms and not options.json:
+        say("No arm has an error.")
+    return 0
+
+
+def _arms_to_recover(client: "StationClient") -> list[str]:
+    return [arm.arm_id for arm in client.robots() if arm.robot_mode == "reflex"]
 
 
 _MEANING = {

@@ -13,6 +13,32 @@ from station.core.interfaces.force_torque_sensor import (
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
 )
+from station.core.interfaces.franka_cartesian import (
+    FrankaCartesianPoseHandle,
+    FrankaCartesianVelocityHandle,
+    FrankaPoseCartesianInterface,
+    FrankaVelocityCartesianInterface,
+)
+from station.core.interfaces.franka_errors import ArmError
+from station.core.interfaces.franka_model import (
+    Frame,
+    FrankaModel,
+    FrankaModelHandle,
+    FrankaModelInterface,
+)
+from station.core.interfaces.franka_robot_state import RobotMode, RobotState
+from station.core.interfaces.franka_services import (
+    ArmRecord,
+    CollisionBehavior,
+    FaultKind,
+    FrankaServices,
+    FrankaServicesInterface,
+    SimulatedFault,
+)
+from station.core.interfaces.franka_state import (
+    FrankaStateHandle,
+    FrankaStateInterface,
+)
 from station.core.interfaces.imu_sensor import ImuSensorHandle, ImuSensorInterface
 from station.core.interfaces.interface_manager import (
     InterfaceManager,
@@ -52,10 +78,26 @@ __all__ = [
     "ActuatorHandle",
     "ActuatorStateHandle",
     "ActuatorStateInterface",
+    "ArmError",
+    "ArmRecord",
+    "CollisionBehavior",
     "EffortActuatorInterface",
     "EffortJointInterface",
+    "FaultKind",
     "ForceTorqueSensorHandle",
     "ForceTorqueSensorInterface",
+    "Frame",
+    "FrankaCartesianPoseHandle",
+    "FrankaCartesianVelocityHandle",
+    "FrankaModel",
+    "FrankaModelHandle",
+    "FrankaModelInterface",
+    "FrankaPoseCartesianInterface",
+    "FrankaServices",
+    "FrankaServicesInterface",
+    "FrankaStateHandle",
+    "FrankaStateInterface",
+    "FrankaVelocityCartesianInterface",
     "HardwareResourceManager",
     "ImuSensorHandle",
     "ImuSensorInterface",
@@ -79,6 +121,9 @@ __all__ = [
     "PositionVelocityTorqueGainsJointInterface",
     "ResourceHandle",
     "ResourceManager",
+    "RobotMode",
+    "RobotState",
+    "SimulatedFault",
     "VelocityActuatorInterface",
     "VelocityJointInterface",
     "interface_type_name",

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from math import sqrt
 
+from station.core.interfaces.franka_robot_state import RobotState
 from station.hw.franka.rate_limiter import (
     MAX_CUTOFF_FREQUENCY,
     PERIOD,
@@ -12,7 +13,6 @@ from station.hw.franka.rate_limiter import (
     limit_velocity,
     low_pass,
 )
-from station.hw.franka.robot_state import RobotState
 
 # How a goal is approached: braking with half of the acceleration limit, and for the
 # last bit with a velocity in proportion to the distance [1/s], which needs up to twice

@@ -4,9 +4,9 @@
 class DesiredMotion:
     """Desired positions, velocities and accelerations of n joints.
 
-    Exactly one of `hold`, `follow_positions` and `follow_velocities` is called per
-    cycle. All three start from the present desired motion, so q_d never jumps unless a
-    commanded position does. Allocates nothing that lasts.
+    Exactly one of `hold`, `extrapolate`, `follow_positions` and `follow_velocities`
+    is called per cycle. All of them start from the present desired motion, so q_d never
+    jumps unless a commanded position does. Allocates nothing that lasts.
 
     Args:
         q_d: Desired positions [rad], shape (n,). Changed in place, as the next two.
@@ -64,6 +64,13 @@ class DesiredMotion:
             else:
                 velocities.append(0.0)
         self.follow_velocities(velocities)
+
+    def extrapolate(self) -> None:
+        """Go on with constant acceleration, because no command has arrived."""
+        self.follow_velocities([
+            dq_d + ddq_d * self._period
+            for dq_d, ddq_d in zip(self._dq_d, self._ddq_d, strict=True)
+        ])
 
     def follow_velocities(self, dq: list[float]) -> None:
         """Move on with commanded velocities; at a position limit a joint stops.

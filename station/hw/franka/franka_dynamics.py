@@ -11,8 +11,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from station.hw.franka.arm_names import find_prefix
 from station.hw.franka.load import Load
-from station.hw.franka.simulation import find_prefix
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -115,6 +115,30 @@ class FrankaDynamics:
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         return self._evaluate(q, [0.0] * _DOF, load, gravity_earth)
+
+    def torques(
+        self,
+        q: Sequence[float],
+        dq: Sequence[float],
+        ddq: Sequence[float],
+        load: Load = _NO_LOAD,
+        gravity_earth: Sequence[float] = _EARTH,
+    ) -> list[float]:
+        """Return the torques of a motion, M ddq + C dq + g [Nm], shape (7,).
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+            dq: Joint velocities [rad/s], shape (7,).
+            ddq: Joint accelerations [rad/s^2], shape (7,).
+            load: What is fixed to the flange.
+            gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
+        """
+        mass = self.mass(q, load)
+        bias = self._evaluate(q, dq, load, gravity_earth)
+        return [
+            sum(m * a for m, a in zip(mass[row : row + _DOF], ddq, strict=True)) + b
+            for row, b in zip(range(0, _DOF * _DOF, _DOF), bias, strict=True)
+        ]
 
     def _evaluate(
         self,

@@ -12,7 +12,6 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Sequence
-from math import degrees
 
 from typing_extensions import override
 
@@ -21,6 +20,8 @@ from station.core.errors import (
     ParameterError,
     SwitchRefusedError,
 )
+from station.core.interfaces import FrankaServicesInterface
+from station.core.interfaces.franka_robot_state import RobotMode, RobotState
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import (
@@ -30,9 +31,13 @@ from station.core.robot_hw import (
     SwitchState,
 )
 from station.core.robot_report import ClampReport, JointLimitsReport
+from station.hw.franka.arm_interfaces import model_interface, state_interface
+from station.hw.franka.arm_names import find_prefix, joint_names
+from station.hw.franka.arm_services import ArmServices
+from station.hw.franka.cartesian_commands import CartesianCommands
 from station.hw.franka.command_filter import CommandFilter
+from station.hw.franka.command_sender import CommandSender, arm_modes
 from station.hw.franka.control_mode import (
-    GENERATOR_OF_MODE,
     ControlMode,
     control_mode_of,
     find_conflicts,
@@ -40,26 +45,18 @@ from station.hw.franka.control_mode import (
 )
 from station.hw.franka.finger_joints import FingerJoints
 from station.hw.franka.franka_parameters import (
-    CommandSettings,
     FrankaParameters,
     read_command_settings,
     read_parameters,
 )
 from station.hw.franka.joint_commands import JointCommands
-from station.hw.franka.rate_limiter import PANDA_RATE_LIMITS
+from station.hw.franka.joint_limit_warnings import joint_limit_warnings
+from station.hw.franka.rate_limiter import rate_limits_of
 from station.hw.franka.robot_arm import (
-    ControllerMode,
-    MotionGeneratorMode,
     RobotArm,
 )
-from station.hw.franka.robot_state import RobotMode, RobotState
-from station.hw.franka.simulation import (
-    ArmPlacement,
-    Simulation,
-    find_prefix,
-    joint_names,
-    simulate,
-)
+from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
+from station.hw.mujoco.scene import SceneObject, read_scene
 from station.hw.robot_description import RobotDescription, load_robot_description
 from station.hw.urdf_parser import parse_urdf
 
@@ -76,8 +73,11 @@ class FrankaHW(RobotHW):
     """A Franka arm with seven joints, simulated unless it is given another arm.
 
     Interfaces: JointState and EffortJoint with the measured state, PositionJoint and
-    VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`. The fingers
-    of a simulated hand are in EffortJoint and PositionJoint, too.
+    VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`;
+    FrankaState, FrankaPoseCartesian and FrankaVelocityCartesian under `<arm_id>_robot`;
+    FrankaModel under `<arm_id>_model` and, as the public documentation has it, also
+    under `<arm_id>_robot`; FrankaServices under `<arm_id>`. The fingers of a
+    simulated hand are in EffortJoint and PositionJoint, too.
 
     Parameters are those of `franka_parameters`. `init` stores the URDF, with the names
     of this arm, as `robot_description` in the root namespace if there is none yet.
@@ -88,12 +88,15 @@ class FrankaHW(RobotHW):
     Attributes:
         simulation: The world that `init` made, or None with a given arm.
         commands: The command buffers and their limits; from `init` on.
+        cartesian: The same for Cartesian commands.
+        is_connected: Whether the arm may be used; see `FrankaServices.disconnect`.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
         super().__init__()
         self.simulation: Simulation | None = None
         self._arm = arm
+        self.is_connected = True
         self._mode = ControlMode.NONE
         self._switch_failed = False
         self._time_due = 0.0
@@ -113,20 +116,31 @@ class FrankaHW(RobotHW):
         self._hw_params = hw_params
         description = load_robot_description(self._parameters.robot_description)
         if self._arm is None:
-            self._arm = self._simulate(description)
+            self._arm = self._simulate(description, read_scene(root_params))
         arm_id = self._parameters.arm_id
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
+        limits = self._parameters.limits
+        rates = rate_limits_of(limits)
         self.commands = JointCommands(self._arm.state, self._parameters.joint_names)
-        self._filter = CommandFilter(PANDA_RATE_LIMITS)
+        self.cartesian = CartesianCommands(self._arm, arm_id, limits)
+        self._sender = CommandSender(
+            self.arm, self.commands, self.cartesian, CommandFilter(rates)
+        )
         urdf = parse_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
-        for name in self.commands.add_limits(self._joints, PANDA_RATE_LIMITS):
+        for name in self.commands.add_limits(self._joints, rates):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
         self._add_fingers(arm_id)
-        for interface in self.commands.interfaces():
+        for interface in (*self.commands.interfaces(), *self.cartesian.interfaces()):
             self.register_interface(interface)
+        models = model_interface(self.arm, arm_id, description)
+        services = FrankaServicesInterface()
+        services.register_handle(ArmServices(self, models.handles()[0]))
+        self.register_interface(state_interface(self.arm, arm_id))
+        self.register_interface(models)
+        self.register_interface(services)
 
     @property
     def parameters(self) -> FrankaParameters:
@@ -165,9 +179,14 @@ class FrankaHW(RobotHW):
         self._time_due += period
         cycles = round(self._time_due / arm.cycle_time)
         self._time_due -= cycles * arm.cycle_time
+        delay = 0
+        if cycles and self.simulation is not None:
+            delay = self.simulation.arms[self._parameters.arm_id].take_delay()
+        for _ in range(delay):
+            arm.read_once()
         for cycle in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
             if cycle > 0:
-                self._send()  # the arm wants a command in each of its own cycles
+                self._sender.send()  # the arm wants a command in each of its own cycles
             arm.read_once()
         if self._fingers is not None:
             self._fingers.read()
@@ -177,31 +196,7 @@ class FrankaHW(RobotHW):
         """Limit, filter and send the commands of the present mode."""
         if self._fingers is not None:
             self._fingers.write()
-        commands = self.commands
-        if self.arm.state.robot_mode is not RobotMode.MOVE:
-            return
-        if not commands.are_finite():
-            self.arm.stop_motion()
-            return
-        self._goals = commands.goals()
-        if period > 0.0:
-            commands.enforce_limits(period)
-        self._send()
-
-    def _send(self) -> None:
-        """Filter and send the commands as they are, for one cycle of the arm."""
-        arm, commands, state = self.arm, self.commands, self.arm.state
-        if state.robot_mode is not RobotMode.MOVE:
-            return
-        goals, filtered = self._goals, self._filter
-        if commands.has_positions:
-            q = filtered.positions(commands.positions, state, goals=goals)
-            arm.command_joint_positions(q)
-        if commands.has_velocities:
-            dq = filtered.velocities(commands.velocities, state)
-            arm.command_joint_velocities(dq)
-        if commands.has_efforts:
-            arm.command_joint_torques(filtered.torques(commands.efforts, state))
+        self._sender.send_limited(period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -262,14 +257,19 @@ class FrankaHW(RobotHW):
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
         mode = self._mode_after(start, stop)
         arm_id = self._parameters.arm_id
+        if self._control_mode_of(start) and not self.is_connected:
+            raise SwitchRefusedError(
+                f"Arm '{arm_id}' is not connected.",
+                remedy=f"Connect it: POST /robots/{arm_id}/connect.",
+            )
         if not is_supported(mode):
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' cannot be in mode {mode.describe()}.",
                 remedy="Run torques with at most one kind of motion.",
                 details={"control_mode": mode.describe()},
             )
-        if mode and mode != self._mode:
-            refusal = self.arm.refusal(*_arm_modes(mode, settings))
+        if mode and (mode != self._mode or self.is_interrupted()):
+            refusal = self.arm.refusal(*arm_modes(mode, settings))
             if refusal:
                 raise SwitchRefusedError(
                     f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
@@ -296,6 +296,22 @@ class FrankaHW(RobotHW):
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
         return self.switch_result()
 
+    @override
+    def is_interrupted(self) -> bool:
+        if self._mode is ControlMode.NONE:
+            return False
+        return self.arm.state.robot_mode is not RobotMode.MOVE
+
+    @override
+    def interruption_of(self, controller: ControllerInfo) -> str:
+        if not self._control_mode_of([controller]) or not self.is_interrupted():
+            return ""
+        arm = self.arm
+        causes = "; ".join(error.describe() for error in arm.errors())
+        mode = _MODE_NAMES[arm.state.robot_mode]
+        because = f" ({causes})" if causes else ""
+        return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
+
     def reset_simulation(self, positions: dict[str, float] | None = None) -> None:
         """Put the simulated world back to its start; control thread.
 
@@ -319,17 +335,7 @@ class FrankaHW(RobotHW):
     def joint_limit_warnings(self) -> list[str]:
         """Return one sentence per joint that is close to a position limit."""
         threshold = self._parameters.joint_limit_warning_threshold
-        warnings = []
-        for joint, q in zip(self._joints, self.robot_state.q, strict=True):
-            limit = joint.limit
-            if limit is None or limit.lower is None or limit.upper is None:
-                continue
-            distance = min(abs(q - limit.lower), abs(q - limit.upper))
-            if distance < threshold:
-                warnings.append(
-                    f"{joint.name} is {degrees(distance):.1f} degrees from a limit"
-                )
-        return warnings
+        return joint_limit_warnings(self._joints, self.robot_state.q, threshold)
 
     def _add_fingers(self, arm_id: str) -> None:
         """Add the finger joints of a simulated hand to the arm's interfaces."""
@@ -345,14 +351,9 @@ class FrankaHW(RobotHW):
         if mode != self._mode or arm.state.robot_mode is not RobotMode.MOVE:
             arm.stop_motion()
         self._mode = mode
-        self.commands.begin(mode)
-        self._goals = self.commands.goals()
-        self._filter.begin(
-            cutoff_frequency=self._settings.cutoff_frequency,
-            rate_limiting=self._settings.rate_limiting,
-        )
+        self._sender.begin(mode, self._settings)
         if mode and arm.state.robot_mode is not RobotMode.MOVE:
-            modes = _arm_modes(mode, self._settings)
+            modes = arm_modes(mode, self._settings)
             if arm.refusal(*modes):
                 self._switch_failed = True
             else:
@@ -367,24 +368,21 @@ class FrankaHW(RobotHW):
     def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:
         return control_mode_of(controllers, self._parameters.arm_id)
 
-    def _simulate(self, description: RobotDescription) -> RobotArm:
+    def _simulate(
+        self, description: RobotDescription, objects: Sequence[SceneObject]
+    ) -> RobotArm:
         parameters = self._parameters
-        self.simulation = simulate([
-            ArmPlacement(
-                parameters.arm_id,
-                description,
-                parameters.base,
-                parameters.initial_positions,
-            )
-        ])
-        return self.simulation.arms[parameters.arm_id]
-
-
-def _arm_modes(
-    mode: ControlMode, settings: CommandSettings
-) -> tuple[ControllerMode, MotionGeneratorMode]:
-    """Return what the arm has to be told for a supported mode that is not NONE."""
-    generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
-    if mode & ControlMode.JOINT_TORQUE:
-        return ControllerMode.EXTERNAL_CONTROLLER, generator
-    return settings.internal_controller, generator
+        placement = ArmPlacement(
+            parameters.arm_id,
+            description,
+            parameters.base,
+            parameters.initial_positions,
+            parameters.limits,
+            parameters.thresholds,
+        )
+        self.simulation = simulate(
+            [placement], gravity=parameters.gravity, objects=objects
+        )
+        arm = self.simulation.arms[parameters.arm_id]
+        arm.set_collision_behavior(parameters.collision_behavior)
+        return arm

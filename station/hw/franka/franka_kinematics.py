@@ -11,8 +11,9 @@ convention; the same for Panda and FR3); libfranka@0.9.2 include/franka/model.h,
 # ruff: noqa: N803 - F_T_EE and EE_T_K are libfranka's names.
 
 from collections.abc import Sequence
-from enum import Enum
 from math import cos, pi, sin
+
+from station.core.interfaces.franka_model import Frame
 
 _DOF = 7
 # (a [m], d [m], alpha [rad]) of joints 1 to 7, then the flange.
@@ -33,24 +34,6 @@ IDENTITY = (
     0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
 )  # fmt: skip
 """The pose of a frame in itself."""
-
-
-class Frame(Enum):
-    """The frames of the arm; the values are libfranka's.
-
-    A joint's frame is that of the link behind it.
-    """
-
-    JOINT1 = 0
-    JOINT2 = 1
-    JOINT3 = 2
-    JOINT4 = 3
-    JOINT5 = 4
-    JOINT6 = 5
-    JOINT7 = 6
-    FLANGE = 7
-    END_EFFECTOR = 8
-    STIFFNESS = 9
 
 
 def compose(first: Sequence[float], second: Sequence[float]) -> list[float]:

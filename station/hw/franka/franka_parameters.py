@@ -7,14 +7,20 @@ impossible values are refused, and no wrong value falls back to a default.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import pi
 from typing import NoReturn
 
 from station.core.errors import ParameterError
+from station.core.interfaces.franka_model import GRAVITY_EARTH
+from station.core.interfaces.franka_services import CollisionBehavior
 from station.core.parameters import Parameters
+from station.hw.franka.arm_limits import LIMITS_OF_ARM, ArmLimits
+from station.hw.franka.arm_names import joint_names
+from station.hw.franka.arm_supervisor import SupervisorLimits
+from station.hw.franka.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.robot_arm import ControllerMode
-from station.hw.franka.simulation import INITIAL_POSITIONS, joint_names
+from station.hw.franka.simulation import INITIAL_POSITIONS
 from station.hw.urdf import Pose
 
 _DOF = 7
@@ -35,7 +41,13 @@ _KEYS = frozenset({
     "initial_positions",
     "base_xyz",
     "base_rpy",
+    "arm_type",
+    "gravity",
+    "realtime_config",
+    "collision_config",
+    "supervisor",
 })
+_TORQUES, _FORCES = 7, 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +77,10 @@ class FrankaParameters:
             a warning [rad], >= 0.
         initial_positions: Where the simulated arm starts [rad], shape (7,).
         base: The base's pose in the world.
+        limits: What this kind of arm (`arm_type`) can do.
+        gravity: Acceleration of gravity in the axes of the world [m/s^2].
+        collision_behavior: Thresholds at the start (`collision_config`).
+        thresholds: Those that Franka does not publish (`supervisor`).
     """
 
     arm_id: str
@@ -73,6 +89,10 @@ class FrankaParameters:
     joint_limit_warning_threshold: float
     initial_positions: tuple[float, ...]
     base: Pose
+    limits: ArmLimits
+    gravity: tuple[float, float, float]
+    collision_behavior: CollisionBehavior
+    thresholds: SupervisorLimits
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
@@ -111,6 +131,10 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         joint_limit_warning_threshold=threshold,
         initial_positions=_floats(params, "initial_positions", INITIAL_POSITIONS),
         base=_base(params),
+        limits=_limits(params, arm_id),
+        gravity=_gravity(params),
+        collision_behavior=_collision_behavior(params.namespace("collision_config")),
+        thresholds=_thresholds(params.namespace("supervisor")),
     )
 
 
@@ -144,6 +168,60 @@ def _base(params: Parameters) -> Pose:
         wanted = "angles in radians"
         _refuse(params, "base_rpy", [roll, pitch, yaw], wanted)
     return Pose.from_rpy((x, y, z), (roll, pitch, yaw))
+
+
+def _limits(params: Parameters, arm_id: str) -> ArmLimits:
+    kind = "fr3" if arm_id.startswith("fr3") else "panda"
+    chosen = params.get_str("arm_type", kind)
+    if chosen not in LIMITS_OF_ARM:
+        _refuse(params, "arm_type", chosen, f"one of {', '.join(LIMITS_OF_ARM)}")
+    return LIMITS_OF_ARM[chosen]
+
+
+def _gravity(params: Parameters) -> tuple[float, float, float]:
+    x, y, z = _floats(params, "gravity", GRAVITY_EARTH)
+    return x, y, z
+
+
+def _collision_behavior(params: Parameters) -> CollisionBehavior:
+    values: dict[str, tuple[float, ...]] = {}
+    for one in fields(CollisionBehavior):
+        default = getattr(DEFAULT_COLLISION_BEHAVIOR, one.name)
+        values[one.name] = _floats(params, one.name, default)
+    behavior = CollisionBehavior(**values)
+    problem = collision_behavior_problem(behavior)
+    if problem:
+        _refuse(params, "", values, problem)
+    return behavior
+
+
+def collision_behavior_problem(behavior: CollisionBehavior) -> str:
+    """Say what thresholds must be like; empty when they are.
+
+    Args:
+        behavior: The thresholds.
+    """
+    for kind in ("acceleration", "nominal"):
+        for what, size in (("torque", _TORQUES), ("force", _FORCES)):
+            lower = getattr(behavior, f"lower_{what}_thresholds_{kind}")
+            upper = getattr(behavior, f"upper_{what}_thresholds_{kind}")
+            if len(lower) != size or len(upper) != size:
+                return f"{size} numbers for each of the {what} thresholds"
+            if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
+                return f"above 0, no lower {what} threshold above its upper one"
+    return ""
+
+
+def _thresholds(params: Parameters) -> SupervisorLimits:
+    default = SupervisorLimits()
+    return SupervisorLimits(
+        position_tolerance=params.get_float(
+            "position_tolerance", default.position_tolerance
+        ),
+        velocity_factor=params.get_float("velocity_factor", default.velocity_factor),
+        debounce=params.get_int("debounce", default.debounce),
+        power=params.get_float("power") if params.has("power") else default.power,
+    )
 
 
 def _floats(

@@ -12,6 +12,7 @@ from station.core.interfaces import (
     PositionJointInterface,
     VelocityJointInterface,
 )
+from station.core.interfaces.franka_robot_state import RobotState
 from station.core.limits import (
     EffortJointSoftLimitsHandle,
     EffortJointSoftLimitsInterface,
@@ -25,7 +26,6 @@ from station.core.limits import (
 from station.core.robot_report import ClampReport, JointLimitsReport, report_clamps
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.rate_limiter import RateLimits
-from station.hw.franka.robot_state import RobotState
 from station.hw.urdf import Joint
 
 _DOF = 7

@@ -9,13 +9,14 @@ limitRate; include/franka/rate_limiting.h, the limits of the Panda.
 from dataclasses import dataclass
 from math import pi
 
+from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits
+
 PERIOD = 0.001
 """Cycle of the arm [s]."""
 MAX_CUTOFF_FREQUENCY = 1000.0
 """From here on the low-pass is off [Hz]."""
-_MARGIN = 1e-3
-# Cycles whose packets may be lost without breaking the velocity limit.
-_TOLERATED_LOSSES = 3
+MARGIN = 1e-3
+"""Subtracted from every limit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,24 +36,31 @@ class RateLimits:
     torque_rate: float
 
 
-def _panda_limits(velocity: float, acceleration: float, jerk: float) -> RateLimits:
-    acceleration -= _MARGIN
-    reserve = _TOLERATED_LOSSES * PERIOD * acceleration
-    return RateLimits(
-        velocity - _MARGIN - reserve, acceleration, jerk - _MARGIN, 1000.0 - _MARGIN
-    )
+def rate_limits_of(limits: ArmLimits) -> tuple[RateLimits, ...]:
+    """Return the limits of an arm's joints, with libfranka's margins, shape (7,).
+
+    Args:
+        limits: The arm's own limits.
+    """
+    result = []
+    for velocity, acceleration, jerk in zip(
+        limits.velocity, limits.acceleration, limits.jerk, strict=True
+    ):
+        largest = acceleration - MARGIN
+        reserve = limits.tolerated_losses * PERIOD * largest
+        result.append(
+            RateLimits(
+                velocity - MARGIN - reserve,
+                largest,
+                jerk - MARGIN,
+                limits.torque_rate - MARGIN,
+            )
+        )
+    return tuple(result)
 
 
-PANDA_RATE_LIMITS = (
-    _panda_limits(2.175, 15.0, 7500.0),
-    _panda_limits(2.175, 7.5, 3750.0),
-    _panda_limits(2.175, 10.0, 5000.0),
-    _panda_limits(2.175, 12.5, 6250.0),
-    _panda_limits(2.61, 15.0, 7500.0),
-    _panda_limits(2.61, 20.0, 10000.0),
-    _panda_limits(2.61, 20.0, 10000.0),
-)
-"""The Panda's limits, joints 1 to 7, with libfranka's margins."""
+PANDA_RATE_LIMITS = rate_limits_of(PANDA_LIMITS)
+"""The Panda's limits, joints 1 to 7."""
 
 
 def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:

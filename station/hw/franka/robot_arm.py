@@ -8,10 +8,13 @@ callbacks, because the cycle belongs to the station's loop.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from enum import Enum
 
-from station.core.errors import StationError
-from station.hw.franka.robot_state import RobotState
+from station.core.interfaces.franka_errors import ArmError
+from station.core.interfaces.franka_robot_state import RobotState
+from station.core.interfaces.franka_services import ArmRecord, CollisionBehavior
+from station.hw.franka.load import Load
 
 
 class ControllerMode(Enum):
@@ -32,18 +35,13 @@ class MotionGeneratorMode(Enum):
     CARTESIAN_VELOCITY = "cartesian_velocity"
 
 
-class ArmCommandError(StationError, RuntimeError):
-    """The arm refuses a request in its present mode, or cannot do it at all."""
-
-    code = "arm_command_refused"
-
-
 class RobotArm(ABC):
     """An arm with 7 joints that is read and commanded once per cycle.
 
     Order: `read_once` once per elapsed cycle; between reads, while a motion runs, the
-    commands that its modes ask for, each at most once per cycle. A command that does
-    not come again is kept. With no motion running the arm holds its pose itself.
+    commands that its modes ask for, each once per cycle. A cycle without a command is
+    one in which a packet was lost: the motion goes on with constant acceleration, and
+    ends after 20 of them. With no motion running the arm holds its pose itself.
 
     Threads: all methods belong to the control thread; `read_once`, `start_motion`,
     `stop_motion` and the `command_…` methods neither wait for anything but the arm's
@@ -162,14 +160,72 @@ class RobotArm(ABC):
         """
 
     @abstractmethod
-    def set_joint_impedance(self, stiffness: list[float]) -> None:
+    def refresh_state(self) -> None:
+        """Bring the derived fields of `state` up to date; cheap when they are."""
+
+    @abstractmethod
+    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
         """Set the stiffness of the internal joint impedance controller.
 
         Args:
             stiffness: > 0 [Nm/rad], shape (7,).
 
         Raises:
-            InvalidCommandError: Not 7 positive numbers.
+            ArmCommandError: A motion runs; as for all setters.
+        """
+
+    @abstractmethod
+    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
+        """Set the stiffness of the internal Cartesian impedance controller.
+
+        Args:
+            stiffness: In the axes of the stiffness frame, > 0 [N/m, Nm/rad], (6,).
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_end_effector_frame(self, frame: Sequence[float]) -> None:
+        """Set the end effector in the nominal end effector frame.
+
+        Args:
+            frame: NE_T_EE, a homogeneous transform, 16 numbers.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_stiffness_frame(self, frame: Sequence[float]) -> None:
+        """Set the stiffness frame in the end effector frame.
+
+        Args:
+            frame: EE_T_K, a homogeneous transform, 16 numbers.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_load(self, load: Load) -> None:
+        """Set what the end effector holds; the arm carries its weight.
+
+        Args:
+            load: The load.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
+        """Set the thresholds of contact and collision.
+
+        Args:
+            behavior: The thresholds, > 0.
+
+        Raises:
             ArmCommandError: A motion runs.
         """
 
@@ -180,3 +236,15 @@ class RobotArm(ABC):
         Raises:
             ArmCommandError: The arm is in a state from which it cannot recover itself.
         """
+
+    @abstractmethod
+    def errors(self) -> list[ArmError]:
+        """Return what the present errors, or else the last motion's, came from."""
+
+    @abstractmethod
+    def log(self) -> list[ArmRecord]:
+        """Return the last cycles before the last error, oldest first, at most 50."""
+
+    @abstractmethod
+    def remedy(self) -> str:
+        """Say what to do so that the arm can move; empty when it can."""

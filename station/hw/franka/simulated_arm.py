@@ -1,50 +1,38 @@
-"""A Franka arm simulated in a MuJoCo world.
-
-Torques: the motors give the commanded torque, or that of the internal joint impedance
-
-    tau = K (q_d - q) + D (dq_d - dq) + M_ii ddq_d + coriolis(q, dq)
-    D = 2 zeta sqrt(K M_ii)
-
-with M_ii the inertia at each joint, in D that when the impedance starts to act. What
-depends on q and dq lives in the motors, where the integrator treats D implicitly.
-Gravity is compensated in the world besides. Motors saturate at the effort limits.
-"""
+"""A Franka arm simulated in a MuJoCo world, with the arm's own safety around it."""
 
 from collections.abc import Sequence
-from math import isfinite, sqrt
 
 from typing_extensions import override
 
-from station.core.errors import InvalidCommandError
-from station.hw.franka.desired_motion import DesiredMotion
-from station.hw.franka.robot_arm import (
-    ArmCommandError,
-    ControllerMode,
-    MotionGeneratorMode,
-    RobotArm,
+from station.core.errors import ArmCommandError
+from station.core.interfaces.franka_errors import ArmError
+from station.core.interfaces.franka_model import GRAVITY_EARTH
+from station.core.interfaces.franka_robot_state import RobotMode, RobotState
+from station.core.interfaces.franka_services import (
+    ArmRecord,
+    SimulatedFault,
 )
-from station.hw.franka.robot_state import RobotMode, RobotState
+from station.hw.franka.arm_frames import ArmFrames
+from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits
+from station.hw.franka.arm_load import ArmLoad
+from station.hw.franka.arm_motors import ArmMotors
+from station.hw.franka.arm_settings import ArmSettings
+from station.hw.franka.arm_supervisor import ArmSupervisor, SupervisorLimits
+from station.hw.franka.contact_estimate import ContactEstimate
+from station.hw.franka.desired_motion import DesiredMotion
+from station.hw.franka.motion_follower import CARTESIAN_GENERATORS, MotionFollower
+from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.sensor_faults import SensorFaults
 from station.hw.mujoco.world import World
 
-DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
-"""Stiffness of the internal controller [Nm/rad]. Source: libfranka@0.9.2
-examples/examples_common.cpp, setDefaultBehavior."""
-MAX_JOINT_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
-"""Acceleration limits of the Panda [rad/s^2]. Source: libfranka@0.9.2
-include/franka/rate_limiting.h, kMaxJointAcceleration, without its safety margin."""
 # Torque control begins below this speed [rad/s], or after this long at rest [s].
 _REST_VELOCITY = 2e-4
 _LONGEST_SETTLING = 0.5
-_DOF = 7
-_ZEROS = [0.0] * _DOF
-_JOINT_GENERATORS = (
-    MotionGeneratorMode.NONE,
-    MotionGeneratorMode.JOINT_POSITION,
-    MotionGeneratorMode.JOINT_VELOCITY,
-)
+_ZEROS = [0.0] * 7
+_HALTED = (RobotMode.REFLEX, RobotMode.USER_STOPPED, RobotMode.OTHER)
 
 
-class SimulatedArm(RobotArm):
+class SimulatedArm(ArmSettings):
     """An arm in a `World`; several arms may share one.
 
     The world makes a step when the first of its arms asks for a state that it has not
@@ -56,8 +44,16 @@ class SimulatedArm(RobotArm):
     Args:
         world: The world, with gravity compensation for this arm.
         joint_names: The arm's 7 joints in that world, from base to flange.
-        damping_ratio: Damping ratio zeta of the internal controller, > 0.
-        deceleration: How fast it slows down when idle, > 0 [rad/s^2], shape (7,).
+        load: What a configured load needs.
+        limits: Limits of this kind of arm.
+        thresholds: Thresholds that Franka does not publish.
+        hand: Body that a simulated collision hits.
+        gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
+        damping_ratio: Damping ratio of the internal controllers, > 0.
+
+    Attributes:
+        frames: Frames and derived state.
+        supervisor: The errors and where they came from.
     """
 
     def __init__(
@@ -65,33 +61,39 @@ class SimulatedArm(RobotArm):
         world: World,
         joint_names: Sequence[str],
         *,
+        load: ArmLoad,
+        limits: ArmLimits = PANDA_LIMITS,
+        thresholds: SupervisorLimits | None = None,
+        hand: str = "",
+        gravity: Sequence[float] = GRAVITY_EARTH,
         damping_ratio: float = 1.0,
-        deceleration: Sequence[float] = MAX_JOINT_ACCELERATION,
     ) -> None:
         self.cycle_time = world.timestep
-        self.state = RobotState()
+        state = self.state = RobotState()
+        state.O_ddP_O[:] = gravity
+        self.limits = limits
         self._world = world
         self._joints = world.joints(joint_names)
-        self._limits = self._joints.effort_limits
-        self._damping_ratio = damping_ratio
         self._motion = DesiredMotion(
-            self.state.q_d,
-            self.state.dq_d,
-            self.state.ddq_d,
+            state.q_d,
+            state.dq_d,
+            state.ddq_d,
             lower=self._joints.lower_limits,
             upper=self._joints.upper_limits,
-            deceleration=list(deceleration),
+            deceleration=list(limits.acceleration),
             period=world.timestep,
         )
-        self._stiffness = list(DEFAULT_JOINT_IMPEDANCE)
-        self._damping = _ZEROS
+        self._follower = MotionFollower(state, self._motion, limits, world.timestep)
+        self.motors = ArmMotors(self._joints, state, damping_ratio)
+        self.load = load
+        self.frames = ArmFrames(state)
+        self.supervisor = ArmSupervisor(state, limits, thresholds or SupervisorLimits())
+        self.contact = ContactEstimate(self._joints, state, limits, self._load_torques)
+        self._faults = SensorFaults(world, self._joints, hand)
         self._controller: ControllerMode | None = None
         self._generator = MotionGeneratorMode.NONE
-        # Whether the motors follow the client's torques instead of the impedance.
-        self._torques_act = False
         self._settling_time = 0.0
-        self._torques = _ZEROS
-        self._target: list[float] | None = None
+        self._ddq = _ZEROS
         self._cycle = world.step_count
         self._cycle_of_state = world.step_count
         self.after_reset()
@@ -106,7 +108,12 @@ class SimulatedArm(RobotArm):
         if self._cycle_of_state < world.step_count:
             self._cycle_of_state = world.step_count
             self._update_state()
+            self._supervise()
         return self.state
+
+    @override
+    def refresh_state(self) -> None:
+        self.frames.refresh()
 
     @override
     def refusal(
@@ -114,13 +121,11 @@ class SimulatedArm(RobotArm):
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
     ) -> str:
+        mode = self.state.robot_mode
         if self._world.diverged_because:
             return self._world.diverged_because
-        if (
-            controller_mode is ControllerMode.CARTESIAN_IMPEDANCE
-            or motion_generator_mode not in _JOINT_GENERATORS
-        ):
-            return "the simulated arm has no Cartesian control"
+        if mode in _HALTED:
+            return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
         is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
         if motion_generator_mode is MotionGeneratorMode.NONE and not is_external:
             return "the internal controller needs a motion generator"
@@ -142,62 +147,53 @@ class SimulatedArm(RobotArm):
             )
         self._controller = controller_mode
         self._generator = motion_generator_mode
-        self._torques = _ZEROS
-        self._target = None
         self._settling_time = 0.0
+        self._follower.begin(motion_generator_mode)
+        self.supervisor.begin_motion()
+        self.frames.is_cartesian = motion_generator_mode in CARTESIAN_GENERATORS
+        if controller_mode is ControllerMode.CARTESIAN_IMPEDANCE:
+            self.motors.engage_cartesian_impedance()
         self.state.robot_mode = RobotMode.MOVE
         self.state.control_command_success_rate = 1.0
 
     @override
     def stop_motion(self) -> None:
-        if self.state.robot_mode is not RobotMode.MOVE:
-            return
-        self._end_motion(RobotMode.IDLE)
+        if self.state.robot_mode is RobotMode.MOVE:
+            self._end_motion(RobotMode.IDLE)
 
     @override
     def command_joint_torques(self, tau: list[float]) -> None:
         if self._controller is not ControllerMode.EXTERNAL_CONTROLLER:
             raise self._not_commandable("joint torques")
-        self._torques = _checked(tau, "joint torques")
+        self._follower.command_torques(tau)
 
     @override
     def command_joint_positions(self, q: list[float]) -> None:
         if self._generator is not MotionGeneratorMode.JOINT_POSITION:
             raise self._not_commandable("joint positions")
-        self._target = _checked(q, "joint positions")
+        self._follower.command_joints(q)
 
     @override
     def command_joint_velocities(self, dq: list[float]) -> None:
         if self._generator is not MotionGeneratorMode.JOINT_VELOCITY:
             raise self._not_commandable("joint velocities")
-        self._target = _checked(dq, "joint velocities")
+        self._follower.command_joints(dq)
 
     @override
     def command_cartesian_pose(
         self, pose: list[float], elbow: list[float] | None = None
     ) -> None:
-        raise self._not_commandable("a Cartesian pose")
+        if self._generator is not MotionGeneratorMode.CARTESIAN_POSITION:
+            raise self._not_commandable("a Cartesian pose")
+        self._follower.command_cartesian(pose, elbow, 16)
 
     @override
     def command_cartesian_velocity(
         self, twist: list[float], elbow: list[float] | None = None
     ) -> None:
-        raise self._not_commandable("a Cartesian velocity")
-
-    @override
-    def set_joint_impedance(self, stiffness: list[float]) -> None:
-        if self.state.robot_mode is RobotMode.MOVE:
-            raise ArmCommandError(
-                "the joint impedance cannot be changed while a motion runs",
-                remedy="stop the controllers of this arm first",
-            )
-        if min(_checked(stiffness, "joint impedance")) <= 0.0:
-            raise InvalidCommandError(
-                f"a joint impedance of {stiffness} Nm/rad is not possible",
-                remedy="use 7 numbers above 0",
-            )
-        self._stiffness = list(stiffness)
-        self._engage_impedance()
+        if self._generator is not MotionGeneratorMode.CARTESIAN_VELOCITY:
+            raise self._not_commandable("a Cartesian velocity")
+        self._follower.command_cartesian(twist, elbow, 6)
 
     @override
     def automatic_error_recovery(self) -> None:
@@ -205,118 +201,177 @@ class SimulatedArm(RobotArm):
             raise ArmCommandError(
                 self._world.diverged_because, remedy="reset the simulation"
             )
+        if self.state.robot_mode is RobotMode.USER_STOPPED:
+            raise ArmCommandError(
+                "cannot recover: the user stop is pressed", remedy=self.remedy()
+            )
+        self.supervisor.clear()
+        self.contact.recover()
+        if self.state.robot_mode is RobotMode.REFLEX:
+            self.state.robot_mode = RobotMode.IDLE
+
+    @override
+    def errors(self) -> list[ArmError]:
+        return list(self.supervisor.errors or self.supervisor.last_motion_errors)
+
+    @override
+    def log(self) -> list[ArmRecord]:
+        return list(self.supervisor.log)
+
+    @override
+    def remedy(self) -> str:
+        if self._world.diverged_because:
+            return "reset the simulation"
+        if self.state.robot_mode is RobotMode.USER_STOPPED:
+            return "release the user stop"
+        if self.state.robot_mode is RobotMode.REFLEX:
+            return "remove the cause, then recover: POST error_recovery"
+        return ""
+
+    def set_user_stop(self, *, pressed: bool) -> None:
+        """Press or release the user stop; releasing it clears the errors."""
+        mode = self.state.robot_mode
+        if pressed and mode is not RobotMode.OTHER:
+            self._end_motion(RobotMode.USER_STOPPED)
+        elif not pressed and mode is RobotMode.USER_STOPPED:
+            self.state.robot_mode = RobotMode.IDLE
+            self.automatic_error_recovery()
+
+    def inject(self, fault: SimulatedFault) -> None:
+        """Make something go wrong from the next cycle on."""
+        self._faults.inject(fault)
+
+    def take_delay(self) -> int:
+        """Return how many cycles late the client's next cycle begins, once."""
+        return self._faults.take_delay()
+
+    def apply_force(
+        self,
+        link: str,
+        force: Sequence[float],
+        torque: Sequence[float],
+        duration: float,
+    ) -> None:
+        """Push a link or an object at its centre of mass.
+
+        Args:
+            link: Its name.
+            force: In the axes of the world [N], shape (3,).
+            torque: In the axes of the world [Nm], shape (3,).
+            duration: How long [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: There is no such link.
+        """
+        self._world.push(link, force, torque, max(1, round(duration / self.cycle_time)))
 
     def before_step(self) -> None:
-        """Advance the desired motion and set the motors' controls."""
-        motion = self._motion
+        """Take the commands, advance the desired motion, set the motors' controls."""
+        motors = self.motors
         wants_torques = self._controller is ControllerMode.EXTERNAL_CONTROLLER
-        if wants_torques and not self._torques_act and motion.is_at_rest:
+        if wants_torques and not motors.torques_act and self._motion.is_at_rest:
             self._let_torques_act_when_settled()
-        if self._target is None or wants_torques is not self._torques_act:
-            motion.hold()
-        elif self._generator is MotionGeneratorMode.JOINT_POSITION:
-            motion.follow_positions(self._target)
+        if self.load.load.mass:
+            motors.load_weight = self.load.weight(self.state.theta)
+        self._faults.before_step()
+        if self.state.robot_mode is not RobotMode.MOVE:
+            self._motion.hold()
+        elif wants_torques is not motors.torques_act:
+            self._follower.ignore()
         else:
-            motion.follow_velocities(self._target)
-        if self._torques_act:
-            self._apply_torques()
+            self._follow()
+        if motors.torques_act:
+            motors.apply_torques(self._follower.torques)
         else:
-            self._apply_impedance()
+            motors.apply_impedance(self.state.theta, self.state.dtheta)
 
     def after_reset(self) -> None:
         """Take over the pose that the world was set to, at rest.
 
         A running motion goes on; it waits for its next command.
         """
-        self._torques = _ZEROS
-        self._target = None
         state = self.state
-        state.q[:] = self._joints.read_positions()
-        state.dq[:] = _ZEROS
-        self._motion.seed(state.q, _ZEROS)
-        self._engage_impedance()
+        state.dq[:] = state.dtheta[:] = _ZEROS
+        state.q[:] = state.theta[:] = self._joints.read_positions()
+        self._motion.seed(state.theta, _ZEROS)
+        self.motors.engage_joint_impedance()
+        if self._controller is ControllerMode.CARTESIAN_IMPEDANCE:
+            self.motors.engage_cartesian_impedance()
+        self._faults.clear()
+        self.contact.reset()
+        self._follower.begin(self._generator)
         self._update_state()
+        self.frames.invalidate()
         if state.robot_mode is RobotMode.OTHER:
             state.robot_mode = RobotMode.IDLE
 
+    def _follow(self) -> None:
+        """Advance the desired motion with the client's command; abort it on errors."""
+        errors = self._follower.advance(
+            torques_act=self.motors.torques_act,
+            is_lossy=self._faults.loses_packet(),
+        )
+        if errors:
+            self._reflex(errors)
+            self._motion.hold()
+        elif self._follower.is_begun:
+            self.supervisor.record(self._follower.command)
+
+    def _reflex(self, errors: Sequence[ArmError]) -> None:
+        """Raise errors: end the motion and hold where the arm is."""
+        self.supervisor.set_errors(errors, self._world.step_count)
+        self._end_motion(RobotMode.REFLEX)
+
     def _end_motion(self, mode: RobotMode) -> None:
         state = self.state
+        was_moving = state.robot_mode is RobotMode.MOVE
+        state.robot_mode = mode
+        if was_moving:
+            self.supervisor.end_motion()
+        if self.motors.torques_act or mode is not RobotMode.IDLE:
+            self._motion.seed(state.theta, state.dtheta)
+        self.motors.engage_joint_impedance()
         self._controller = None
         self._generator = MotionGeneratorMode.NONE
-        self._target = None
-        if self._torques_act:
-            self._motion.seed(state.q, state.dq)
-            self._engage_impedance()
+        self.frames.is_cartesian = False
         state.tau_J_d[:] = _ZEROS
-        state.robot_mode = mode
         state.control_command_success_rate = 0.0
-
-    def _engage_impedance(self) -> None:
-        self._torques_act = False
-        self._damping = [
-            2.0 * self._damping_ratio * sqrt(k * inertia)
-            for k, inertia in zip(
-                self._stiffness, self._joints.read_inertia(), strict=True
-            )
-        ]
-        self._joints.set_servo(self._stiffness, self._damping)
 
     def _let_torques_act_when_settled(self) -> None:
         self._settling_time += self.cycle_time
-        speed = max(map(abs, self.state.dq))
+        speed = max(map(abs, self.state.dtheta))
         if speed < _REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
-            self._joints.set_servo(_ZEROS, _ZEROS)
-            self._torques_act = True
-
-    def _apply_torques(self) -> None:
-        torques = [
-            max(-limit, min(limit, tau))
-            for tau, limit in zip(self._torques, self._limits, strict=True)
-        ]
-        self.state.tau_J_d[:] = torques
-        self._joints.set_controls(torques)
-
-    def _apply_impedance(self) -> None:
-        state = self.state
-        is_moving = state.robot_mode is RobotMode.MOVE
-        bias = self._joints.read_bias_forces()
-        weight = self._joints.read_compensation()
-        inertia = self._joints.read_inertia()
-        controls = []
-        for i, (k, d) in enumerate(zip(self._stiffness, self._damping, strict=True)):
-            control = k * state.q_d[i] + d * state.dq_d[i] + bias[i] - weight[i]
-            control += inertia[i] * state.ddq_d[i]
-            controls.append(control)
-            if is_moving:
-                tau = control - k * state.q[i] - d * state.dq[i]
-                limit = self._limits[i]
-                state.tau_J_d[i] = max(-limit, min(limit, tau))
-        self._joints.set_controls(controls)
+            self.motors.engage_torques()
 
     def _update_state(self) -> None:
-        """Read the joints and derive the link-side torques.
-
-        A torque sensor behind the gears feels the motor less what accelerates the rotor
-        and rubs in the joint. The damping of the impedance acts implicitly: it takes
-        the velocity at the end of the step, the motor's reading that at its beginning.
-        """
-        state, joints, period = self.state, self._joints, self.cycle_time
+        state, joints = self.state, self._joints
+        self.motors.read_torques(state.dtheta, self.cycle_time)
         dq = joints.read_velocities()
-        forces = joints.read_motor_forces()
-        weight = joints.read_compensation()
-        for i, velocity in enumerate(dq):
-            change = velocity - state.dq[i]
-            tau = forces[i] + weight[i] - joints.damping[i] * velocity
-            tau -= joints.armature[i] * change / period
-            if not self._torques_act and abs(forces[i]) < self._limits[i]:
-                tau -= self._damping[i] * change
-            state.dtau_J[i] = (tau - state.tau_J[i]) / period
-            state.tau_J[i] = tau
+        if self.load.load.mass:
+            self._ddq = [
+                (new - old) / self.cycle_time
+                for new, old in zip(dq, state.dtheta, strict=True)
+            ]
         state.q[:] = state.theta[:] = joints.read_positions()
         state.dq[:] = state.dtheta[:] = dq
-        state.time = self._cycle_of_state * period
+        state.time = self._cycle_of_state * self.cycle_time
+        self._faults.disturb(state)
         if self._world.diverged_because and state.robot_mode is not RobotMode.OTHER:
             self._end_motion(RobotMode.OTHER)
+
+    def _supervise(self) -> None:
+        errors = self.contact.update()
+        mode = self.state.robot_mode
+        if mode is RobotMode.MOVE or mode is RobotMode.IDLE:
+            errors = errors + self.supervisor.measured_errors(self.state.theta)
+            if errors:
+                self._reflex(errors)
+
+    def _load_torques(self) -> list[float] | None:
+        if not self.load.load.mass:
+            return None
+        state = self.state
+        return self.load.torques(state.theta, state.dtheta, self._ddq)
 
     def _not_commandable(self, what: str) -> ArmCommandError:
         controller = self._controller.value if self._controller else "none"
@@ -325,12 +380,3 @@ class SimulatedArm(RobotArm):
             f"controller {controller}, motion generator {self._generator.value}",
             remedy="start a motion with the fitting modes first",
         )
-
-
-def _checked(values: list[float], what: str) -> list[float]:
-    if len(values) != _DOF or not isfinite(sum(values)):
-        raise InvalidCommandError(
-            f"{what} must be {_DOF} finite numbers, not {values}",
-            remedy="correct the controller that commands them",
-        )
-    return list(values)

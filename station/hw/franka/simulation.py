@@ -4,7 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import pi
 
-from station.core.errors import RobotDescriptionError
+from station.core.interfaces.franka_model import GRAVITY_EARTH
+from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits
+from station.hw.franka.arm_load import ArmLoad
+from station.hw.franka.arm_names import find_prefix, joint_names
+from station.hw.franka.arm_supervisor import SupervisorLimits
+from station.hw.franka.end_effector import (
+    as_transform,
+    end_effector_of,
+    nominal_frame_of,
+)
 from station.hw.franka.simulated_arm import SimulatedArm
 from station.hw.franka.simulated_gripper import OPEN_WIDTH, SimulatedGripper
 from station.hw.mujoco.model_builder import (
@@ -13,6 +22,7 @@ from station.hw.mujoco.model_builder import (
     compile_world,
     new_world,
 )
+from station.hw.mujoco.scene import SceneObject, add_object
 from station.hw.mujoco.world import World
 from station.hw.robot_description import RobotDescription, replace_prefix
 from station.hw.srdf import disabled_collisions
@@ -33,12 +43,16 @@ class ArmPlacement:
         description: Its URDF.
         base: Pose of its base in the world.
         positions: Where it starts [rad], joints 1 to 7.
+        limits: What this kind of arm can do.
+        thresholds: Thresholds that Franka does not publish.
     """
 
     arm_id: str
     description: RobotDescription
     base: Pose = field(default_factory=Pose)
     positions: tuple[float, ...] = INITIAL_POSITIONS
+    limits: ArmLimits = PANDA_LIMITS
+    thresholds: SupervisorLimits = field(default_factory=SupervisorLimits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,18 +71,25 @@ class Simulation:
 
 
 def simulate(
-    placements: Sequence[ArmPlacement], *, timestep: float = 0.001
+    placements: Sequence[ArmPlacement],
+    *,
+    timestep: float = 0.001,
+    gravity: tuple[float, float, float] = GRAVITY_EARTH,
+    objects: Sequence[SceneObject] = (),
 ) -> Simulation:
     """Build a world with a floor and some arms, each at its start pose and at rest.
 
     Args:
         placements: The arms.
         timestep: The control period [s], > 0.
+        gravity: Acceleration of gravity in the axes of the world [m/s^2].
+        objects: What else is in the world.
 
     Raises:
         RobotDescriptionError: A URDF cannot be simulated or is no Franka arm.
     """
     spec = new_world(timestep)
+    spec.option.gravity = gravity
     urdfs = {}
     for placement in placements:
         old, new = find_prefix(placement.description), f"{placement.arm_id}_"
@@ -83,9 +104,11 @@ def simulate(
             RobotOptions(base=placement.base, disabled_collisions=tuple(pairs)),
         )
         urdfs[placement.arm_id] = urdf
+    for one in objects:
+        add_object(spec, one)
     world = World(compile_world(spec))
     world.reset(_start_positions(placements, urdfs))
-    arms = {p.arm_id: SimulatedArm(world, joint_names(p.arm_id)) for p in placements}
+    arms = {p.arm_id: _make_arm(world, p, urdfs[p.arm_id], gravity) for p in placements}
     grippers = {
         arm_id: SimulatedGripper(world, f"{arm_id}_finger_joint1")
         for arm_id, urdf in urdfs.items()
@@ -94,28 +117,33 @@ def simulate(
     return Simulation(world, arms, grippers)
 
 
-def joint_names(arm_id: str) -> list[str]:
-    """Return the names of an arm's 7 joints, from base to flange."""
-    return [f"{arm_id}_joint{number}" for number in range(1, 8)]
-
-
-def find_prefix(description: RobotDescription) -> str:
-    """Return what the names in the URDF of a Franka arm begin with, e.g. `panda_`.
-
-    Raises:
-        RobotDescriptionError: The URDF has no 7 joints that are named like an arm's.
-    """
-    joints = parse_urdf(description).joints
-    for name in joints:
-        prefix = name.removesuffix("joint1")
-        names = [f"{prefix}joint{number}" for number in range(1, 8)]
-        if all(joint in joints for joint in names):
-            return prefix
-    raise RobotDescriptionError(
-        f"{description.urdf_path} is no Franka arm: it has no joints "
-        f"<prefix>_joint1 to <prefix>_joint7",
-        remedy="use example-robot-data:panda, or a URDF with such joints",
+def _make_arm(
+    world: World,
+    placement: ArmPlacement,
+    urdf: Urdf,
+    gravity: tuple[float, float, float],
+) -> SimulatedArm:
+    prefix = f"{placement.arm_id}_"
+    # The base's axes are the columns of its rotation.
+    base = as_transform(placement.base)
+    local = [
+        sum(base[column + row] * gravity[row] for row in range(3))
+        for column in (0, 4, 8)
+    ]
+    hand = f"{prefix}hand"
+    arm = SimulatedArm(
+        world,
+        joint_names(placement.arm_id),
+        load=ArmLoad(placement.description, local),
+        limits=placement.limits,
+        thresholds=placement.thresholds,
+        hand=hand if hand in urdf.links else f"{prefix}link7",
+        gravity=local,
     )
+    arm.frames.set_end_effector(
+        end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
+    )
+    return arm
 
 
 def _start_positions(

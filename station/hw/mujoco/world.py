@@ -6,6 +6,7 @@ from typing import Protocol
 
 import mujoco
 
+from station.core.errors import HardwareInterfaceError
 from station.hw.mujoco.stepper import make_stepper
 from station.hw.mujoco.world_joints import WorldJoints, joint_position_address
 
@@ -53,6 +54,7 @@ class World:
         self._initial_qpos: list[float] = self.data.qpos.tolist()
         self._step_count = 0
         self._diverged_because = ""
+        self._pushes: dict[int, int] = {}  # body to the steps that are left
         mujoco.set_mju_user_warning(_warnings.append)
         mujoco.mj_forward(model, self.data)
 
@@ -82,7 +84,32 @@ class World:
             HardwareInterfaceError: A joint is not in the world, has more than one
                 degree of freedom, or has no motor.
         """
-        return WorldJoints(self.model, self.data, names)
+        return WorldJoints(self.model, self.data, names, pushes=self._pushes)
+
+    def push(
+        self, body: str, force: Sequence[float], torque: Sequence[float], steps: int
+    ) -> None:
+        """Push a body at its centre of mass; a new push of a body ends its last one.
+
+        Args:
+            body: Name of a link that has mass, or of an object.
+            force: In the axes of the world [N], shape (3,).
+            torque: In the axes of the world [Nm], shape (3,).
+            steps: For how many steps; 0 ends a push.
+
+        Raises:
+            HardwareInterfaceError: There is no such body.
+        """
+        number: int = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, body)
+        if number <= 0:
+            known = [self.model.body(i).name for i in range(1, self.model.nbody)]
+            raise HardwareInterfaceError(
+                f"the simulated world has no body {body!r}",
+                remedy=f"choose among {', '.join(known) or 'none'}",
+                details={"body": body},
+            )
+        self.data.xfrc_applied[number] = [*force, *torque]
+        self._pushes[number] = steps
 
     def step(self) -> None:
         """Let every actor act, then advance by one time step.
@@ -94,6 +121,8 @@ class World:
             return
         for actor in self._actors:
             actor.before_step()
+        if self._pushes:
+            self._count_pushes()
         self._advance()
         # A single NaN or infinity anywhere makes the comparison fail.
         if not self._qvel.dot(self._qvel) < _MAX_SQUARED_VELOCITY:
@@ -121,7 +150,16 @@ class World:
         for actor in self._actors:
             actor.after_reset()
 
+    def _count_pushes(self) -> None:
+        for body, left in list(self._pushes.items()):
+            if left > 0:
+                self._pushes[body] = left - 1
+            else:
+                del self._pushes[body]
+                self.data.xfrc_applied[body] = 0.0
+
     def _return_to_start(self) -> None:
+        self._pushes.clear()
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)

@@ -1,6 +1,6 @@
 """Read and drive some joints of the simulated world, in plain floats."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 
 import mujoco
 import numpy as np
@@ -22,9 +22,11 @@ class WorldJoints:
         model: The world's model.
         data: The world's data.
         names: Joints with one degree of freedom and a motor of the same name.
+        pushes: What is pushed from outside at present; empty when nothing is.
 
     Attributes:
         names: As given.
+        timestep: Duration of a step [s].
         read_positions: Return the positions [rad or m].
         read_velocities: Return the velocities [rad/s or m/s].
         read_motor_forces: Return what the motors gave in the last step [Nm or N].
@@ -43,7 +45,12 @@ class WorldJoints:
     """
 
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str]
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        names: Sequence[str],
+        *,
+        pushes: Sized = (),
     ) -> None:
         joints = [_find_joint(model, name) for name in names]
         positions = [int(model.jnt_qposadr[joint]) for joint in joints]
@@ -68,6 +75,16 @@ class WorldJoints:
         # Each row of the inertia matrix ends with its diagonal element.
         diagonal = model.M_rowadr + model.M_rownnz - 1
         self.read_inertia = _reader(data.M, diagonal[dofs].tolist())
+        self.timestep = float(model.opt.timestep)
+        self._data = data
+        self._pushes = pushes
+        self._joints = joints
+        self._dofs = dofs
+        self._dof_damping = model.dof_damping
+        self._read_constraints = _reader(data.qfrc_constraint, dofs)
+        self._read_smooth = _reader(data.qfrc_smooth, dofs)
+        self._read_passive = _reader(data.qfrc_passive, dofs)
+        self._read_actuators = _reader(data.qfrc_actuator, dofs)
         self._bias = model.actuator_biasprm
         self._motors = motors
         self._set_negative_damping = _writer(model.actuator_biasprm[:, 2], motors)
@@ -75,6 +92,48 @@ class WorldJoints:
     def set_controls(self, controls: list[float]) -> None:
         """Set the motors' controls [Nm or N], shape (n,), for the next steps."""
         self._set_controls(controls)
+
+    def read_external_forces(self) -> list[float]:
+        """Return the joint forces of contacts and pushes in the last step [Nm or N].
+
+        Mechanical stops of these joints do not count: they are inside the robot.
+        """
+        forces = self._read_constraints()
+        if self._data.nl:
+            self._remove_stops(forces)
+        if self._pushes:
+            for i, (smooth, bias, passive, actuator) in enumerate(
+                zip(
+                    self._read_smooth(),
+                    self.read_bias_forces(),
+                    self._read_passive(),
+                    self._read_actuators(),
+                    strict=True,
+                )
+            ):
+                forces[i] += smooth + bias - passive - actuator
+        return forces
+
+    def set_extra_damping(self, joint: int, damping: float) -> None:
+        """Brake one joint with passive damping besides its own.
+
+        Args:
+            joint: Its place in `names`.
+            damping: >= 0 [Nm s/rad or N s/m].
+        """
+        self._dof_damping[self._dofs[joint]] = self.damping[joint] + damping
+
+    def _remove_stops(self, forces: list[float]) -> None:
+        data = self._data
+        first = int(data.ne) + int(data.nf)
+        for row in range(first, first + int(data.nl)):
+            joint = int(data.efc_id[row])
+            if joint in self._joints:
+                slot = self._joints.index(joint)
+                middle = (self.lower_limits[slot] + self.upper_limits[slot]) / 2.0
+                force = float(data.efc_force[row])
+                at_lower = self.read_positions()[slot] < middle
+                forces[slot] -= force if at_lower else -force
 
     def set_servo(self, stiffness: list[float], damping: list[float]) -> None:
         """Let motors give control - stiffness * position - damping * velocity.

@@ -57,3 +57,17 @@ def test_release_takes_two_steps(run, station):
 
 def test_stop_state_can_be_json(run):
     assert json.loads(run("stop --json").out)["state"] == "stopped"
+
+
+def test_recover_takes_every_arm_in_reflex(run, station):
+    outcome = run("recover")
+
+    assert station.calls == [("robots",), ("recover", "left", "none")]
+    assert "left is idle. Started again: nothing." in outcome.out
+
+
+def test_recover_can_start_controllers_again(run, station):
+    outcome = run("recover right --restart")
+
+    assert station.calls == [("recover", "right", "previous")]
+    assert "Started again: arm." in outcome.out

@@ -4,9 +4,9 @@ from math import cos
 
 import pytest
 
+from station.core.interfaces.franka_robot_state import RobotState
 from station.hw.franka.command_filter import CommandFilter
 from station.hw.franka.rate_limiter import PANDA_RATE_LIMITS, PERIOD
-from station.hw.franka.robot_state import RobotState
 
 
 def make(*, cutoff_frequency: float = 1000.0, rate_limiting: bool = True):

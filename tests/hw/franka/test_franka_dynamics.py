@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from station.core.errors import RobotDescriptionError
+from station.core.interfaces.franka_model import Frame
 from station.hw.franka.franka_dynamics import FrankaDynamics
-from station.hw.franka.franka_kinematics import Frame, zero_jacobian
+from station.hw.franka.franka_kinematics import zero_jacobian
 from station.hw.franka.load import Load
 from station.hw.franka.simulation import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description

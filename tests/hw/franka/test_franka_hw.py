@@ -205,9 +205,9 @@ def test_torques_are_limited_and_filtered(hw: FrankaHW) -> None:
 def test_filter_can_be_switched_off(hw: FrankaHW) -> None:
     hw = make(rate_limiting=False, cutoff_frequency=1000.0)
     switch(hw, "jt")
-    command(hw, EffortJointInterface, [20.0] + [0.0] * 6)
+    command(hw, EffortJointInterface, [0.9] + [0.0] * 6)
     run(hw, 2)
-    assert hw.robot_state.tau_J_d[0] == 20.0
+    assert hw.robot_state.tau_J_d[0] == 0.9
 
 
 def test_filter_settings_are_read_again_before_a_switch() -> None:
@@ -217,9 +217,9 @@ def test_filter_settings_are_read_again_before_a_switch() -> None:
     tree.set("robot", {**ROBOT, "rate_limiting": False})
     tree.set("robot/cutoff_frequency", 1000.0)
     switch(hw, "jt")
-    command(hw, EffortJointInterface, [20.0] + [0.0] * 6)
+    command(hw, EffortJointInterface, [0.9] + [0.0] * 6)
     run(hw, 2)
-    assert hw.robot_state.tau_J_d[0] == 20.0
+    assert hw.robot_state.tau_J_d[0] == 0.9
 
 
 def test_wrong_setting_refuses_the_switch_and_changes_nothing() -> None:
@@ -241,13 +241,6 @@ def test_unsupported_mode_is_refused_by_name(
         hw.prepare_switch(controllers(start), [])
     run(hw, 1)
     assert hw.mode() == "move"
-
-
-def test_cartesian_impedance_is_refused_with_the_arms_reason() -> None:
-    hw = make(internal_controller="cartesian_impedance")
-    switch(hw, "jt")
-    with pytest.raises(SwitchRefusedError, match="no Cartesian control"):
-        switch(hw, "jp", "jt")
 
 
 def test_conflict_is_told(hw: FrankaHW) -> None:

@@ -5,9 +5,9 @@ from math import cos, pi, sin
 import numpy as np
 import pytest
 
+from station.core.interfaces.franka_model import Frame
 from station.hw.franka.franka_kinematics import (
     IDENTITY,
-    Frame,
     body_jacobian,
     compose,
     frame_pose,

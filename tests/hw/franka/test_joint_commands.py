@@ -4,10 +4,10 @@ from math import nan
 
 import pytest
 
+from station.core.interfaces.franka_robot_state import RobotState
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.joint_commands import JointCommands
 from station.hw.franka.rate_limiter import PANDA_RATE_LIMITS
-from station.hw.franka.robot_state import RobotState
 from station.hw.urdf import Joint, JointLimit, JointType, Pose, SafetyController
 
 NAMES = [f"a_joint{number}" for number in range(1, 8)]

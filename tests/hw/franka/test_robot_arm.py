@@ -4,7 +4,8 @@ import inspect
 
 import pytest
 
-from station.hw.franka.robot_arm import ArmCommandError, RobotArm
+from station.core.errors import ArmCommandError
+from station.hw.franka.robot_arm import RobotArm
 from station.hw.franka.simulated_arm import SimulatedArm
 
 

@@ -6,13 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from station.core.errors import InvalidCommandError
-from station.hw.franka.robot_arm import (
-    ArmCommandError,
-    ControllerMode,
-    MotionGeneratorMode,
-)
-from station.hw.franka.robot_state import RobotMode
+from station.core.errors import ArmCommandError, InvalidCommandError
+from station.core.interfaces.franka_robot_state import RobotMode
+from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.simulated_arm import SimulatedArm
 from station.hw.franka.simulation import (
     INITIAL_POSITIONS,
@@ -73,6 +69,26 @@ def run(arm: SimulatedArm, cycles: int) -> None:
         arm.read_once()
 
 
+def smooth(way: float) -> float:
+    """Return a step from 0 to 1 whose jerk ends: a quintic."""
+    x = max(0.0, min(1.0, way))
+    return x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
+
+
+def drive(arm: SimulatedArm, generator: str, goal: float, cycles: int) -> None:
+    """Go to positions `goal` farther, or to velocities `goal`, within the limits."""
+    start = list(arm.state.q_d)
+    for cycle in range(cycles):
+        share = goal * smooth((cycle + 1) / cycles)
+        if generator == "position":
+            arm.command_joint_positions([q + share for q in start])
+        elif generator == "velocity":
+            arm.command_joint_velocities([share] * 7)
+        else:
+            arm.command_joint_torques([share] * 4 + [share / 10.0] * 3)
+        arm.read_once()
+
+
 def test_idle_arm_holds_its_start_pose(arm: SimulatedArm) -> None:
     run(arm, 2_000)
     assert arm.state.robot_mode is RobotMode.IDLE
@@ -125,10 +141,8 @@ def test_state_lists_stay_the_same_objects(arm: SimulatedArm) -> None:
 
 def test_position_command_is_tracked(arm: SimulatedArm) -> None:
     arm.start_motion(IMPEDANCE, POSITION)
-    for cycle in range(1_500):
-        way = 0.3 * min(1.0, cycle / 1000)
-        arm.command_joint_positions([q + way for q in INITIAL_POSITIONS])
-        arm.read_once()
+    drive(arm, "position", 0.3, 1_000)
+    drive(arm, "position", 0.0, 500)
     expected = [q + 0.3 for q in INITIAL_POSITIONS]
     assert arm.state.q == pytest.approx(expected, abs=1e-5)
     assert arm.state.q_d == pytest.approx(expected, abs=1e-12)
@@ -136,17 +150,19 @@ def test_position_command_is_tracked(arm: SimulatedArm) -> None:
 
 def test_velocity_command_is_tracked_and_integrated(arm: SimulatedArm) -> None:
     arm.start_motion(IMPEDANCE, VELOCITY)
-    arm.command_joint_velocities([0.2] * 7)
-    run(arm, 1_000)
+    drive(arm, "velocity", 0.2, 500)
+    for _ in range(500):
+        arm.command_joint_velocities([0.2] * 7)
+        arm.read_once()
     assert arm.state.dq == pytest.approx([0.2] * 7, abs=0.005)
-    expected = [q + 0.2 for q in INITIAL_POSITIONS]
-    assert arm.state.q_d == pytest.approx(expected, abs=1e-9)
+    # Half the way while it speeds up; the sum of 500 samples is 0.1 ms * 0.2 more.
+    expected = [q + 0.15 for q in INITIAL_POSITIONS]
+    assert arm.state.q_d == pytest.approx(expected, abs=2e-4)
 
 
 def test_zero_torque_keeps_the_arm_where_it_is(arm: SimulatedArm) -> None:
     arm.start_motion(EXTERNAL, NONE)
-    arm.command_joint_torques(ZEROS)
-    run(arm, 2_000)
+    drive(arm, "torque", 0.0, 2_000)
     assert arm.state.q == pytest.approx(INITIAL_POSITIONS, abs=1e-8)
 
 
@@ -168,9 +184,11 @@ def test_torque_accelerates_by_newtons_law(
 
 def test_torque_saturates_at_the_effort_limit(arm: SimulatedArm) -> None:
     arm.start_motion(EXTERNAL, NONE)
-    arm.command_joint_torques([1e6] + [0.0] * 5 + [-1e6])
-    arm.read_once()
-    assert arm.state.tau_J_d == [87.0, 0.0, 0.0, 0.0, 0.0, 0.0, -12.0]
+    for cycle in range(15):
+        arm.command_joint_torques([0.0] * 6 + [-0.99 * cycle])
+        arm.read_once()
+    assert arm.state.robot_mode is RobotMode.MOVE
+    assert arm.state.tau_J_d == [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -12.0]
 
 
 @pytest.mark.parametrize(("first", "second"), list(product(MODES, MODES)))
@@ -196,23 +214,28 @@ def test_mode_change_in_motion_brings_the_arm_to_rest(
     arm: SimulatedArm, first: str, second: str
 ) -> None:
     enter(arm, first)
-    q = list(arm.state.q)
-    for _ in range(200):
-        q = [value + 0.0005 for value in q]
+    # A position motion is left half way, at its fastest.
+    goal = {"position": 0.2, "velocity": 0.5, "torque": 2.0}[first]
+    start = list(arm.state.q_d)
+    for cycle in range(200):
+        share = goal * smooth((cycle + 1) / 400 if first == "position" else cycle / 150)
         if first == "position":
-            arm.command_joint_positions(q)
+            arm.command_joint_positions([value + share for value in start])
         elif first == "velocity":
-            arm.command_joint_velocities([0.5] * 7)
+            arm.command_joint_velocities([share] * 7)
         else:
-            arm.command_joint_torques([2.0, 2.0, 2.0, 2.0, 0.2, 0.2, 0.2])
+            arm.command_joint_torques([share] * 4 + [share / 10.0] * 3)
         arm.read_once()
+    assert arm.state.robot_mode is RobotMode.MOVE
     before = list(arm.state.q)
     speed = max(abs(value) for value in arm.state.dq)
     enter(arm, second)
+    run(arm, 300)  # it slows down by itself, and no command has come yet
     seed = list(arm.state.q_d)
-    for _ in range(500):
+    for _ in range(200):
         command_rest(arm, second, seed)
         arm.read_once()
+    assert arm.state.robot_mode is (RobotMode.MOVE if MODES[second] else RobotMode.IDLE)
     assert max(abs(value) for value in arm.state.dq) < 1e-3
     # v^2 / 2a with the lowest deceleration, 7.5 rad/s^2, and some following error.
     moved = max(abs(a - b) for a, b in zip(arm.state.q, before, strict=True))
@@ -221,8 +244,9 @@ def test_mode_change_in_motion_brings_the_arm_to_rest(
 
 def test_failing_torque_client_is_stopped_and_held(arm: SimulatedArm) -> None:
     arm.start_motion(EXTERNAL, NONE)
-    arm.command_joint_torques([20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    run(arm, 50)
+    for cycle in range(50):
+        arm.command_joint_torques([min(20.0, 0.9 * cycle), *ZEROS[1:]])
+        arm.read_once()
     arm.stop_motion()
     run(arm, 500)
     held = list(arm.state.q)
@@ -241,16 +265,6 @@ def test_joint_impedance_sets_the_deflection_under_load(
     assert moved == pytest.approx([5.0 / 500.0] * 7, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    "stiffness", [[0.0] * 7, [-1.0] * 7, [1.0] * 6, [float("nan")] * 7]
-)
-def test_impossible_joint_impedance_is_refused(
-    arm: SimulatedArm, stiffness: list[float]
-) -> None:
-    with pytest.raises(InvalidCommandError, match="joint impedance"):
-        arm.set_joint_impedance(stiffness)
-
-
 def test_joint_impedance_is_refused_during_a_motion(arm: SimulatedArm) -> None:
     arm.start_motion(EXTERNAL, NONE)
     with pytest.raises(ArmCommandError, match="while a motion runs"):
@@ -262,7 +276,7 @@ def test_command_that_is_not_finite_is_refused(arm: SimulatedArm, value: float) 
     arm.start_motion(EXTERNAL, POSITION)
     with pytest.raises(InvalidCommandError, match="joint torques must be 7 finite"):
         arm.command_joint_torques([value, *ZEROS[1:]])
-    with pytest.raises(InvalidCommandError, match="joint positions must be 7 finite"):
+    with pytest.raises(InvalidCommandError, match="joint commands must be 7 finite"):
         arm.command_joint_positions([value, *ZEROS[1:]])
 
 
@@ -281,8 +295,6 @@ def test_command_that_fits_no_running_motion_is_refused(arm: SimulatedArm) -> No
 @pytest.mark.parametrize(
     ("controller", "generator", "reason"),
     [
-        (ControllerMode.CARTESIAN_IMPEDANCE, POSITION, "no Cartesian control"),
-        (IMPEDANCE, MotionGeneratorMode.CARTESIAN_POSITION, "no Cartesian control"),
         (IMPEDANCE, NONE, "needs a motion generator"),
     ],
 )
@@ -307,8 +319,7 @@ def test_reset_puts_the_arm_back_and_keeps_its_motion(
     simulation: Simulation, arm: SimulatedArm
 ) -> None:
     arm.start_motion(IMPEDANCE, VELOCITY)
-    arm.command_joint_velocities([0.3] * 7)
-    run(arm, 300)
+    drive(arm, "velocity", 0.3, 300)
     simulation.world.reset()
     run(arm, 100)
     assert arm.state.q == pytest.approx(INITIAL_POSITIONS, abs=1e-6)
@@ -343,13 +354,13 @@ def test_two_arms_in_one_world_stay_in_lockstep() -> None:
     ])
     left, right = simulation.arms["left"], simulation.arms["right"]
     left.start_motion(IMPEDANCE, VELOCITY)
-    left.command_joint_velocities([0.1] * 7)
-    for _ in range(100):
+    for cycle in range(100):
+        left.command_joint_velocities([0.1 * smooth(cycle / 50)] * 7)
         left.read_once()
         right.read_once()
     assert simulation.world.step_count == 100
     assert left.state.time == right.state.time == pytest.approx(0.1)
-    assert left.state.q_d[0] == pytest.approx(0.01)
+    assert left.state.q_d[0] == pytest.approx(0.0075, abs=1e-4)
     assert right.state.q == pytest.approx(INITIAL_POSITIONS, abs=1e-6)
 
 

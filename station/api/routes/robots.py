@@ -1,0 +1,181 @@
+"""Arms: state, model, the services of franka_control, and what simulations can do."""
+
+from fastapi import APIRouter
+
+from station.api import robot_wire as wire
+from station.api import schemas
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.core.interfaces import Frame
+from station.core.station import Station
+
+router = APIRouter(
+    prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute
+)
+_READ = problems(404, 503)
+_WRITE = problems(404, 409, 413, 422, 503)
+
+
+def _report(station: Station, arm_id: str) -> schemas.ArmReport:
+    return wire.arm_report(station.robots.report(arm_id))
+
+
+@router.get("", responses=problems())
+def list_robots(station: StationDep) -> schemas.Arms:
+    """List the arms, their modes and errors, and what to do about these."""
+    return schemas.Arms(robots=[wire.arm_report(r) for r in station.robots.reports()])
+
+
+@router.get("/{arm_id}/state", responses=_READ)
+def get_state(arm_id: str, station: StationDep) -> schemas.FrankaState:
+    """Return the arm's whole state."""
+    return wire.franka_state(station.robots.state(arm_id))
+
+
+@router.get("/{arm_id}/model", responses=problems(404, 422, 503))
+def get_model(
+    arm_id: str, station: StationDep, frame: schemas.FrameName = "end_effector"
+) -> schemas.ArmModel:
+    """Return mass, Coriolis, gravity, and a frame's pose and Jacobians."""
+    return wire.arm_model(station.robots.model(arm_id, Frame[frame.upper()]))
+
+
+@router.get("/{arm_id}/errors", responses=_READ)
+def get_errors(arm_id: str, station: StationDep) -> schemas.ArmReport:
+    """Return the arm's mode and errors, and what to do."""
+    return _report(station, arm_id)
+
+
+@router.put("/{arm_id}/joint_impedance", dependencies=[Operator], responses=_WRITE)
+def set_joint_impedance(
+    arm_id: str, request: schemas.JointImpedance, station: StationDep
+) -> schemas.ArmReport:
+    """Set the internal joint impedance; refused while the arm moves."""
+    station.robots.set_joint_impedance(arm_id, request.joint_stiffness)
+    return _report(station, arm_id)
+
+
+@router.put("/{arm_id}/cartesian_impedance", dependencies=[Operator], responses=_WRITE)
+def set_cartesian_impedance(
+    arm_id: str, request: schemas.CartesianImpedance, station: StationDep
+) -> schemas.ArmReport:
+    """Set the internal Cartesian impedance; refused while the arm moves."""
+    station.robots.set_cartesian_impedance(arm_id, request.cartesian_stiffness)
+    return _report(station, arm_id)
+
+
+@router.put("/{arm_id}/ee_frame", dependencies=[Operator], responses=_WRITE)
+def set_ee_frame(
+    arm_id: str, request: schemas.EndEffectorFrame, station: StationDep
+) -> schemas.ArmReport:
+    """Set the end effector frame; refused while the arm moves."""
+    station.robots.set_EE_frame(arm_id, request.NE_T_EE)
+    return _report(station, arm_id)
+
+
+@router.put("/{arm_id}/k_frame", dependencies=[Operator], responses=_WRITE)
+def set_k_frame(
+    arm_id: str, request: schemas.StiffnessFrame, station: StationDep
+) -> schemas.ArmReport:
+    """Set the stiffness frame; refused while the arm moves."""
+    station.robots.set_K_frame(arm_id, request.EE_T_K)
+    return _report(station, arm_id)
+
+
+@router.put("/{arm_id}/load", dependencies=[Operator], responses=_WRITE)
+def set_load(
+    arm_id: str, request: schemas.Load, station: StationDep
+) -> schemas.ArmReport:
+    """Set what the hand holds; refused while the arm moves."""
+    station.robots.set_load(
+        arm_id, request.mass, request.F_x_center_load, request.load_inertia
+    )
+    return _report(station, arm_id)
+
+
+@router.put(
+    "/{arm_id}/force_torque_collision_behavior",
+    dependencies=[Operator],
+    responses=_WRITE,
+)
+def set_force_torque_collision_behavior(
+    arm_id: str, request: schemas.ForceTorqueCollisionBehavior, station: StationDep
+) -> schemas.ArmReport:
+    """Set the thresholds of every phase; refused while the arm moves."""
+    behavior = wire.collision_behavior(request)
+    station.robots.set_collision_behavior(arm_id, behavior)
+    return _report(station, arm_id)
+
+
+@router.put(
+    "/{arm_id}/full_collision_behavior", dependencies=[Operator], responses=_WRITE
+)
+def set_full_collision_behavior(
+    arm_id: str, request: schemas.FullCollisionBehavior, station: StationDep
+) -> schemas.ArmReport:
+    """Set the thresholds of both phases; refused while the arm moves."""
+    behavior = wire.collision_behavior(request)
+    station.robots.set_collision_behavior(arm_id, behavior)
+    return _report(station, arm_id)
+
+
+@router.post(
+    "/{arm_id}/error_recovery",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423, 503, 504),
+)
+def error_recovery(
+    arm_id: str, station: StationDep, request: schemas.RecoveryRequest | None = None
+) -> schemas.Recovery:
+    """Clear the errors; controllers stay stopped unless asked for.
+
+    Every command and goal from before is void.
+    """
+    restart = request is not None and request.restart == "previous"
+    restarted = station.robots.recover(arm_id, restart=restart)
+    report = _report(station, arm_id)
+    return schemas.Recovery(**dict(report), restarted=list(restarted))
+
+
+@router.post("/{arm_id}/user_stop", dependencies=[Operator], responses=_WRITE)
+def user_stop(
+    arm_id: str, request: schemas.UserStopRequest, station: StationDep
+) -> schemas.ArmReport:
+    """Press or release the user stop of a simulated arm."""
+    station.robots.set_user_stop(arm_id, pressed=request.pressed)
+    return _report(station, arm_id)
+
+
+@router.post("/{arm_id}/connect", dependencies=[Operator], responses=_WRITE)
+def connect(arm_id: str, station: StationDep) -> schemas.ArmReport:
+    """Connect to the arm; refused when it is connected."""
+    station.robots.connect(arm_id)
+    return _report(station, arm_id)
+
+
+@router.post("/{arm_id}/disconnect", dependencies=[Operator], responses=_WRITE)
+def disconnect(arm_id: str, station: StationDep) -> schemas.ArmReport:
+    """Give the arm up; refused while a controller commands it."""
+    station.robots.disconnect(arm_id)
+    return _report(station, arm_id)
+
+
+@router.post("/{arm_id}/external_force", dependencies=[Operator], responses=_WRITE)
+def external_force(
+    arm_id: str, request: schemas.ExternalForce, station: StationDep
+) -> schemas.ArmReport:
+    """Push a link, as a human would; in simulation only."""
+    station.robots.apply_force(
+        arm_id, request.link, request.force, request.torque, request.duration
+    )
+    return _report(station, arm_id)
+
+
+@router.post("/{arm_id}/faults", dependencies=[Operator], responses=_WRITE)
+def inject_fault(
+    arm_id: str, request: schemas.Fault, station: StationDep
+) -> schemas.ArmReport:
+    """Make something go wrong; in simulation only."""
+    station.robots.inject(arm_id, wire.fault(request))
+    return _report(station, arm_id)

@@ -1,0 +1,161 @@
+"""The asynchronous client of one arm: one method per route."""
+# ruff: noqa: N802, N803 - NE_T_EE, F_x_center_load and so on are libfranka's names.
+
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Any
+
+from station.api.schemas import (
+    ArmModel,
+    ArmReport,
+    CartesianImpedance,
+    EndEffectorFrame,
+    ExternalForce,
+    Fault,
+    ForceTorqueCollisionBehavior,
+    FrameName,
+    FrankaState,
+    FullCollisionBehavior,
+    JointImpedance,
+    Load,
+    Recovery,
+    StiffnessFrame,
+)
+from station.client import robot_calls as calls
+from station.client.calls import Call
+from station.client.robot_calls import Restart
+
+
+class AsyncRobotClient:
+    """One arm of a station; made by `AsyncStationClient.robot`.
+
+    Every method raises what the client's own methods raise.
+
+    Args:
+        do: Sends a call and returns its answer.
+        arm_id: The arm.
+
+    Attributes:
+        arm_id: The arm.
+    """
+
+    def __init__(self, do: Callable[[Call[Any]], Awaitable[Any]], arm_id: str) -> None:
+        self._do = do
+        self.arm_id = arm_id
+
+    async def state(self) -> FrankaState:
+        """Return the whole state."""
+        answer: FrankaState = await self._do(calls.state(self.arm_id))
+        return answer
+
+    async def model(self, frame: FrameName = "end_effector") -> ArmModel:
+        """Return mass, Coriolis, gravity, and the pose and Jacobians of a frame."""
+        answer: ArmModel = await self._do(calls.model(self.arm_id, frame))
+        return answer
+
+    async def errors(self) -> ArmReport:
+        """Return mode and errors, and what to do."""
+        answer: ArmReport = await self._do(calls.errors(self.arm_id))
+        return answer
+
+    async def recover(self, restart: Restart = "none") -> Recovery:
+        """Clear the errors; with `previous` start the stopped controllers again."""
+        answer: Recovery = await self._do(calls.recover(self.arm_id, restart))
+        return answer
+
+    async def user_stop(self, *, pressed: bool) -> ArmReport:
+        """Press or release the user stop."""
+        answer: ArmReport = await self._do(
+            calls.user_stop(self.arm_id, pressed=pressed)
+        )
+        return answer
+
+    async def connect(self) -> ArmReport:
+        """Connect to the arm."""
+        answer: ArmReport = await self._do(calls.act(self.arm_id, "connect"))
+        return answer
+
+    async def disconnect(self) -> ArmReport:
+        """Give the arm up."""
+        answer: ArmReport = await self._do(calls.act(self.arm_id, "disconnect"))
+        return answer
+
+    async def set_joint_impedance(self, joint_stiffness: Sequence[float]) -> ArmReport:
+        """Set the internal joint impedance [Nm/rad], shape (7,)."""
+        answer: ArmReport = await self._do(
+            calls.send(
+                "PUT",
+                self.arm_id,
+                "joint_impedance",
+                JointImpedance(joint_stiffness=list(joint_stiffness)),
+            )
+        )
+        return answer
+
+    async def set_cartesian_impedance(
+        self, cartesian_stiffness: Sequence[float]
+    ) -> ArmReport:
+        """Set the internal Cartesian impedance [N/m, Nm/rad], shape (6,)."""
+        answer: ArmReport = await self._do(
+            calls.send(
+                "PUT",
+                self.arm_id,
+                "cartesian_impedance",
+                CartesianImpedance(cartesian_stiffness=list(cartesian_stiffness)),
+            )
+        )
+        return answer
+
+    async def set_EE_frame(self, NE_T_EE: Sequence[float]) -> ArmReport:
+        """Set the end effector frame, 16 numbers, column-major."""
+        answer: ArmReport = await self._do(
+            calls.send(
+                "PUT", self.arm_id, "ee_frame", EndEffectorFrame(NE_T_EE=list(NE_T_EE))
+            )
+        )
+        return answer
+
+    async def set_K_frame(self, EE_T_K: Sequence[float]) -> ArmReport:
+        """Set the stiffness frame, 16 numbers, column-major."""
+        answer: ArmReport = await self._do(
+            calls.send(
+                "PUT", self.arm_id, "k_frame", StiffnessFrame(EE_T_K=list(EE_T_K))
+            )
+        )
+        return answer
+
+    async def set_load(self, load: Load) -> ArmReport:
+        """Set what the hand holds."""
+        answer: ArmReport = await self._do(calls.send("PUT", self.arm_id, "load", load))
+        return answer
+
+    async def set_force_torque_collision_behavior(
+        self, behavior: ForceTorqueCollisionBehavior
+    ) -> ArmReport:
+        """Set the thresholds of contact and collision of every phase."""
+        answer: ArmReport = await self._do(
+            calls.send("PUT", self.arm_id, "force_torque_collision_behavior", behavior)
+        )
+        return answer
+
+    async def set_full_collision_behavior(
+        self, behavior: FullCollisionBehavior
+    ) -> ArmReport:
+        """Set the thresholds of contact and collision of both phases."""
+        answer: ArmReport = await self._do(
+            calls.send("PUT", self.arm_id, "full_collision_behavior", behavior)
+        )
+        return answer
+
+    async def apply_force(self, push: ExternalForce) -> ArmReport:
+        """Push a link; in simulation only."""
+        answer: ArmReport = await self._do(
+            calls.send("POST", self.arm_id, "external_force", push)
+        )
+        return answer
+
+    async def inject(self, fault: Fault) -> ArmReport:
+        """Make something go wrong; in simulation only."""
+        answer: ArmReport = await self._do(
+            calls.send("POST", self.arm_id, "faults", fault)
+        )
+        return answer

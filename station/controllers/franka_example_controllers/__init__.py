@@ -1,0 +1,33 @@
+"""The example controllers of franka_ros: how each interface of an arm is used."""
+
+from station.controllers.franka_example_controllers.cartesian_impedance_controller import (  # noqa: E501 - the module's name
+    CartesianImpedanceExampleController,
+)
+from station.controllers.franka_example_controllers.cartesian_pose_controller import (
+    CartesianPoseExampleController,
+)
+from station.controllers.franka_example_controllers.cartesian_velocity_controller import (  # noqa: E501 - the module's name
+    CartesianVelocityExampleController,
+)
+from station.controllers.franka_example_controllers.elbow_controller import (
+    ElbowExampleController,
+)
+from station.controllers.franka_example_controllers.joint_position_controller import (
+    JointPositionExampleController,
+)
+from station.controllers.franka_example_controllers.joint_velocity_controller import (
+    JointVelocityExampleController,
+)
+from station.controllers.franka_example_controllers.model_controller import (
+    ModelExampleController,
+)
+
+__all__ = [
+    "CartesianImpedanceExampleController",
+    "CartesianPoseExampleController",
+    "CartesianVelocityExampleController",
+    "ElbowExampleController",
+    "JointPositionExampleController",
+    "JointVelocityExampleController",
+    "ModelExampleController",
+]

@@ -1,0 +1,63 @@
+"""Move the end effector on an arc by pose commands.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/cartesian_pose_example_controller.cpp; differs: the start pose is checked at every
+start, not once when it is loaded.
+"""
+
+from math import cos, pi, sin
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.franka_example_controllers.start_pose import (
+    check_start_pose,
+    read_arm_id,
+)
+from station.core.controller import Controller
+from station.core.interfaces import (
+    FrankaCartesianPoseHandle,
+    FrankaPoseCartesianInterface,
+)
+from station.core.parameters import Parameters
+
+RADIUS = 0.15
+"""Of the arc [m]."""
+
+
+class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
+    """Goes along a quarter of a vertical circle and back, in 10 s.
+
+    Parameters: `arm_id`.
+    """
+
+    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
+
+    @override
+    def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:
+        name = f"{read_arm_id(params)}_robot"
+        self._handle: FrankaCartesianPoseHandle = interface.get_handle(name)
+        self._start: list[float] = []
+        self._elapsed = 0.0
+
+    @override
+    def starting(self, time: float) -> None:
+        """Begin where the end effector is meant to be.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        state = self._handle.get_robot_state()
+        check_start_pose(state.q_d)
+        self._start = list(state.O_T_EE_d)
+        self._handle.set_command(self._start)
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        angle = pi / 4.0 * (1.0 - cos(pi / 5.0 * self._elapsed))
+        pose = list(self._start)
+        pose[12] -= RADIUS * sin(angle)
+        pose[14] -= RADIUS * (cos(angle) - 1.0)
+        self._handle.set_command(pose)

@@ -1,0 +1,64 @@
+"""Swing every joint by position commands.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/joint_position_example_controller.cpp; differs: the start pose is checked at every
+start, not once when it is loaded.
+"""
+
+from math import cos, pi
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.franka_example_controllers.start_pose import (
+    check_start_pose,
+    read_joint_names,
+)
+from station.core.controller import Controller
+from station.core.interfaces import JointGroup, PositionJointInterface
+from station.core.parameters import Parameters
+
+AMPLITUDE = 0.2 * pi / 16.0
+"""Half of the way of each joint [rad]."""
+_MIRRORED = 4
+
+
+class JointPositionExampleController(Controller[PositionJointInterface]):
+    """Swings all joints with a period of 10 s, the fifth the other way.
+
+    Parameters: `joint_names`, 7 names.
+    """
+
+    hardware_interface: ClassVar[type] = PositionJointInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._joints = JointGroup([])
+        self._start: list[float] = []
+        self._elapsed = 0.0
+
+    @override
+    def init(self, interface: PositionJointInterface, params: Parameters) -> None:
+        names = read_joint_names(params)
+        self._joints = JointGroup([interface.get_handle(name) for name in names])
+        self.joint_names = names
+
+    @override
+    def starting(self, time: float) -> None:
+        """Begin where the arm is meant to be.
+
+        Raises:
+            ControllerStateError: That is not near the start pose.
+        """
+        self._start = self._joints.get_positions()
+        check_start_pose(self._start)
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        way = AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+        self._joints.set_commands([
+            q - way if joint == _MIRRORED else q + way
+            for joint, q in enumerate(self._start)
+        ])

@@ -1,0 +1,81 @@
+"""Show what the model of an arm says.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/model_example_controller.cpp; differs: the values are kept for others to read
+instead of being logged.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.franka_example_controllers.start_pose import read_arm_id
+from station.core.controller import Controller
+from station.core.interfaces import Frame, FrankaModelHandle, FrankaModelInterface
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+
+RATE_HZ = 1.0
+"""How often the model is evaluated."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelSample:
+    """What the model said; matrices column-major.
+
+    Attributes:
+        stamp: Station time [s].
+        mass: [kg m^2], shape (49,).
+        coriolis: [Nm], shape (7,).
+        gravity: [Nm], shape (7,).
+        pose: Of joint 4 in the base frame, shape (16,).
+        body_jacobian: Of joint 4, shape (42,).
+        zero_jacobian: Of the end effector, shape (42,).
+    """
+
+    stamp: float
+    mass: list[float]
+    coriolis: list[float]
+    gravity: list[float]
+    pose: list[float]
+    body_jacobian: list[float]
+    zero_jacobian: list[float]
+
+
+class ModelExampleController(Controller[FrankaModelInterface]):
+    """Evaluates the model once a second; commands nothing.
+
+    Parameters: `arm_id`.
+
+    Attributes:
+        model_sample: What the model said last, a new object each time; None before.
+    """
+
+    hardware_interface: ClassVar[type] = FrankaModelInterface
+
+    @override
+    def init(self, interface: FrankaModelInterface, params: Parameters) -> None:
+        name = f"{read_arm_id(params)}_model"
+        self._model: FrankaModelHandle = interface.get_handle(name)
+        self._timer = PublishTimer(RATE_HZ)
+        self.model_sample: ModelSample | None = None
+
+    @override
+    def starting(self, time: float) -> None:
+        self._timer.start(time, at_once=True)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        if not self._timer.is_due(time):
+            return
+        model = self._model
+        self.model_sample = ModelSample(
+            time,
+            model.get_mass(),
+            model.get_coriolis(),
+            model.get_gravity(),
+            model.get_pose(Frame.JOINT4),
+            model.get_body_jacobian(Frame.JOINT4),
+            model.get_zero_jacobian(Frame.END_EFFECTOR),
+        )

@@ -1,0 +1,63 @@
+"""Quaternions w x y z, as NumPy arrays of shape (4,) and unit length."""
+# ruff: noqa: N803 - R is a rotation matrix.
+
+from math import acos, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+_CLOSE = 0.9995
+
+
+def quaternion_of(R: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the quaternion of a rotation matrix, shape (3, 3)."""
+    # The largest of the four is found first: dividing by it is safe.
+    squares = np.array([
+        1.0 + R[0, 0] + R[1, 1] + R[2, 2],
+        1.0 + R[0, 0] - R[1, 1] - R[2, 2],
+        1.0 - R[0, 0] + R[1, 1] - R[2, 2],
+        1.0 - R[0, 0] - R[1, 1] + R[2, 2],
+    ])
+    largest = int(np.argmax(squares))
+    products = np.array([
+        [squares[0], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+        [R[2, 1] - R[1, 2], squares[1], R[1, 0] + R[0, 1], R[0, 2] + R[2, 0]],
+        [R[0, 2] - R[2, 0], R[1, 0] + R[0, 1], squares[2], R[2, 1] + R[1, 2]],
+        [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[2, 1] + R[1, 2], squares[3]],
+    ])
+    result: NDArray[np.float64] = products[largest] / (2.0 * sqrt(squares[largest]))
+    return result
+
+
+def error_between(
+    actual: NDArray[np.float64], desired: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the vector part of conj(actual) * desired, the short way, shape (3,).
+
+    It is in the axes of `actual`.
+    """
+    if actual @ desired < 0.0:
+        desired = -desired
+    w, v = actual[0], actual[1:]
+    result: NDArray[np.float64] = (
+        w * desired[1:] - desired[0] * v - np.cross(v, desired[1:])
+    )
+    return result
+
+
+def slerp(
+    first: NDArray[np.float64], second: NDArray[np.float64], share: float
+) -> NDArray[np.float64]:
+    """Return the rotation `share` of the short way from one to another."""
+    cosine = float(first @ second)
+    if cosine < 0.0:
+        second, cosine = -second, -cosine
+    if cosine > _CLOSE:
+        mixed = first + share * (second - first)
+    else:
+        angle = acos(cosine)
+        mixed = (
+            sin((1.0 - share) * angle) * first + sin(share * angle) * second
+        ) / sin(angle)
+    result: NDArray[np.float64] = mixed / np.linalg.norm(mixed)
+    return result

@@ -1,0 +1,103 @@
+"""Publish the whole state of an arm at a fixed rate.
+
+Source: franka_ros@c11f000 franka_control/src/franka_state_controller.cpp; differs: what
+is published is kept as one object for any thread, instead of being sent to topics.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.core.controller import Controller
+from station.core.errors import ParameterError
+from station.core.interfaces import (
+    FrankaStateHandle,
+    FrankaStateInterface,
+    RobotState,
+)
+from station.core.joint_states import JointStates
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+
+RATE_HZ = 30.0
+"""Default of `publish_rate`."""
+_DOF = 7
+
+
+@dataclass(frozen=True, slots=True)
+class FrankaStates:
+    """What one publication holds.
+
+    Attributes:
+        sequence: Number of the publication, from 0.
+        stamp: Station time [s].
+        state: The whole state, a copy.
+        joint_states: Measured positions, velocities and torques.
+        joint_states_desired: The desired ones.
+        F_ext: Wrench in the stiffness frame `<arm_id>_K` [N, Nm], shape (6,).
+        transforms: (parent, child, pose of the child) of the flange's frames.
+    """
+
+    sequence: int
+    stamp: float
+    state: RobotState
+    joint_states: JointStates
+    joint_states_desired: JointStates
+    F_ext: list[float]
+    transforms: tuple[tuple[str, str, list[float]], ...]
+
+
+class FrankaStateController(Controller[FrankaStateInterface]):
+    """Publishes the state of one arm; commands nothing.
+
+    Parameters: `arm_id`; `joint_names`, 7 names; `publish_rate` [Hz], 30 by default.
+
+    Attributes:
+        franka_states: What was published last, a new object each time; None before.
+    """
+
+    hardware_interface: ClassVar[type] = FrankaStateInterface
+
+    @override
+    def init(self, interface: FrankaStateInterface, params: Parameters) -> None:
+        self._arm_id = params.get_str("arm_id")
+        self.joint_names = params.get_str_list("joint_names")
+        if len(set(self.joint_names)) != _DOF:
+            raise ParameterError(
+                f"Parameter '{params.resolve('joint_names')}' is {self.joint_names}; "
+                f"it must name {_DOF} joints.",
+                remedy="Name the joints from base to flange.",
+            )
+        self._timer = PublishTimer(params.get_float("publish_rate", RATE_HZ))
+        self._handle: FrankaStateHandle = interface.get_handle(f"{self._arm_id}_robot")
+        self.franka_states: FrankaStates | None = None
+        self._sequence = 0
+
+    @override
+    def starting(self, time: float) -> None:
+        self._timer.start(time, at_once=True)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        """Publish when it is due."""
+        if not self._timer.is_due(time):
+            return
+        state = self._handle.get_robot_state().copy()
+        names, prefix = self.joint_names, self._arm_id
+        self.franka_states = FrankaStates(
+            sequence=self._sequence,
+            stamp=time,
+            state=state,
+            joint_states=JointStates(time, names, state.q, state.dq, state.tau_J),
+            joint_states_desired=JointStates(
+                time, names, state.q_d, state.dq_d, state.tau_J_d
+            ),
+            F_ext=state.K_F_ext_hat_K,
+            transforms=(
+                (f"{prefix}_link8", f"{prefix}_NE", state.F_T_NE),
+                (f"{prefix}_NE", f"{prefix}_EE", state.NE_T_EE),
+                (f"{prefix}_EE", f"{prefix}_K", state.EE_T_K),
+            ),
+        )
+        self._sequence += 1

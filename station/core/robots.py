@@ -1,0 +1,256 @@
+"""The arms of the station, for any thread: state, model, settings, recovery.
+
+Every method carries its work out between two cycles, and either does the whole thing or
+raises and changes nothing.
+"""
+# ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from station.core.control_loop import ControlLoop
+from station.core.controller_manager import ControllerManager
+from station.core.errors import ArmNotFoundError
+from station.core.interfaces import (
+    ArmError,
+    ArmRecord,
+    CollisionBehavior,
+    Frame,
+    FrankaServices,
+    FrankaServicesInterface,
+    RobotMode,
+    RobotState,
+    SimulatedFault,
+)
+from station.core.switching import SwitchRequest
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class ArmReport:
+    """An arm at a glance.
+
+    Attributes:
+        arm_id: Its name.
+        mode: What it is doing.
+        is_connected: Whether it may be used.
+        errors: What its present errors, or else the last motion's, came from.
+        remedy: What to do so that it can move; empty when it can.
+    """
+
+    arm_id: str
+    mode: RobotMode
+    is_connected: bool
+    errors: tuple[ArmError, ...]
+    remedy: str
+
+
+@dataclass(frozen=True, slots=True)
+class ArmModelReport:
+    """What the model of an arm says in its present state; matrices column-major.
+
+    Attributes:
+        frame: Frame of the pose and the Jacobians.
+        mass: [kg m^2], shape (49,).
+        coriolis: [Nm], shape (7,).
+        gravity: [Nm], shape (7,).
+        pose: Of the frame in the base frame, shape (16,).
+        zero_jacobian: Axes of the base, shape (42,).
+        body_jacobian: Axes of the frame, shape (42,).
+    """
+
+    frame: Frame
+    mass: list[float]
+    coriolis: list[float]
+    gravity: list[float]
+    pose: list[float]
+    zero_jacobian: list[float]
+    body_jacobian: list[float]
+
+
+class Robots:
+    """The arms of one station.
+
+    Args:
+        loop: The loop.
+        manager: Its controller manager.
+    """
+
+    def __init__(self, loop: ControlLoop, manager: ControllerManager) -> None:
+        self._loop = loop
+        self._manager = manager
+        found = loop.hw.get(FrankaServicesInterface)
+        arms = found.handles() if found else []
+        self._arms: dict[str, FrankaServices] = {arm.name: arm for arm in arms}
+
+    def names(self) -> list[str]:
+        """Return the names of the arms."""
+        return list(self._arms)
+
+    def reports(self) -> list[ArmReport]:
+        """Return all arms at a glance."""
+        return [_report(arm) for arm in self._arms.values()]
+
+    def report(self, arm_id: str) -> ArmReport:
+        """Return an arm at a glance.
+
+        Raises:
+            ArmNotFoundError: There is no such arm.
+        """
+        return _report(self._find(arm_id))
+
+    def state(self, arm_id: str) -> RobotState:
+        """Return a copy of an arm's whole state.
+
+        Raises:
+            ArmNotFoundError: There is no such arm.
+        """
+        return self._ask(arm_id, lambda arm: arm.get_robot_state())
+
+    def log(self, arm_id: str) -> list[ArmRecord]:
+        """Return the last cycles before the last error of an arm.
+
+        Raises:
+            ArmNotFoundError: There is no such arm.
+        """
+        return self._ask(arm_id, lambda arm: arm.log())
+
+    def model(self, arm_id: str, frame: Frame) -> ArmModelReport:
+        """Return what the model of an arm says in its present state.
+
+        Raises:
+            ArmNotFoundError: There is no such arm.
+        """
+
+        def evaluate(arm: FrankaServices) -> ArmModelReport:
+            model = arm.model()
+            return ArmModelReport(
+                frame,
+                model.get_mass(),
+                model.get_coriolis(),
+                model.get_gravity(),
+                model.get_pose(frame),
+                model.get_zero_jacobian(frame),
+                model.get_body_jacobian(frame),
+            )
+
+        return self._ask(arm_id, evaluate)
+
+    def set_joint_impedance(self, arm_id: str, stiffness: Sequence[float]) -> None:
+        """Set the internal joint impedance; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_joint_impedance(stiffness))
+
+    def set_cartesian_impedance(self, arm_id: str, stiffness: Sequence[float]) -> None:
+        """Set the internal Cartesian impedance; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_cartesian_impedance(stiffness))
+
+    def set_EE_frame(self, arm_id: str, NE_T_EE: Sequence[float]) -> None:
+        """Set the end effector frame; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_EE_frame(NE_T_EE))
+
+    def set_K_frame(self, arm_id: str, EE_T_K: Sequence[float]) -> None:
+        """Set the stiffness frame; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_K_frame(EE_T_K))
+
+    def set_load(
+        self,
+        arm_id: str,
+        mass: float,
+        F_x_center_load: Sequence[float],
+        load_inertia: Sequence[float],
+    ) -> None:
+        """Set what the hand holds; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_load(mass, F_x_center_load, load_inertia))
+
+    def set_collision_behavior(self, arm_id: str, behavior: CollisionBehavior) -> None:
+        """Set the thresholds of contact and collision; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_collision_behavior(behavior))
+
+    def recover(self, arm_id: str, *, restart: bool = False) -> tuple[str, ...]:
+        """Clear an arm's errors; every command from before is void.
+
+        Args:
+            arm_id: The arm.
+            restart: Start the controllers again that the interruption stopped;
+                otherwise they stay stopped.
+
+        Returns:
+            Names of the controllers that were started again.
+
+        Raises:
+            ArmNotFoundError: There is no such arm.
+            ArmCommandError: The arm cannot recover itself now.
+            StoppedError: The station is stopped and controllers were to be started.
+            SwitchRefusedError: The controllers cannot be started; the arm recovered.
+        """
+        if restart:
+            self._loop.stop_latch.check()
+
+        def clear(arm: FrankaServices) -> bool:
+            had_error = arm.error_recovery()
+            self._loop.next_epoch()
+            return had_error
+
+        had_error = self._ask(arm_id, clear)
+        names = self._manager.interrupted if restart and had_error else ()
+        if names:
+            return self._manager.switch_controller(SwitchRequest(names, ())).started
+        return ()
+
+    def set_user_stop(self, arm_id: str, *, pressed: bool) -> None:
+        """Press or release the user stop of an arm; see `FrankaServices`."""
+
+        def press(arm: FrankaServices) -> None:
+            arm.set_user_stop(pressed=pressed)
+            self._loop.next_epoch()
+
+        self._ask(arm_id, press)
+
+    def connect(self, arm_id: str) -> None:
+        """Connect to an arm; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.connect())
+
+    def disconnect(self, arm_id: str) -> None:
+        """Give an arm up; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.disconnect())
+
+    def apply_force(
+        self,
+        arm_id: str,
+        link: str,
+        force: Sequence[float],
+        torque: Sequence[float],
+        duration: float,
+    ) -> None:
+        """Push a link of a simulated arm; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.apply_force(link, force, torque, duration))
+
+    def inject(self, arm_id: str, fault: SimulatedFault) -> None:
+        """Make something go wrong with a simulated arm; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.inject(fault))
+
+    def _ask(self, arm_id: str, action: Callable[[FrankaServices], T]) -> T:
+        arm = self._find(arm_id)
+        return self._loop.run_in_cycle(lambda: action(arm))
+
+    def _find(self, arm_id: str) -> FrankaServices:
+        arm = self._arms.get(arm_id)
+        if arm is None:
+            raise ArmNotFoundError(
+                f"There is no arm '{arm_id}'.",
+                remedy=f"The arms are: {', '.join(self._arms) or 'none'}.",
+                details={"arm_id": arm_id},
+            )
+        return arm
+
+
+def _report(arm: FrankaServices) -> ArmReport:
+    return ArmReport(
+        arm.name,
+        arm.robot_mode(),
+        arm.is_connected(),
+        tuple(arm.errors()),
+        arm.remedy(),
+    )

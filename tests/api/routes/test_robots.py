@@ -1,0 +1,129 @@
+"""Arms over HTTP."""
+
+import pytest
+
+from station.api.schemas import (
+    ExternalForce,
+    Fault,
+    ForceTorqueCollisionBehavior,
+    FullCollisionBehavior,
+    Load,
+)
+from station.client import ApiError
+from tests.franka_station import make_franka_station
+
+IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]
+NOMINAL = {
+    "lower_torque_thresholds_nominal": [20.0] * 7,
+    "upper_torque_thresholds_nominal": [40.0] * 7,
+    "lower_force_thresholds_nominal": [20.0] * 6,
+    "upper_force_thresholds_nominal": [40.0] * 6,
+}
+
+
+@pytest.fixture
+def station():
+    return make_franka_station()
+
+
+@pytest.fixture
+def panda(client):
+    return client.robot("panda")
+
+
+def test_status_lists_the_arm(client):
+    (arm,) = client.status().robots
+
+    assert (arm.arm_id, arm.robot_mode, arm.remedy) == ("panda", "idle", "")
+    assert client.robots() == [arm]
+
+
+def test_state_has_every_field(panda):
+    state = panda.state()
+
+    assert state.robot_mode == "idle"
+    assert len(state.O_T_EE) == 16
+    assert state.current_errors == []
+    assert state.elbow[1] == -1.0
+
+
+def test_model_is_that_of_the_frame(panda):
+    assert panda.model("flange").pose[14] == pytest.approx(0.590282, abs=1e-5)
+    assert panda.model().frame == "end_effector"
+
+
+def test_unknown_arm_and_frame_are_refused(client, operator):
+    with pytest.raises(ApiError, match="no arm 'left'") as caught:
+        client.robot("left").state()
+    assert caught.value.status == 404
+    answer = operator.get("/api/v1/robots/panda/model?frame=nose")
+    assert answer.status_code == 422
+
+
+def test_services_take_what_is_in_range(panda):
+    panda.set_joint_impedance([3000.0] * 7)
+    panda.set_cartesian_impedance([2000.0] * 3 + [200.0] * 3)
+    panda.set_EE_frame(IDENTITY)
+    panda.set_K_frame(IDENTITY)
+    panda.set_load(Load(mass=0.1, F_x_center_load=[0, 0, 0.1], load_inertia=[0] * 9))
+    panda.set_force_torque_collision_behavior(ForceTorqueCollisionBehavior(**NOMINAL))
+    full = {key.replace("nominal", "acceleration"): v for key, v in NOMINAL.items()}
+    panda.set_full_collision_behavior(FullCollisionBehavior(**NOMINAL, **full))
+
+    assert panda.state().m_load == 0.1
+
+
+@pytest.mark.parametrize("stiffness", [[-1.0] * 7, [1e6] * 7])
+def test_service_out_of_range_is_refused(panda, stiffness):
+    with pytest.raises(ApiError, match="joint_stiffness") as caught:
+        panda.set_joint_impedance(stiffness)
+    assert caught.value.status == 422
+
+
+def test_service_is_refused_while_the_arm_moves(client, panda):
+    client.switch_controllers(start=["arm"])
+    with pytest.raises(ApiError, match="while a motion runs") as caught:
+        panda.set_joint_impedance([3000.0] * 7)
+    assert (caught.value.status, caught.value.code) == (409, "arm_command_refused")
+
+
+def test_collision_shows_in_the_status_and_is_recovered_from(client, panda, station):
+    client.switch_controllers(start=["arm"])
+    panda.inject(Fault(kind="collision", cycles=30))
+    station.loop.step(200)
+
+    (arm,) = client.status().robots
+    assert arm.robot_mode == "reflex"
+    assert "cartesian_reflex" in {error.name for error in arm.errors}
+    assert "recover" in arm.remedy
+    with pytest.raises(ApiError, match="mode reflex"):
+        client.switch_controllers(start=["arm"])
+    recovered = panda.recover("previous")
+    assert (recovered.robot_mode, recovered.restarted) == ("move", ["arm"])
+    assert panda.errors().remedy == ""
+
+
+def test_user_stop_is_pressed_and_released(panda):
+    assert panda.user_stop(pressed=True).remedy == "release the user stop"
+    assert panda.user_stop(pressed=False).robot_mode == "idle"
+
+
+def test_connection_is_given_up_and_taken(panda):
+    assert panda.disconnect().connected is False
+    assert panda.connect().connected is True
+
+
+def test_push_is_felt(panda, station):
+    panda.apply_force(ExternalForce(link="panda_hand", force=[0, 0, 5], duration=1))
+    station.loop.step(300)
+
+    assert panda.state().O_F_ext_hat_K[2] == pytest.approx(-5.0, rel=0.05)
+    with pytest.raises(ApiError, match="no body 'nose'"):
+        panda.apply_force(ExternalForce(link="nose"))
+
+
+def test_viewer_may_look_and_not_touch(http):
+    http.headers["Authorization"] = "Bearer viewer-token"
+    assert http.get("/api/v1/robots/panda/state").status_code == 200
+    for what in ("error_recovery", "connect", "disconnect"):
+        assert http.post(f"/api/v1/robots/panda/{what}").status_code == 403

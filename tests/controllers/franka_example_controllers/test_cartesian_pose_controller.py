@@ -1,0 +1,58 @@
+"""The end effector traces its arc."""
+
+from math import hypot
+
+import pytest
+
+from station.controllers.franka_example_controllers.cartesian_pose_controller import (
+    RADIUS,
+)
+from station.core.errors import SwitchRefusedError
+from station.core.switching import SwitchRequest
+from tests.controllers.franka_example_controllers.example_station import (
+    run_without_errors,
+    start_example,
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("impedance", ["joint_impedance", "cartesian_impedance"])
+def test_arc_is_traced_within_a_millimetre(impedance):
+    station = start_example("CartesianPose", internal_controller=impedance)
+    start = station.robots.state("panda").O_T_EE
+
+    path = run_without_errors(station, 10.0)
+
+    for x, y, z in path:
+        from_centre = hypot(x - start[12], z - (start[14] + RADIUS))
+        assert from_centre == pytest.approx(RADIUS, abs=1e-3)
+        assert y == pytest.approx(start[13], abs=1e-3)
+    assert min(x for x, _, _ in path) == pytest.approx(start[12] - RADIUS, abs=1e-3)
+    end = station.robots.state("panda")
+    assert end.O_T_EE[:15] == pytest.approx(start[:15], abs=1e-3)
+    assert not any(end.last_motion_errors)
+
+
+def test_start_does_not_move_the_arm():
+    station = start_example("CartesianPose")
+    before = station.robots.state("panda").q
+    station.loop.step(20)
+
+    assert station.robots.state("panda").q == pytest.approx(before, abs=1e-4)
+
+
+def test_start_far_from_the_start_pose_is_refused():
+    away = [0.5, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
+    with pytest.raises(SwitchRefusedError, match=r"joint 1 is at 0\.5000 rad"):
+        start_example("CartesianPose", initial_positions=away)
+
+
+def test_stop_in_motion_brings_the_arm_to_rest():
+    station = start_example("CartesianPose")
+    station.loop.step(1_500)
+    station.switch_controllers(SwitchRequest((), ("example",)))
+    station.loop.step(300)
+
+    state = station.robots.state("panda")
+    assert station.latest().mode == "idle"
+    assert max(map(abs, state.dq)) < 1e-3

@@ -1,0 +1,45 @@
+"""Quaternions against rotation matrices."""
+
+from math import cos, sin
+
+import numpy as np
+import pytest
+
+from station.controllers.franka_example_controllers.quaternion import (
+    error_between,
+    quaternion_of,
+    slerp,
+)
+
+AXES = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, -0.8)]
+
+
+def rotation(axis, angle):
+    x, y, z = axis
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + sin(angle) * skew + (1 - cos(angle)) * skew @ skew
+
+
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("angle", [0.0, 1e-6, 0.7, 3.1, 3.141592653589793])
+def test_quaternion_has_half_the_angle(axis, angle):
+    found = quaternion_of(rotation(axis, angle))
+
+    expected = np.array([cos(angle / 2), *(sin(angle / 2) * v for v in axis)])
+    assert abs(found @ expected) == pytest.approx(1.0)
+
+
+def test_error_leads_from_one_to_the_other_the_short_way():
+    first = quaternion_of(rotation(AXES[0], 0.2))
+    second = -quaternion_of(rotation(AXES[0], 0.6))
+
+    assert error_between(first, second) == pytest.approx([sin(0.2), 0.0, 0.0])
+
+
+@pytest.mark.parametrize("angle", [0.01, 1.5])
+def test_slerp_goes_evenly(angle):
+    first = quaternion_of(rotation(AXES[3], 0.0))
+    second = quaternion_of(rotation(AXES[3], angle))
+
+    expected = quaternion_of(rotation(AXES[3], 0.25 * angle))
+    assert slerp(first, -second, 0.25) == pytest.approx(expected, abs=1e-6)

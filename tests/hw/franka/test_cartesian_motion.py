@@ -1,0 +1,48 @@
+"""The joint motion follows the pose, the elbow as asked for."""
+
+from math import pi
+
+import pytest
+
+from station.core.interfaces import Frame, RobotState
+from station.hw.franka.arm_limits import PANDA_LIMITS
+from station.hw.franka.cartesian_motion import CartesianCommand, CartesianMotion
+from station.hw.franka.franka_kinematics import frame_pose
+
+PERIOD = 0.001
+START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]
+
+
+def follow(state: RobotState, motion: CartesianMotion, cycles: int, elbow=None):
+    for cycle in range(cycles):
+        speed = 0.1 * min(1.0, cycle / 200)
+        command = CartesianCommand((speed, 0.5 * speed, 0.0, 0.0, 0.0, speed), elbow)
+        assert motion.receive(command) == []
+        q, errors = motion.solve()
+        assert errors == []
+        dq = [(a - b) / PERIOD for a, b in zip(q, state.q_d, strict=True)]
+        state.ddq_d[:] = [(a - b) / PERIOD for a, b in zip(dq, state.dq_d, strict=True)]
+        state.q_d[:], state.dq_d[:] = q, dq
+
+
+def test_end_effector_is_where_it_was_commanded_to_be():
+    state = RobotState(q_d=list(START))
+    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion.begin()
+    follow(state, motion, 1_000)
+    reached = frame_pose(Frame.END_EFFECTOR, state.q_d)
+    assert reached == pytest.approx(state.O_T_EE_c, abs=1e-6)
+    # Without an elbow command joint 3 stays where it is.
+    assert state.q_d[2] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_lost_command_goes_on_with_constant_acceleration():
+    state = RobotState(q_d=list(START))
+    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion.begin()
+    follow(state, motion, 100)
+    twist, rate = list(state.O_dP_EE_c), list(state.O_ddP_EE_c)
+    motion.extrapolate()
+    motion.solve()
+    expected = [v + a * PERIOD for v, a in zip(twist, rate, strict=True)]
+    assert state.O_dP_EE_c == pytest.approx(expected)

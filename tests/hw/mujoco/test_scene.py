@@ -1,0 +1,58 @@
+"""Things in the world come from the configuration."""
+
+import mujoco
+import pytest
+
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.mujoco.model_builder import compile_world, new_world
+from station.hw.mujoco.scene import add_object, read_object, read_scene
+
+TABLE = {
+    "name": "table",
+    "type": "table",
+    "size": [1, 1, 0.4],
+    "position": [0.5, 0, 0.4],
+}
+BALL = {"name": "ball", "type": "sphere", "size": [0.05], "mass": 0.2}
+
+
+def build(*entries):
+    spec = new_world(0.001)
+    for entry in entries:
+        add_object(spec, read_object(entry, "x"))
+    model = compile_world(spec)
+    data = mujoco.MjData(model)
+    return model, data
+
+
+def test_ball_falls_onto_the_table_and_stays_there():
+    model, data = build(TABLE, {**BALL, "position": [0.5, 0, 0.6]})
+    for _ in range(2_000):
+        mujoco.mj_step(model, data)
+    assert data.body("ball").xpos[2] == pytest.approx(0.45, abs=2e-3)
+    assert data.body("table").xpos[2] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({"type": "cone"}, "type' is 'cone'; it must be one of"),
+        ({"size": [0.1, 0.1]}, "size' is .* it must be 1 finite"),
+        ({"size": [-0.1]}, "it must be above 0"),
+        ({"mass": -1.0}, "it must be 0 or more"),
+        ({"colour": "red"}, "with keys of"),
+        ({"name": ""}, "name' is ''"),
+        ({"type": "mesh", "size": []}, "path of a mesh file"),
+    ],
+)
+def test_impossible_thing_is_refused(change, problem):
+    with pytest.raises(ParameterError, match=problem):
+        read_object({**BALL, **change}, "scene/objects/0")
+
+
+def test_names_are_unlike():
+    tree = ParameterTree({"scene": {"objects": [BALL, BALL]}})
+    with pytest.raises(ParameterError, match="unlike names"):
+        read_scene(Parameters(tree))
+    assert read_scene(Parameters(ParameterTree({}))) == []
