@@ -45,7 +45,8 @@ def realtime_interpreter() -> Iterator[None]:
         sys.setswitchinterval(interval)
         gc.set_threshold(*thresholds)
         gc.unfreeze()
-        os.setpriority(os.PRIO_PROCESS, 0, niceness)
+        if os.getpriority(os.PRIO_PROCESS, 0) != niceness:
+            os.setpriority(os.PRIO_PROCESS, 0, niceness)
 
 
 def request_realtime_priority() -> str:

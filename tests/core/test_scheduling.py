@@ -26,8 +26,11 @@ def test_settings_hold_inside_and_are_restored_after():
 
 def test_threads_started_inside_are_favoured_where_that_is_permitted(monkeypatch):
     asked = []
-    monkeypatch.setattr(os, "setpriority", lambda *call: asked.append(call))
     niceness = os.getpriority(os.PRIO_PROCESS, 0)
+    monkeypatch.setattr(os, "setpriority", lambda *call: asked.append(call))
+    monkeypatch.setattr(
+        os, "getpriority", lambda *_: asked[-1][2] if asked else niceness
+    )
     with realtime_interpreter():
         assert asked == [(os.PRIO_PROCESS, 0, NICENESS)]
     assert asked[1:] == [(os.PRIO_PROCESS, 0, niceness)]
