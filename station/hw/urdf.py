@@ -8,7 +8,7 @@ the browser. `station.hw.urdf_parser` reads the files.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from math import cos, sin
+from math import asin, atan2, cos, sin
 from pathlib import Path
 
 Vector3 = tuple[float, float, float]
@@ -49,6 +49,15 @@ class Pose:
         y = (cos(pitch), 0.0, sin(pitch), 0.0)
         z = (cos(yaw), 0.0, 0.0, sin(yaw))
         return cls(xyz, _multiply(z, _multiply(y, x)))
+
+    def rpy(self) -> Vector3:
+        """Return the angles [rad] about the fixed x, then y, then z axis."""
+        w, x, y, z = self.quaternion
+        return (
+            atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+            asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x)))),
+            atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
+        )
 
     def compose(self, inner: "Pose") -> "Pose":
         """Return T_a_c of this pose T_a_b and `inner`, T_b_c."""

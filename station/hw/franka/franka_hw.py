@@ -57,7 +57,7 @@ from station.hw.franka.robot_arm import (
 )
 from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
 from station.hw.mujoco.scene import SceneObject, read_scene
-from station.hw.robot_description import RobotDescription, load_robot_description
+from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
 
 _logger = logging.getLogger(__name__)
@@ -101,7 +101,6 @@ class FrankaHW(RobotHW):
         self._switch_failed = False
         self._time_due = 0.0
         self._fingers: FingerJoints | None = None
-        self._goals: list[float] = []
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -116,7 +115,7 @@ class FrankaHW(RobotHW):
         self._hw_params = hw_params
         description = load_robot_description(self._parameters.robot_description)
         if self._arm is None:
-            self._arm = self._simulate(description, read_scene(root_params))
+            self._arm = self._simulate(read_scene(root_params))
         arm_id = self._parameters.arm_id
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -133,7 +132,7 @@ class FrankaHW(RobotHW):
         for name in self.commands.add_limits(self._joints, rates):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
         self._add_fingers(arm_id)
-        for interface in (*self.commands.interfaces(), *self.cartesian.interfaces()):
+        for interface in self.command_interfaces():
             self.register_interface(interface)
         models = model_interface(self.arm, arm_id, description)
         services = FrankaServicesInterface()
@@ -141,6 +140,10 @@ class FrankaHW(RobotHW):
         self.register_interface(state_interface(self.arm, arm_id))
         self.register_interface(models)
         self.register_interface(services)
+
+    def command_interfaces(self) -> Sequence[object]:
+        """Return the joint and Cartesian interfaces that controllers may ask for."""
+        return [*self.commands.interfaces(), *self.cartesian.interfaces()]
 
     @property
     def parameters(self) -> FrankaParameters:
@@ -368,21 +371,27 @@ class FrankaHW(RobotHW):
     def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:
         return control_mode_of(controllers, self._parameters.arm_id)
 
-    def _simulate(
-        self, description: RobotDescription, objects: Sequence[SceneObject]
-    ) -> RobotArm:
+    def _simulate(self, objects: Sequence[SceneObject]) -> RobotArm:
         parameters = self._parameters
-        placement = ArmPlacement(
-            parameters.arm_id,
-            description,
-            parameters.base,
-            parameters.initial_positions,
-            parameters.limits,
-            parameters.thresholds,
-        )
         self.simulation = simulate(
-            [placement], gravity=parameters.gravity, objects=objects
+            [placement_of(parameters)], gravity=parameters.gravity, objects=objects
         )
         arm = self.simulation.arms[parameters.arm_id]
         arm.set_collision_behavior(parameters.collision_behavior)
         return arm
+
+
+def placement_of(parameters: FrankaParameters) -> ArmPlacement:
+    """Return the arm that parameters describe.
+
+    Raises:
+        RobotDescriptionError: Its URDF cannot be found.
+    """
+    return ArmPlacement(
+        parameters.arm_id,
+        load_robot_description(parameters.robot_description),
+        parameters.base,
+        parameters.initial_positions,
+        parameters.limits,
+        parameters.thresholds,
+    )

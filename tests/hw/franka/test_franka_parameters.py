@@ -4,6 +4,7 @@ import pytest
 
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.franka_parameters import read_command_settings, read_parameters
 from station.hw.franka.robot_arm import ControllerMode
 from station.hw.franka.simulation import INITIAL_POSITIONS
@@ -68,3 +69,45 @@ def test_unknown_parameter_is_refused_with_the_known_ones() -> None:
     with pytest.raises(ParameterError, match="robot/armid'") as caught:
         read_parameters(params(armid="panda"))
     assert "arm_id" in caught.value.remedy
+
+
+def test_franka_controls_own_file_is_read() -> None:
+    torques, forces = (
+        [20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0],
+        [20.0] * 3 + [25.0] * 3,
+    )
+    values = {
+        "arm_id": "panda",
+        "robot_description": "example-robot-data:panda",
+        "joint_names": [f"panda_joint{number}" for number in range(1, 8)],
+        "joint_limit_warning_threshold": 0.1,
+        "rate_limiting": True,
+        "cutoff_frequency": 100,
+        "internal_controller": "joint_impedance",
+        "realtime_config": "enforce",
+        "collision_config": {
+            f"{bound}_{what}_thresholds_{phase}": list(numbers)
+            for bound in ("lower", "upper")
+            for what, numbers in (("torque", torques), ("force", forces))
+            for phase in ("acceleration", "nominal")
+        },
+    }
+    read = read_parameters(Parameters(ParameterTree({"robot": values}), "robot"))
+    assert read.collision_behavior == DEFAULT_COLLISION_BEHAVIOR
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("upper_torque_thresholds_nominal", [1.0] * 7),
+        ("lower_force_thresholds_nominal", [0.0] * 6),
+    ],
+)
+def test_impossible_thresholds_are_refused(key: str, value: list[float]) -> None:
+    values = {
+        "arm_id": "panda",
+        "robot_description": "x",
+        "collision_config": {key: value},
+    }
+    with pytest.raises(ParameterError, match="collision_config"):
+        read_parameters(Parameters(ParameterTree({"robot": values}), "robot"))

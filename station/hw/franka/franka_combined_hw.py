@@ -1,0 +1,168 @@
+"""Several Franka arms in one world, driven by torques; an error of one stops all.
+
+Source: franka_ros@c11f000 franka_hw/src/franka_combinable_hw.cpp,
+franka_combined_hw.cpp; differs: all arms are read and commanded in one cycle; a
+controller that claims only some joints of an arm is refused; after an error of one arm
+the controllers of all are stopped and wait for a recovery, instead of running on.
+"""
+
+from collections.abc import Sequence
+
+from typing_extensions import override
+
+from station.core.combined_robot_hw import CombinedRobotHW
+from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.interfaces import JointCommandInterface, JointStateInterface
+from station.core.interfaces.franka_robot_state import RobotMode
+from station.core.parameters import Parameters
+from station.core.robot_description import ROBOT_DESCRIPTION
+from station.core.robot_hw import ControllerInfo, ResourceConflict
+from station.hw.franka.combined_description import combine_descriptions
+from station.hw.franka.control_mode import (
+    MODE_OF_INTERFACE,
+    ControlMode,
+    arm_id_of,
+    claims_of,
+)
+from station.hw.franka.franka_hw import FrankaHW, placement_of
+from station.hw.franka.franka_parameters import read_parameters
+from station.hw.franka.simulation import simulate
+from station.hw.mujoco.scene import read_scene
+from station.hw.robot_loader import create_robot
+
+_EFFORT = "hardware_interface::EffortJointInterface"
+_ERRONEOUS = (RobotMode.REFLEX, RobotMode.USER_STOPPED, RobotMode.OTHER)
+
+
+class FrankaCombinableHW(FrankaHW):
+    """Type `franka_hw/FrankaCombinableHW`: an arm that takes torques alone.
+
+    Interfaces: JointState, EffortJoint, FrankaState, FrankaModel, FrankaServices.
+    """
+
+    @override
+    def command_interfaces(
+        self,
+    ) -> list[JointStateInterface | JointCommandInterface]:
+        return [
+            interface
+            for interface in self.commands.interfaces()
+            if isinstance(interface, JointStateInterface)
+            or interface.type_name == _EFFORT
+        ]
+
+    @override
+    def check_for_conflict(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        arm_id = self.parameters.arm_id
+        motions = [
+            ResourceConflict(
+                claim.resource,
+                ((claim.controller, claim.interface),),
+                f"Arm '{arm_id}' is combined with others and takes torques alone, not "
+                f"{claim.interface} of '{claim.controller}'.",
+            )
+            for claim in claims_of(controllers)
+            if arm_id_of(claim.resource) == arm_id
+            and MODE_OF_INTERFACE.get(claim.interface)
+            not in {None, ControlMode.JOINT_TORQUE}
+        ]
+        return motions or super().check_for_conflict(controllers)
+
+
+class FrankaCombinedHW(CombinedRobotHW):
+    """Type `franka_hw/FrankaCombinedHW`.
+
+    Parameters: `robot_hardware`, a list of names; per name a namespace as for FrankaHW,
+    with a `base_xyz` of its own.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(create_robot)
+        self.arms: list[FrankaCombinableHW] = []
+
+    @override
+    def init(self, root_params: Parameters, hw_params: Parameters) -> None:
+        """Put all arms into one world.
+
+        Raises:
+            ParameterError: A parameter is missing or impossible, or two arms have the
+                same `arm_id`.
+            RobotDescriptionError: A URDF cannot be used.
+        """
+        names = hw_params.get_str_list("robot_hardware")
+        parameters = [read_parameters(hw_params.namespace(name)) for name in names]
+        arm_ids = [one.arm_id for one in parameters]
+        if not names or len(set(arm_ids)) != len(arm_ids):
+            raise ParameterError(
+                f"The arms of '{hw_params.resolve('robot_hardware')}' are {arm_ids}; "
+                "there must be at least one, each with an arm_id of its own.",
+                remedy="Correct robot_hardware and the arm_id of each.",
+            )
+        placements = [placement_of(one) for one in parameters]
+        if not root_params.has(ROBOT_DESCRIPTION):
+            root_params.set(ROBOT_DESCRIPTION, combine_descriptions(placements))
+        simulation = simulate(
+            placements,
+            gravity=parameters[0].gravity,
+            objects=read_scene(root_params),
+        )
+        for name, one in zip(names, parameters, strict=True):
+            arm = simulation.arms[one.arm_id]
+            arm.set_collision_behavior(one.collision_behavior)
+            robot = FrankaCombinableHW(arm)
+            robot.simulation = simulation
+            robot.init(root_params, hw_params.namespace(name))
+            self.arms.append(robot)
+            self.add_robot(name, robot)
+
+    def erroneous_arm(self) -> str:
+        """Return the arm_id of the first arm that cannot move; empty if all can."""
+        for robot in self.arms:
+            if robot.robot_state.robot_mode in _ERRONEOUS:
+                return robot.parameters.arm_id
+        return ""
+
+    @override
+    def check_for_conflict(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        found: list[ResourceConflict] = []
+        for robot in self.arms:
+            found += [
+                one for one in robot.check_for_conflict(controllers) if one not in found
+            ]
+        return found
+
+    @override
+    def prepare_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Refuse to start anything that moves while an arm has an error.
+
+        Raises:
+            SwitchRefusedError: An arm has an error, or refuses by itself.
+        """
+        arm_id = self.erroneous_arm()
+        if arm_id and claims_of(start):
+            raise SwitchRefusedError(
+                f"Arm '{arm_id}' has an error, which stops all arms.",
+                remedy=f"Recover it: POST /robots/{arm_id}/error_recovery.",
+                details={"arm_id": arm_id},
+            )
+        super().prepare_switch(start, stop)
+
+    @override
+    def is_interrupted(self) -> bool:
+        if not any(robot.control_mode for robot in self.arms):
+            return False
+        return bool(self.erroneous_arm()) or super().is_interrupted()
+
+    @override
+    def interruption_of(self, controller: ControllerInfo) -> str:
+        own = super().interruption_of(controller)
+        arm_id = self.erroneous_arm()
+        if own or not arm_id or not claims_of([controller]):
+            return own
+        return f"arm '{arm_id}' has an error, which stops all arms"

@@ -1,0 +1,97 @@
+"""Two arms in one world: torques alone, and an error of one stops both."""
+
+import pytest
+
+from station.controllers import CONTROLLERS
+from station.core.clock import ManualClock
+from station.core.control_loop import ControlLoop
+from station.core.controller import ControllerState
+from station.core.controller_loader import TableLoader
+from station.core.controller_manager import ControllerManager
+from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.interfaces import FaultKind, FrankaServicesInterface
+from station.core.interfaces.franka_services import SimulatedFault
+from station.core.parameters import Parameters
+from station.core.robot_hw import ControllerInfo, InterfaceResources
+from station.core.station import Station
+from station.core.switching import SwitchRequest
+from station.hw.robot_loader import create_robot
+
+URDF = "example-robot-data:panda"
+ARMS = ("left", "right")
+
+
+@pytest.fixture
+def station() -> Station:
+    """Return a station in which both arms are driven by torques."""
+    tree, clock = Parameters(), ManualClock()
+    tree.set("robot", {"robot_hardware": ["l", "r"]})
+    for name, arm_id, y in (("l", "left", 0.5), ("r", "right", -0.5)):
+        values = {
+            "arm_id": arm_id,
+            "robot_description": URDF,
+            "base_xyz": [0.0, y, 0.0],
+        }
+        tree.set(f"robot/{name}", values)
+    hw = create_robot("franka_hw/FrankaCombinedHW")
+    hw.init(tree, tree.namespace("robot"))
+    manager = ControllerManager(hw, tree, [TableLoader(CONTROLLERS)], clock)
+    station = Station(ControlLoop(hw, manager, clock=clock), manager, tree)
+    for arm_id in ARMS:
+        joints = [f"{arm_id}_joint{number}" for number in range(1, 8)]
+        kind = "effort_controllers/JointGroupEffortController"
+        station.load_controller(arm_id, kind, {"joints": joints})
+    station.loop.step()
+    station.switch_controllers(SwitchRequest(ARMS, ()))
+    station.loop.step(100)
+    return station
+
+
+def test_both_arms_are_in_one_world(station):
+    assert station.robots.names() == list(ARMS)
+    assert station.robots.state("left").time == station.robots.state("right").time
+    assert station.latest().mode == "move"
+
+
+def test_error_of_one_arm_stops_both_until_it_is_recovered(station):
+    station.robots.inject("left", SimulatedFault(FaultKind.COLLISION, 30))
+    station.loop.step(100)
+
+    states = {name: station.controller(name) for name in ARMS}
+    assert {one.state for one in states.values()} == {ControllerState.STOPPED}
+    assert "left' went to reflex" in states["left"].fault
+    assert "arm 'left' has an error" in states["right"].fault
+    with pytest.raises(SwitchRefusedError, match="'left' has an error"):
+        station.switch_controllers(SwitchRequest(("right",), ()))
+    assert set(station.robots.recover("left", restart=True)) == set(ARMS)
+    station.loop.step(10)
+    assert station.latest().mode == "move"
+
+
+@pytest.mark.parametrize(
+    ("interface", "count", "reason"),
+    [
+        ("hardware_interface::PositionJointInterface", 7, "takes torques alone"),
+        ("hardware_interface::EffortJointInterface", 3, "for all 7 joints"),
+    ],
+)
+def test_motions_and_parts_of_an_arm_are_refused(station, interface, count, reason):
+    joints = tuple(f"left_joint{number}" for number in range(1, count + 1))
+    claims = (InterfaceResources(interface, joints),)
+    conflicts = station.loop.hw.check_for_conflict([ControllerInfo("c", "t/C", claims)])
+    assert conflicts
+    assert reason in conflicts[0].reason
+
+
+def test_arms_need_names_of_their_own():
+    tree = Parameters()
+    arm = {"arm_id": "left", "robot_description": URDF}
+    tree.set("robot", {"robot_hardware": ["a", "b"], "a": arm, "b": arm})
+    hw = create_robot("franka_hw/FrankaCombinedHW")
+    with pytest.raises(ParameterError, match="arm_id of its own"):
+        hw.init(tree, tree.namespace("robot"))
+
+
+def test_services_of_every_arm_are_found(station):
+    found = station.loop.hw.get(FrankaServicesInterface)
+    assert found.get_names() == list(ARMS)
