@@ -33,4 +33,5 @@ def test_parameters_keep_their_types_and_order():
         "type": "franka_hw/FrankaHW",
         "arm_id": "panda",
         "robot_description": "example-robot-data:panda",
+        "supervisor": {"velocity_factor": 5.0},
     }
