@@ -30,12 +30,12 @@ class ControllersPanel(Panel):
     ) -> None:
         self._link = link
         self._reporter = reporter
-        self._table = gui.add_html(hint("Waiting for the station …"))
         self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
         self._start = gui.add_button("Start", color="green", disabled=True)
         self._stop = gui.add_button("Stop", color="orange", disabled=True)
         self._unload = gui.add_button("Unload", color="gray", disabled=True)
         self._reason = gui.add_html("")
+        self._table = gui.add_html(hint("Waiting for the station …"))
         self._start.on_click(reporter.guarded(self._on_start))
         self._stop.on_click(reporter.guarded(self._on_stop))
         self._unload.on_click(reporter.guarded(self._on_unload))
