@@ -26,6 +26,8 @@ FRANKA = {
 ROBOT_PARAMETERS: Mapping[str, Mapping[str, object]] = {
     "mock_hw/MockRobotHW": MOCK,
     "franka_hw/FrankaHW": FRANKA,
+    "franka_hw/FrankaCombinableHW": FRANKA,
+    "franka_hw/FrankaCombinedHW": {"robot_hardware": ["arm"], "arm": FRANKA},
     "mujoco_hw/MujocoRobotHW": {
         "robot_description": "example-robot-data:panda",
         # With its other joints at 0 the arm would touch itself.

@@ -29,7 +29,12 @@ TYPES = {
     "position": "position_controllers/JointGroupPositionController",
     "velocity": "velocity_controllers/JointGroupVelocityController",
 }
-ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
+ROBOT = {
+    "arm_id": "panda",
+    "robot_description": "example-robot-data:panda",
+    # A step in torque control swings above the velocity limits for a moment.
+    "supervisor": {"velocity_factor": 5.0},
+}
 
 
 @pytest.fixture

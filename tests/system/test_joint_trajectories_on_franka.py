@@ -47,9 +47,23 @@ WAYPOINTS = [
 UNDERGROUND = [0.0, 1.2, 0.0, -1.2, 0.0, 1.6, 0.8]
 
 
+# No reflex: what is tested here is what the controller makes of an obstacle.
+INSENSITIVE = {
+    f"{side}_{what}_thresholds_{kind}": [1e3] * size
+    for side in ("lower", "upper")
+    for what, size in (("torque", 7), ("force", 6))
+    for kind in ("acceleration", "nominal")
+}
+
+
 @pytest.fixture
 def station() -> Station:
-    robot = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
+    robot = {
+        "arm_id": "panda",
+        "robot_description": "example-robot-data:panda",
+        "collision_config": INSENSITIVE,
+        "supervisor": {"velocity_factor": 5.0},
+    }
     tree = ParameterTree({"robot": robot})
     parameters = Parameters(tree)
     hw = FrankaHW()
