@@ -200,7 +200,10 @@ def stop_state(station: Station) -> schemas.StopState:
     """Return the latched stop."""
     latch = station.loop.stop_latch
     return schemas.StopState(
-        state=latch.state.value, reason=latch.reason, epoch=station.epoch
+        state=latch.state.value,
+        reason=latch.reason,
+        epoch=station.epoch,
+        pending=latch.pending,
     )
 
 

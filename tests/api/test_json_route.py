@@ -23,3 +23,34 @@ def test_text_is_read_as_unicode(operator, station):
     operator.post("/api/v1/stop", json={"reason": "Rauch über dem Roboter 🔥"})
 
     assert station.loop.stop_latch.reason == "Rauch über dem Roboter 🔥"
+
+
+@pytest.mark.parametrize("kind", ["application/x-www-form-urlencoded", "text/plain"])
+def test_a_body_of_another_type_is_refused_and_the_header_named(operator, kind):
+    answer = operator.put(
+        "/api/v1/controllers/spring/command",
+        content='{"command": [1.0]}',
+        headers={"Content-Type": kind},
+    )
+
+    problem = problem_of(answer, 415, "unsupported_media_type")
+    assert kind in problem["detail"]
+    assert "Content-Type: application/json" in problem["remedy"]
+
+
+def test_a_body_without_any_type_is_refused_too(operator):
+    answer = operator.put(
+        "/api/v1/controllers/spring/command", content='{"command": [1.0]}'
+    )
+
+    assert "of no type" in problem_of(answer, 415, "unsupported_media_type")["detail"]
+
+
+def test_json_of_a_named_kind_is_json(operator):
+    answer = operator.post(
+        "/api/v1/stop/release",
+        content='{"arm": "yes"}',
+        headers={"Content-Type": "Application/merge-patch+JSON; charset=utf-8"},
+    )
+
+    problem_of(answer, 422, "invalid_request")

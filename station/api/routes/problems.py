@@ -9,6 +9,7 @@ MEANINGS = {
     409: "Not possible in the present state; the detail names what is in the way.",
     412: "The gains are not the ones of If-Match.",
     413: "The body is too large.",
+    415: "The body is not JSON.",
     422: "Malformed; 'errors' names every field.",
     423: "The station is stopped.",
     426: "This is a WebSocket.",
@@ -18,8 +19,12 @@ MEANINGS = {
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Return the OpenAPI entries of these statuses, and of those every route has."""
+    """Return the OpenAPI entries of these statuses, and of those every route has.
+
+    A route that can refuse a body as too large can refuse one that is no JSON.
+    """
+    with_body = (415,) if 413 in statuses else ()
     return {
         status: {"description": MEANINGS[status]}
-        for status in sorted({401, 403, *statuses})
+        for status in sorted({401, 403, *statuses, *with_body})
     }

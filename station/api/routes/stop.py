@@ -1,18 +1,39 @@
 """The latched stop. A software stop, not a safety device.
 
 Stopping runs in the event loop itself, so that no other request, however many there
-are and however long they take, makes a stop wait.
+are and however long they take, makes a stop wait; and whatever its body says or fails
+to say, the robot stops.
 """
 
-from fastapi import APIRouter
+import asyncio
+
+from fastapi import APIRouter, Request
+from pydantic import ValidationError
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 
 from station.api import wire
 from station.api.dependencies import Operator, RoleDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.schemas import ReleaseRequest, StopRequest, StopState
+from station.core.stop_latch import StopLatch
 
-router = APIRouter(tags=["stop"], dependencies=[Viewer], route_class=JsonRoute)
+BODY_TIMEOUT = 0.2
+"""How long a stop waits for the rest of its own request [s]."""
+CARRY_OUT_TIMEOUT = 0.1
+"""How long an answer waits for the cycle that stops the controllers [s]."""
+_STOP_BODY = {
+    "requestBody": {
+        "content": {
+            "application/json": {"schema": StopRequest.model_json_schema()},
+        },
+        "required": False,
+    }
+}
+
+router = APIRouter(tags=["stop"], dependencies=[Viewer])
+_release = APIRouter(route_class=JsonRoute)
 
 
 @router.get("/stop", responses=problems())
@@ -21,20 +42,36 @@ async def get_stop(station: StationDep) -> StopState:
     return wire.stop_state(station)
 
 
-@router.post("/stop", responses=problems(413, 422))
-async def stop(
-    station: StationDep, role: RoleDep, request: StopRequest | None = None
-) -> StopState:
+@router.post("/stop", responses=problems(413), openapi_extra=_STOP_BODY)
+async def stop(station: StationDep, role: RoleDep, request: Request) -> StopState:
     """Stop every controller in the next cycle; anybody with a token may.
 
+    The body is optional and never in the way: one that cannot be read is ignored.
     Stopping again is fine. Nothing moves until the stop is released and armed.
     """
-    reason = request.reason if request is not None else ""
-    station.stop(reason or f"asked for by the {role.value}")
+    latch = station.loop.stop_latch
+    station.stop(f"asked for by the {role.value}")
+    latch.reason = await _reason(request) or latch.reason
+    await _carried_out(latch)
     return wire.stop_state(station)
 
 
-@router.post(
+async def _reason(request: Request) -> str:
+    try:
+        body = await asyncio.wait_for(request.body(), BODY_TIMEOUT)
+        return StopRequest.model_validate_json(body).reason
+    except (ValidationError, HTTPException, ClientDisconnect, TimeoutError):
+        return ""  # The robot stops all the same; the answer shows the reason kept.
+
+
+async def _carried_out(latch: StopLatch) -> None:
+    for _ in range(round(CARRY_OUT_TIMEOUT / 0.002)):
+        if not latch.pending:
+            return
+        await asyncio.sleep(0.002)
+
+
+@_release.post(
     "/stop/release", dependencies=[Operator], responses=problems(413, 422, 423)
 )
 def release_stop(
@@ -46,3 +83,6 @@ def release_stop(
     """
     station.release_stop(arm=request is not None and request.arm)
     return wire.stop_state(station)
+
+
+router.include_router(_release)

@@ -128,11 +128,13 @@ class StopState(ResponseModel):
             the cause is gone, motion must still be armed.
         reason: Why it was engaged last; empty if it never was.
         epoch: Present epoch; commands of older ones are void.
+        pending: Engaged, and no cycle has carried it out yet; the epoch changes then.
     """
 
     state: StopStateName
     reason: str
     epoch: int
+    pending: bool = False
 
 
 class JointStates(ResponseModel):

@@ -72,7 +72,7 @@ def test_a_malformed_set_point_changes_nothing(
 def test_a_body_that_is_not_declared_json_is_refused(operator):
     answer = operator.put(COMMAND, content='{"command": [0.5]}')
 
-    problem_of(answer, 422, "invalid_request")
+    problem_of(answer, 415, "unsupported_media_type")
 
 
 def test_a_stopped_controller_takes_none(spring):
