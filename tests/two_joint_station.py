@@ -30,13 +30,14 @@ CONTROLLER_TYPES = {
 }
 
 
-def make_station(**parameters) -> Station:
+def make_station(*, clock: ManualClock | None = None, **parameters) -> Station:
     """Return a station with the controllers `arm` and `group`, none of them running.
 
     Args:
+        clock: The station's clock.
         parameters: More parameters of both.
     """
-    clock, tree, hw = ManualClock(), Parameters(), MockRobotHW()
+    clock, tree, hw = clock or ManualClock(), Parameters(), MockRobotHW()
     tree.set("hw/joints", JOINTS)
     tree.set("robot_description", URDF)
     hw.init(tree, tree.namespace("hw"))

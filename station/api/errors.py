@@ -37,6 +37,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.StaleEpochError: 409,
     errors.StoppedError: 423,
     errors.LoopError: 503,
+    errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
 }
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""

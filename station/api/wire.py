@@ -11,6 +11,7 @@ from station.core.controller import ControllerSample
 from station.core.controller_manager import ControllerStatus
 from station.core.goal import Goal
 from station.core.set_point import SetPoint, SetPointElement
+from station.core.simulation import SimulationReport
 from station.core.snapshot import Snapshot
 from station.core.station import Station
 from station.core.switching import SwitchResult
@@ -196,6 +197,16 @@ def loop(found: loop_report.LoopReport) -> schemas.LoopReport:
     )
 
 
+def simulation(found: SimulationReport) -> schemas.Simulation:
+    """Return the pace of a simulation."""
+    return schemas.Simulation(
+        paused=found.paused,
+        real_time_factor=found.real_time_factor,
+        time=found.time,
+        steps_due=found.steps_due,
+    )
+
+
 def stop_state(station: Station) -> schemas.StopState:
     """Return the latched stop."""
     latch = station.loop.stop_latch
@@ -220,6 +231,7 @@ def status(station: Station, versions: dict[str, str]) -> schemas.Status:
         stop_state=found.stop_state.value,
         stop_reason=found.stop_reason,
         loop=loop(found.loop),
+        paused=found.paused,
         robots=[robot_wire.arm_report(r) for r in station.robots.reports()],
         versions=versions,
         clamps=wire_hardware.clamps(found.clamps),

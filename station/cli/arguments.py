@@ -36,6 +36,7 @@ def build_parser() -> Parser:
     _add_switch_verbs(verbs)
     _add_gains(verbs)
     _add_motion_verbs(verbs)
+    _add_simulation_verbs(verbs)
     return parser
 
 
@@ -210,6 +211,40 @@ def _add_gains(verbs: _Verbs) -> None:
     gains.add_argument(
         "changes", nargs="*", metavar="NAME=VALUE", help="e.g. panda_joint1/p=500"
     )
+
+
+def _add_simulation_verbs(verbs: _Verbs) -> None:
+    verbs.add("pause", "simulation:pause", "let simulated time stand still")
+    verbs.add("resume", "simulation:resume", "let simulated time pass again")
+    step = verbs.add("step", "simulation:step", "run some cycles while paused")
+    step.add_argument("n", nargs="?", type=int, default=1, metavar="N")
+    reset = verbs.add(
+        "reset",
+        "simulation:reset",
+        "put the simulated world back to its start; running controllers start anew",
+    )
+    reset.add_argument(
+        "positions",
+        nargs="*",
+        type=_joint_position,
+        metavar="JOINT=POSITION",
+        help="where a joint goes [rad or m], e.g. panda_joint1=0.5",
+    )
+
+
+def _joint_position(text: str) -> tuple[str, float]:
+    """Return a joint and its position.
+
+    Raises:
+        ArgumentTypeError: It does not read NAME=NUMBER.
+    """
+    name, _, number = text.partition("=")
+    try:
+        return name, float(number)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no JOINT=POSITION, such as panda_joint1=0.5"
+        ) from error
 
 
 def _add_motion_verbs(verbs: _Verbs) -> None:

@@ -32,6 +32,7 @@ from station.api.schemas import (
 )
 from station.client import calls, robot_calls
 from station.client.async_robot_client import AsyncRobotClient
+from station.client.async_simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
 from station.client.calls import Call, ModelT, Strictness
 from station.client.errors import ApiError, StationUnreachableError
@@ -53,6 +54,9 @@ class AsyncStationClient:
         token: Operator or viewer token; without one only `health` and `ready` work.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; for tests.
+
+    Attributes:
+        simulation: Pause, step and reset of a simulated robot.
     """
 
     def __init__(
@@ -66,6 +70,7 @@ class AsyncStationClient:
         self.url = url.rstrip("/")
         self.timeout = timeout
         self._token = token
+        self.simulation = AsyncSimulationClient(self._do)
         self._http = httpx.AsyncClient(
             base_url=self.url,
             headers=bearer(token),

@@ -32,8 +32,12 @@ from station.api.schemas import (
     LoopReport,
     Ready,
     ReleaseRequest,
+    ResetRequest,
     Session,
+    Simulation,
+    SimulationPatch,
     Status,
+    StepRequest,
     StopRequest,
     StopState,
     StreamTicket,
@@ -253,6 +257,34 @@ def loop() -> Call[LoopReport]:
 def reset_loop_statistics() -> Call[LoopReport]:
     """Ask to start the loop's statistics afresh."""
     return _send("POST", "/loop/statistics/reset", LoopReport)
+
+
+def simulation() -> Call[Simulation]:
+    """Ask whether time passes, and how fast."""
+    return _get("/simulation", Simulation)
+
+
+def change_simulation(
+    *, paused: bool | None = None, real_time_factor: float | None = None
+) -> Call[Simulation]:
+    """Ask to pause, to resume, or to change the pace."""
+    given = {"paused": paused, "real_time_factor": real_time_factor}
+    body = SimulationPatch.model_validate({
+        name: value for name, value in given.items() if value is not None
+    })
+    return _send("PATCH", "/simulation", Simulation, body)
+
+
+def step_simulation(n: int) -> Call[Simulation]:
+    """Ask to run some cycles of a paused simulation."""
+    body = StepRequest(n=n)
+    return _send("POST", "/simulation/step", Simulation, body, patience=0.1 * n)
+
+
+def reset_simulation(joint_positions: Mapping[str, float]) -> Call[Simulation]:
+    """Ask to put the world back to its start."""
+    body = ResetRequest(joint_positions=dict(joint_positions))
+    return _send("POST", "/simulation/reset", Simulation, body)
 
 
 def stop_state() -> Call[StopState]:

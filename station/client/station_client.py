@@ -34,6 +34,7 @@ from station.client import calls, robot_calls
 from station.client.calls import Call, ModelT, Strictness
 from station.client.errors import ApiError, StationUnreachableError
 from station.client.robot_client import RobotClient
+from station.client.simulation_client import SimulationClient
 from station.client.stream import Stream
 from station.client.stream_options import Rate, StreamOptions, bearer
 
@@ -53,6 +54,9 @@ class StationClient:
         token: Operator or viewer token; without one only `health` and `ready` work.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; for tests.
+
+    Attributes:
+        simulation: Pause, step and reset of a simulated robot.
     """
 
     def __init__(
@@ -66,6 +70,7 @@ class StationClient:
         self.url = url.rstrip("/")
         self.timeout = timeout
         self._token = token
+        self.simulation = SimulationClient(self._do)
         self._http = httpx.Client(
             base_url=self.url,
             headers=bearer(token),

@@ -5,7 +5,7 @@ Source: ros_control@0.20.0 combined_robot_hw/src/combined_robot_hw.cpp; differs:
 raises with its reason.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from typing_extensions import override
 
@@ -166,6 +166,20 @@ class CombinedRobotHW(RobotHW):
             for part in _part_of(robot, [controller])
         ]
         return "; ".join(reason for reason in reasons if reason)
+
+    @override
+    def simulated_time(self) -> float | None:
+        """Return the time of the first simulated robot [s]; None if one is real."""
+        times = [robot.simulated_time() for robot in self.robots.values()]
+        return None if None in times or not times else times[0]
+
+    @override
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:
+        if self.simulated_time() is None:
+            super().reset_simulation(positions)
+        for robot in self.robots.values():
+            own = robot.resources()
+            robot.reset_simulation({n: p for n, p in positions.items() if n in own})
 
     @override
     def mode(self) -> str:

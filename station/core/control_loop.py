@@ -3,10 +3,12 @@
 Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
 never made up for: the next cycle gets the longer `period`, which is the scheduled time
 since the last cycle and so a multiple of the nominal period.
+
+While it is paused the thread goes on waking: posted operations, the stop and switches
+are carried out, the robot is not written to and no controller is updated.
 """
 
 import threading
-from collections import deque
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -16,40 +18,14 @@ from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
 from station.core.interfaces import JointStateGroup, JointStateInterface
 from station.core.loop_report import LoopMeter, LoopReport, LoopState
+from station.core.operations import Operations
+from station.core.pace import Pace
 from station.core.robot_hw import RobotHW
 from station.core.scheduling import request_realtime_priority
 from station.core.snapshot import Snapshot, SnapshotRing
 from station.core.stop_latch import StopLatch
 
 T = TypeVar("T")
-OPERATIONS_PER_CYCLE = 4
-"""How many posted operations one cycle carries out; the rest wait for the next."""
-
-
-class _Operation:
-    """Something to do between two cycles, and its outcome for who waits for it."""
-
-    def __init__(self, action: Callable[[], object]) -> None:
-        self.action = action
-        self.result: object = None
-        self.error: BaseException | None = None
-        self.abandoned = False
-        # Released by the control thread, which never waits for it.
-        self.done = threading.Lock()
-        self.done.acquire()
-
-    def run(self) -> None:
-        if not self.abandoned:
-            try:
-                self.result = self.action()
-            except BaseException as error:  # noqa: BLE001 - handed to the caller
-                self.error = error
-        self.done.release()
-
-    def give_up(self, error: LoopError) -> None:
-        """Tell who waits that nobody will run it."""
-        self.error = error
-        self.done.release()
 
 
 class ControlLoop:
@@ -69,6 +45,7 @@ class ControlLoop:
     Attributes:
         epoch: Number that commands must not be older than.
         stop_latch: The latched stop; the loop carries it out.
+        pace: Whether time passes in the thread, and how fast.
     """
 
     def __init__(
@@ -85,7 +62,7 @@ class ControlLoop:
         self.manager = manager
         self.clock = clock
         self.period = period
-        self.real_time_factor = real_time_factor
+        self.pace = Pace(real_time_factor)
         self.snapshots = snapshots or SnapshotRing()
         self.stop_latch = StopLatch()
         self.epoch = 1
@@ -94,9 +71,10 @@ class ControlLoop:
         interface = hw.get(JointStateInterface)
         self._joints = JointStateGroup(interface.handles() if interface else [])
         self._meter = LoopMeter(clock)
-        self._operations: deque[_Operation] = deque()
+        self._operations = Operations()
         self._thread: threading.Thread | None = None
         self._stopping = False
+        self._restart = False
         self._state = LoopState.STOPPED
         self._failure = ""
         self._scheduler = ""
@@ -181,8 +159,7 @@ class ControlLoop:
         thread = self._thread
         if thread is None or thread is threading.current_thread():
             return action()
-        operation = _Operation(action)
-        self._operations.append(operation)
+        operation = self._operations.post(action)
         self.check_alive()  # after it: whoever dies later gives it up
         if not operation.done.acquire(timeout=timeout):
             operation.abandoned = True
@@ -210,19 +187,31 @@ class ControlLoop:
             state=self._state,
             failure=self._failure,
             period=self.period,
-            real_time_factor=self.real_time_factor,
+            real_time_factor=self.pace.real_time_factor,
             scheduler=self._scheduler,
         )
 
     def reset_statistics(self) -> None:
         """Start the statistics anew."""
-        self.run_in_cycle(self._meter.reset)
+        self.run_in_cycle(self.begin_statistics)
+
+    def begin_statistics(self) -> None:
+        """Start the statistics anew; control thread or between cycles."""
+        self._meter.reset()
 
     def next_epoch(self) -> int:
         """Make everything commanded so far void; control thread or between cycles."""
         self.epoch += 1
         self.manager.void_commands()
         return self.epoch
+
+    def begin_anew(self) -> None:
+        """Void all commands and restart what runs in the next cycle, once.
+
+        For a world that was put somewhere else; control thread or between cycles.
+        """
+        self.next_epoch()
+        self._restart = True
 
     def carry_out_stop(self) -> None:
         """Stop every controller now; control thread, or when no thread runs."""
@@ -254,8 +243,7 @@ class ControlLoop:
             self.carry_out_stop()
         except CONTAINED:
             self._failure = f"{trace_of_fault()}\nAfter:\n{self._failure}"
-        while self._operations:
-            self._operations.popleft().give_up(self._death())
+        self._operations.give_up(self._death())
 
     def _death(self) -> LoopError:
         return LoopError(
@@ -265,31 +253,54 @@ class ControlLoop:
         )
 
     def _run_until_stopped(self) -> None:
-        wall_period = self.period / self.real_time_factor
-        deadline = self.clock.now() + wall_period
+        pace = self.pace
+        deadline = self.clock.now() + self.period / pace.real_time_factor
         while not self._stopping:
             self.clock.sleep_until(deadline)
+            wall_period = self.period / pace.real_time_factor
             lateness = self.clock.now() - deadline
             skipped = int(lateness / wall_period)
-            self._meter.woke(lateness, skipped)
-            self._cycle((1 + skipped) * self.period)
+            if not pace.passes():
+                self._idle()
+            elif pace.paused:
+                self._cycle(self.period)  # a step is a step, however late
+            else:
+                self._meter.woke(lateness, skipped)
+                self._cycle((1 + skipped) * self.period)
             deadline += (1 + skipped) * wall_period
 
     def _cycle(self, period: float) -> None:
         meter = self._meter
         self.time += period
         self.cycle += 1
-        if self._operations:
-            self._run_operations()
-        if self.stop_latch.pending:
-            self.carry_out_stop()
+        self._between_cycles()
         meter.begin()
         self.hw.read(self.time, period)
         meter.read_done()
-        self.manager.update(self.time, period)
+        self.manager.update(self.time, period, reset_controllers=self._restart)
+        self._restart = False
         meter.update_done()
         self.hw.write(self.time, period)
         meter.write_done()
+        self._push_snapshot(period)
+
+    def _between_cycles(self) -> bool:
+        changed = self._operations.run()
+        if self.stop_latch.pending:
+            self.carry_out_stop()
+            changed = True
+        return changed
+
+    def _idle(self) -> None:
+        """Let time stand still, and show what was done meanwhile."""
+        changed = self._between_cycles()
+        if self.manager.carry_on_switch(self.time) or changed:
+            self.cycle += 1
+            self.hw.read(self.time, 0.0)
+            self._push_snapshot(0.0)
+        self._meter.idled()
+
+    def _push_snapshot(self, period: float) -> None:
         self.snapshots.push(
             Snapshot(
                 self.cycle,
@@ -303,7 +314,3 @@ class ControlLoop:
                 self.manager.samples(),
             )
         )
-
-    def _run_operations(self) -> None:
-        for _ in range(min(len(self._operations), OPERATIONS_PER_CYCLE)):
-            self._operations.popleft().run()

@@ -115,6 +115,17 @@ class ControllerManager:
         """
         self._runner.update(time, period, reset_controllers=reset_controllers)
 
+    def carry_on_switch(self, time: float) -> bool:
+        """Carry on with a pending switch in a cycle in which no time passes.
+
+        Args:
+            time: Station time [s].
+
+        Returns:
+            Whether there was one.
+        """
+        return self._runner.carry_on_switch(time)
+
     def stop_all(self, time: float) -> None:
         """Stop every controller now and rest the robot; ends a pending switch.
 

@@ -75,6 +75,28 @@ class ControllerRunner(ControllerLifecycle):
         finally:
             self.updating = False
 
+    def carry_on_switch(self, time: float) -> bool:
+        """Carry on with a pending switch while time stands still.
+
+        Args:
+            time: Station time [s].
+
+        Returns:
+            Whether there was one.
+        """
+        pending = self.pending
+        if pending is None:
+            return False
+        self.thread = threading.get_ident()
+        self.updating = True
+        self.cycle += 1
+        self.time = time
+        try:
+            self._carry_on(pending, time, 0.0)
+        finally:
+            self.updating = False
+        return True
+
     def _update_one(self, one: LoadedController, time: float, period: float) -> None:
         begin = perf_counter()
         try:

@@ -24,6 +24,7 @@ StationError
 ├── StaleEpochError               the command belongs to an older epoch
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
+├── SimulationError               there is no simulation, or not now (RuntimeError)
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
 ```
 """
@@ -196,6 +197,12 @@ class LoopError(StationError, RuntimeError):
     """The control loop is not running, is running already, or died."""
 
     code = "loop"
+
+
+class SimulationError(StationError, RuntimeError):
+    """The simulation cannot do that now, or there is none."""
+
+    code = "simulation_refused"
 
 
 class RobotDescriptionError(StationError, ValueError):

@@ -115,8 +115,14 @@ class LoopMeter:
         self._last = now
         self._cycles += 1
 
+    def idled(self) -> None:
+        """Note that the thread woke while time stands still: it counts for nothing."""
+        now = self._clock.now()
+        self._since += now - self._last
+        self._last = now
+
     def age(self) -> float:
-        """Return how long ago the last cycle ended [s]."""
+        """Return how long ago the last cycle ended, or the thread idled [s]."""
         return self._clock.now() - self._last
 
     def report(

@@ -5,10 +5,11 @@ interface_resources.h; differs: a conflict is described instead of reported as `
 and a refused switch raises with its reason instead of returning `False`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from station.core.errors import SimulationError
 from station.core.interfaces.interface_manager import InterfaceManager
 from station.core.parameters import Parameters
 from station.core.robot_report import (
@@ -207,6 +208,28 @@ class RobotHW(InterfaceManager):
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
         return ""
+
+    def simulated_time(self) -> float | None:
+        """Return the time of the simulated world [s]; None for a real robot."""
+        return None
+
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:  # noqa: ARG002
+        """Put the simulated world back to its start; control thread.
+
+        The loop voids all commands and restarts the running controllers after it.
+
+        Args:
+            positions: Joint name to position [rad or m]; the others are put where the
+                last reset put them, at first where they began.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world; nothing changed.
+            SimulationError: The robot is not simulated.
+        """
+        raise SimulationError(
+            f"The robot {type(self).__name__} is not simulated.",
+            remedy="Move it with a controller.",
+        )
 
     def mode(self) -> str:
         """Return the robot's mode in one word, for status displays.

@@ -22,6 +22,7 @@ from station.core.loop_report import LoopReport, LoopState
 from station.core.motion_commands import MotionCommands
 from station.core.parameters import Parameters
 from station.core.robots import Robots
+from station.core.simulation import Simulation
 from station.core.snapshot import Snapshot, SnapshotRing
 from station.core.station_status import StationStatus
 from station.core.stop_latch import StopState
@@ -47,6 +48,7 @@ class Station(MotionCommands):
     Attributes:
         boot_id: Random name of this run.
         robots: The arms, their state, settings and recovery.
+        simulation: Pause, step and reset of a simulated robot.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class Station(MotionCommands):
     ) -> None:
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
+        self.simulation = Simulation(loop)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters
         self._robot_type = robot_type
@@ -106,6 +109,7 @@ class Station(MotionCommands):
             stop_state=latch.state,
             stop_reason=latch.reason,
             loop=self.loop.report(),
+            paused=self.loop.pace.paused,
             clamps=tuple(self.loop.hw.clamps()),
         )
 

@@ -21,6 +21,7 @@ class StationStatus:
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the loop is doing.
+        paused: Station time stands still.
         clamps: What limits have cut off.
     """
 
@@ -33,4 +34,5 @@ class StationStatus:
     stop_state: StopState
     stop_reason: str
     loop: LoopReport
+    paused: bool
     clamps: tuple[ClampReport, ...]

@@ -65,4 +65,5 @@ def _mode(status: Status) -> str:
         if arm.remedy:
             names = ", ".join(dict.fromkeys(error.name for error in arm.errors))
             wrong.append(f"{arm.arm_id}: {names or arm.robot_mode}: {arm.remedy}")
-    return " · ".join([status.robot_mode, *wrong])
+    mode = f"{status.robot_mode}, paused" if status.paused else status.robot_mode
+    return " · ".join([mode, *wrong])

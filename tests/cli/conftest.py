@@ -14,6 +14,7 @@ from station.api.schemas import (
     Goal,
     Percentiles,
     Recovery,
+    Simulation,
     StopState,
     StreamFrame,
     SwitchResult,
@@ -22,6 +23,35 @@ from station.api.schemas import (
 from station.cli.main import main
 
 GROUP = "position_controllers/JointGroupPositionController"
+
+
+class FakeSimulation:
+    """What `SimulationClient` is to the command line."""
+
+    def __init__(self, station: "FakeStation") -> None:
+        self._station = station
+        self.paused = False
+
+    def _record(self, *call: object) -> Simulation:
+        self._station._record(*call)
+        return Simulation(
+            paused=self.paused, real_time_factor=0.5, time=1.25, steps_due=0
+        )
+
+    def pause(self):
+        self.paused = True
+        return self._record("pause")
+
+    def resume(self):
+        self.paused = False
+        return self._record("resume")
+
+    def step(self, n):
+        self.paused = True
+        return self._record("step", n)
+
+    def reset(self, joint_positions):
+        return self._record("reset", joint_positions)
 
 
 class FakeStation:
@@ -35,6 +65,7 @@ class FakeStation:
         self.failed: dict[str, str] = {}
         self.goals: list[Goal] = []
         self.refusal: BaseException | None = None
+        self.simulation = FakeSimulation(self)
 
     def __enter__(self):
         return self

@@ -30,6 +30,10 @@ LINES = {
     "stop": "stop",
     "release": "release --arm",
     "recover": "recover panda --restart",
+    "pause": "pause",
+    "resume": "resume",
+    "step": "step 100",
+    "reset": "reset panda_joint1=0.5",
 }
 
 

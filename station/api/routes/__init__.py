@@ -13,6 +13,7 @@ from station.api.routes import (
     loop,
     robots,
     set_points,
+    simulation,
     status,
     stop,
     streams,
@@ -33,6 +34,7 @@ for _module in (
     hardware,
     loop,
     robots,
+    simulation,
     stop,
     streams,
 ):

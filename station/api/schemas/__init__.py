@@ -70,6 +70,12 @@ from station.api.schemas.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
+from station.api.schemas.simulation import (
+    ResetRequest,
+    Simulation,
+    SimulationPatch,
+    StepRequest,
+)
 from station.api.schemas.station import (
     Health,
     JointStates,
@@ -161,10 +167,14 @@ __all__ = [
     "RecoveryRequest",
     "ReleaseRequest",
     "RequestModel",
+    "ResetRequest",
     "ResponseModel",
     "Session",
+    "Simulation",
+    "SimulationPatch",
     "SoftLimits",
     "Status",
+    "StepRequest",
     "StiffnessFrame",
     "StopRequest",
     "StopState",

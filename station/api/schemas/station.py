@@ -81,6 +81,7 @@ class Status(ResponseModel):
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the control loop does.
+        paused: Station time stands still: somebody has paused the simulation.
         robots: The arms: mode, errors, and what to do about them.
         versions: Versions of the station and what it is built on.
         clamps: Commands that limits cut off; empty if none ever was.
@@ -95,6 +96,7 @@ class Status(ResponseModel):
     stop_state: StopStateName
     stop_reason: str
     loop: LoopReport
+    paused: bool = False
     robots: list[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
     clamps: list[Clamp] = Field(default_factory=list)

@@ -107,3 +107,11 @@ class InterfaceManager:
                     if isinstance(provider, ResourceManager):
                         names += provider.get_names()
         return names
+
+    def resources(self) -> set[str]:
+        """Return the names of all resources of all interfaces."""
+        return {
+            resource
+            for type_name in self.get_names()
+            for resource in self.get_interface_resources(type_name)
+        }

@@ -11,7 +11,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from typing_extensions import override
 
@@ -315,21 +315,15 @@ class FrankaHW(RobotHW):
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
 
-    def reset_simulation(self, positions: dict[str, float] | None = None) -> None:
-        """Put the simulated world back to its start; control thread.
+    @override
+    def simulated_time(self) -> float | None:
+        return None if self.simulation is None else self.simulation.world.time
 
-        Running controllers go on from there.
-
-        Args:
-            positions: Joint name to position [rad or m]; the others are put where the
-                last reset put them.
-
-        Raises:
-            HardwareInterfaceError: A joint is not in the world.
-            RuntimeError: The arm is not simulated.
-        """
+    @override
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:
         if self.simulation is None:
-            raise RuntimeError("the arm is not simulated")
+            super().reset_simulation(positions)
+            return
         self.simulation.world.reset(positions)
         if self._fingers is not None:
             self._fingers.begin_anew()

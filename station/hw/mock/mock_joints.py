@@ -52,6 +52,22 @@ class MockJoints:
         self._inertia = inertia
         self._damping = damping
 
+    def place(self, positions: list[float]) -> None:
+        """Put the joints at rest somewhere; where they are commanded to be, too.
+
+        Args:
+            positions: [rad or m], shape (n,).
+        """
+        self.position[:] = self.position_command[:] = positions
+        for values in (
+            self.velocity,
+            self.effort,
+            self.velocity_command,
+            self.acceleration_command,
+            self.effort_command,
+        ):
+            values[:] = [0.0] * len(positions)
+
     def advance(self, period: float) -> None:
         """Let `period` [s] pass, >= 0."""
         for index, mode in enumerate(self.mode):

@@ -5,12 +5,16 @@ and slow switches, switches that fail, sensors that read NaN, slow cycles, excep
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from typing_extensions import override
 
 from station.core.clock import Clock, SystemClock
-from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.errors import (
+    HardwareInterfaceError,
+    ParameterError,
+    SwitchRefusedError,
+)
 from station.core.interfaces import (
     EffortJointInterface,
     ForceTorqueSensorHandle,
@@ -54,6 +58,8 @@ class MockRobotHW(RobotHW):
         self.joints = MockJoints([])
         self._ready_in: dict[str, int] = {}
         self._measured = MockJoints([])
+        self._start: list[float] = []
+        self._time = 0.0
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -87,6 +93,7 @@ class MockRobotHW(RobotHW):
         self.script.switch_cycles = hw_params.get_int("switch_cycles", 0)
         self.joint_names = names
         self.joints = MockJoints(positions, inertia, damping)
+        self._start = positions
         self._measured = MockJoints(positions)
         self._register_interfaces()
 
@@ -157,6 +164,7 @@ class MockRobotHW(RobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
+        self._time += period
         self.joints.advance(period)
         for name, cycles in self._ready_in.items():
             if cycles > 0:
@@ -217,6 +225,27 @@ class MockRobotHW(RobotHW):
             return SwitchState.ERROR
         waiting = self._ready_in.get(controller.name, 0) > 0
         return SwitchState.ONGOING if waiting else SwitchState.DONE
+
+    @override
+    def simulated_time(self) -> float:
+        return self._time
+
+    @override
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:
+        places = {self._place(name): p for name, p in positions.items()}
+        self._time = 0.0
+        for index, position in places.items():
+            self._start[index] = position
+        self.joints.place(self._start)
+
+    def _place(self, joint: str) -> int:
+        if joint not in self.joint_names:
+            raise HardwareInterfaceError(
+                f"The mock has no joint '{joint}'.",
+                remedy=f"Choose among {', '.join(self.joint_names)}.",
+                details={"joint": joint},
+            )
+        return self.joint_names.index(joint)
 
     @override
     def mode(self) -> str:

@@ -10,7 +10,7 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 - Mimic joints and joints without a motor have a state, too.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from typing_extensions import override
 
@@ -194,18 +194,12 @@ class MujocoRobotHW(RobotHW):
         self._modes.switch(start, stop)
         self._limits.activate(self._modes.in_use)
 
-    def reset_simulation(self, positions: dict[str, float] | None = None) -> None:
-        """Put the simulated world back to its start; control thread.
+    @override
+    def simulated_time(self) -> float:
+        return self.world.time
 
-        Running controllers go on from there.
-
-        Args:
-            positions: Joint name to position [rad or m]; the others are put where the
-                last reset put them.
-
-        Raises:
-            HardwareInterfaceError: A joint is not in the world.
-        """
+    @override
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:
         self.world.reset(positions)
         self.read(0.0, 0.0)
         self._modes.restart()

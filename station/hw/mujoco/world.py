@@ -1,7 +1,7 @@
 """The simulated world: owns MuJoCo's model and data, and advances them in time."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import mujoco
@@ -133,7 +133,7 @@ class World:
             )
             self._return_to_start()
 
-    def reset(self, positions: dict[str, float] | None = None) -> None:
+    def reset(self, positions: Mapping[str, float] | None = None) -> None:
         """Set time and velocities to zero and the joints to a pose.
 
         Args:
@@ -141,10 +141,14 @@ class World:
                 keep the position of the last reset, at first that of the model.
 
         Raises:
-            HardwareInterfaceError: A joint is not in the world.
+            HardwareInterfaceError: A joint is not in the world; nothing changed.
         """
-        for name, position in (positions or {}).items():
-            self._initial_qpos[joint_position_address(self.model, name)] = position
+        wanted = {
+            joint_position_address(self.model, name): position
+            for name, position in (positions or {}).items()
+        }
+        for address, position in wanted.items():
+            self._initial_qpos[address] = position
         self._return_to_start()
         self._diverged_because = ""
         for actor in self._actors:

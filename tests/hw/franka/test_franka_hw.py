@@ -278,7 +278,7 @@ def test_diverged_arm_refuses_to_start_until_reset(hw: FrankaHW) -> None:
     assert hw.switch_result() is SwitchState.ERROR
     with pytest.raises(SwitchRefusedError, match="diverged"):
         switch(hw, "jp", "jt")
-    hw.reset_simulation()
+    hw.reset_simulation({})
     run(hw, 10)
     assert hw.mode() == "move"
 

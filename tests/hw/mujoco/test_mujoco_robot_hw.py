@@ -262,7 +262,7 @@ def test_diverged_world_refuses_controllers():
     assert hw.mode() == "diverged"
     with pytest.raises(SwitchRefusedError, match="diverged"):
         claim(hw, "effort", "elbow_joint")
-    hw.reset_simulation()
+    hw.reset_simulation({})
     assert hw.mode() == "running"
 
 

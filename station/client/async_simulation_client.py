@@ -1,0 +1,69 @@
+"""The asynchronous client of a simulation: pause, step, reset."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from station.api.schemas import Simulation
+from station.client import calls
+from station.client.calls import Call
+
+
+class AsyncSimulationClient:
+    """The simulation of a station; `AsyncStationClient.simulation`.
+
+    Every method raises what the client's own methods raise.
+
+    Args:
+        do: Sends a call and returns its answer.
+    """
+
+    def __init__(self, do: Callable[[Call[Any]], Awaitable[Any]]) -> None:
+        self._do = do
+
+    async def state(self) -> Simulation:
+        """Return whether time passes, and how fast."""
+        answer: Simulation = await self._do(calls.simulation())
+        return answer
+
+    async def pause(self) -> Simulation:
+        """Let time stand still; stops and switches still work."""
+        answer: Simulation = await self._do(calls.change_simulation(paused=True))
+        return answer
+
+    async def resume(self) -> Simulation:
+        """Let time pass again."""
+        answer: Simulation = await self._do(calls.change_simulation(paused=False))
+        return answer
+
+    async def set_real_time_factor(self, factor: float) -> Simulation:
+        """Change the pace.
+
+        Args:
+            factor: Station time over wall time, more than 0, at most 100.
+        """
+        call = calls.change_simulation(real_time_factor=factor)
+        answer: Simulation = await self._do(call)
+        return answer
+
+    async def step(self, n: int = 1) -> Simulation:
+        """Run some cycles while paused; returns when they are done.
+
+        Args:
+            n: How many, 1 to 10000.
+        """
+        answer: Simulation = await self._do(calls.step_simulation(n))
+        return answer
+
+    async def reset(
+        self, joint_positions: Mapping[str, float] | None = None
+    ) -> Simulation:
+        """Put the world back to its start; what was commanded before is void.
+
+        Args:
+            joint_positions: Joint name to position [rad or m]; the others are put
+                where the last reset put them.
+        """
+        answer: Simulation = await self._do(
+            calls.reset_simulation(joint_positions or {})
+        )
+        return answer

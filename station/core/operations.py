@@ -1,0 +1,74 @@
+"""What other threads want done between two cycles; the control thread does it."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+
+from station.core.errors import LoopError
+
+OPERATIONS_PER_CYCLE = 4
+"""How many posted operations one cycle carries out; the rest wait for the next."""
+
+
+class Operation:
+    """Something to do between two cycles, and its outcome for who waits for it.
+
+    Args:
+        action: Short, and must not wait for anything.
+
+    Attributes:
+        result: What `action` returned.
+        error: What `action` raised, or why nobody will run it; None if neither.
+        abandoned: Nobody waits for it any more: it will not be run.
+        done: Released once `result` or `error` is there.
+    """
+
+    def __init__(self, action: Callable[[], object]) -> None:
+        self._action = action
+        self.result: object = None
+        self.error: BaseException | None = None
+        self.abandoned = False
+        # Released by the control thread, which never waits for it.
+        self.done = threading.Lock()
+        self.done.acquire()
+
+    def run(self) -> None:
+        """Do it, unless nobody waits for it any more."""
+        if not self.abandoned:
+            try:
+                self.result = self._action()
+            except BaseException as error:  # noqa: BLE001 - handed to the caller
+                self.error = error
+        self.done.release()
+
+    def give_up(self, error: LoopError) -> None:
+        """Tell who waits that nobody will run it."""
+        self.error = error
+        self.done.release()
+
+
+class Operations:
+    """The operations that wait for the next cycle. Any thread posts, one runs them."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[Operation] = deque()
+
+    def post(self, action: Callable[[], object]) -> Operation:
+        """Have `action` carried out between two cycles."""
+        operation = Operation(action)
+        self._waiting.append(operation)
+        return operation
+
+    def run(self) -> bool:
+        """Carry out what a cycle has time for; return whether there was anything."""
+        waiting = self._waiting
+        if not waiting:
+            return False
+        for _ in range(min(len(waiting), OPERATIONS_PER_CYCLE)):
+            waiting.popleft().run()
+        return True
+
+    def give_up(self, error: LoopError) -> None:
+        """Tell everybody who waits that nobody will run theirs."""
+        while self._waiting:
+            self._waiting.popleft().give_up(error)
