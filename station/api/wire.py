@@ -231,7 +231,7 @@ def status(station: Station, versions: dict[str, str]) -> schemas.Status:
         stop_state=found.stop_state.value,
         stop_reason=found.stop_reason,
         loop=loop(found.loop),
-        paused=found.paused,
+        simulation=None if found.simulation is None else simulation(found.simulation),
         robots=[robot_wire.arm_report(r) for r in station.robots.reports()],
         versions=versions,
         clamps=wire_hardware.clamps(found.clamps),

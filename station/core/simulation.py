@@ -49,22 +49,28 @@ class Simulation:
     def __init__(self, loop: ControlLoop) -> None:
         self._loop = loop
 
+    def find(self) -> SimulationReport | None:
+        """Return the simulation at a glance; None when the robot is real."""
+        time, pace = self._loop.hw.simulated_time(), self._loop.pace
+        if time is None:
+            return None
+        return SimulationReport(
+            pace.paused, pace.real_time_factor, time, pace.steps_due
+        )
+
     def report(self) -> SimulationReport:
         """Return the simulation at a glance.
 
         Raises:
             SimulationError: The robot is not simulated.
         """
-        time = self._loop.hw.simulated_time()
-        if time is None:
+        report = self.find()
+        if report is None:
             raise SimulationError(
                 f"The robot {type(self._loop.hw).__name__} is not simulated.",
                 remedy="Time cannot be stopped for it; POST /stop stops the robot.",
             )
-        pace = self._loop.pace
-        return SimulationReport(
-            pace.paused, pace.real_time_factor, time, pace.steps_due
-        )
+        return report
 
     def change(
         self, *, paused: bool | None = None, real_time_factor: float | None = None

@@ -109,7 +109,7 @@ class Station(MotionCommands):
             stop_state=latch.state,
             stop_reason=latch.reason,
             loop=self.loop.report(),
-            paused=self.loop.pace.paused,
+            simulation=self.simulation.find(),
             clamps=tuple(self.loop.hw.clamps()),
         )
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from station.core.loop_report import LoopReport
 from station.core.robot_report import ClampReport
+from station.core.simulation import SimulationReport
 from station.core.stop_latch import StopState
 
 
@@ -21,7 +22,7 @@ class StationStatus:
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the loop is doing.
-        paused: Station time stands still.
+        simulation: The simulation at a glance; None for a real robot.
         clamps: What limits have cut off.
     """
 
@@ -34,5 +35,5 @@ class StationStatus:
     stop_state: StopState
     stop_reason: str
     loop: LoopReport
-    paused: bool
+    simulation: SimulationReport | None
     clamps: tuple[ClampReport, ...]

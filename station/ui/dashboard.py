@@ -17,6 +17,7 @@ from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.operate_panel import OperatePanel
+from station.ui.panels.simulation_panel import SimulationPanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
 from station.ui.robot_model import joint_limits
@@ -67,7 +68,14 @@ class Dashboard:
             controllers = ControllersPanel(server.gui, self._link, self._reporter)
         with tabs.add_tab("Tune"):
             self._tune = TunePanel(server.gui, self._link, self._reporter)
-        self._panels: list[Panel] = [self._operate, controllers, self._tune]
+        with tabs.add_tab("Simulation"):
+            simulation = SimulationPanel(server.gui, self._link, self._reporter)
+        self._panels: list[Panel] = [
+            self._operate,
+            controllers,
+            self._tune,
+            simulation,
+        ]
         self._running: Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
 

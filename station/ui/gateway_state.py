@@ -65,5 +65,6 @@ def _mode(status: Status) -> str:
         if arm.remedy:
             names = ", ".join(dict.fromkeys(error.name for error in arm.errors))
             wrong.append(f"{arm.arm_id}: {names or arm.robot_mode}: {arm.remedy}")
-    mode = f"{status.robot_mode}, paused" if status.paused else status.robot_mode
+    paused = status.simulation is not None and status.simulation.paused
+    mode = f"{status.robot_mode}, paused" if paused else status.robot_mode
     return " · ".join([mode, *wrong])

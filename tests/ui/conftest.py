@@ -7,7 +7,7 @@ from station.ui.panels.operate_panel import OperatePanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.widgets import NONE
 from tests.ui.bench import Bench
-from tests.ui.fake_station import FakeStation
+from tests.ui.fake_station import SIMULATION, FakeStation
 
 
 @pytest.fixture(scope="package")
@@ -23,6 +23,7 @@ def bench(shared_bench):
     station.controllers.clear()
     station.requests.clear()
     station.stop_state = "armed"
+    station.simulation = dict(SIMULATION)
     assert shared_bench.wait(lambda: _is_empty(shared_bench))
     return shared_bench
 

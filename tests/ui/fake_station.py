@@ -21,6 +21,12 @@ VIEWER = "viewer-token"
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
 GROUP_TYPE = "effort_controllers/JointGroupPositionController"
 START = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+SIMULATION = {
+    "paused": False,
+    "real_time_factor": 1.0,
+    "time": 2.5,
+    "steps_due": 0,
+}
 _NO_TIMES = {"p50": 0.0, "p99": 1.2e-4, "p999": 2e-4, "max": 1e-3, "count": 10}
 
 
@@ -57,6 +63,7 @@ class FakeStation:
         self.controllers = {}
         self.stop_state = "armed"
         self.epoch = 1
+        self.simulation = dict(SIMULATION)
         self.requests = []
         self.boot_id = "boot-1"
         self.url = ""
@@ -89,6 +96,10 @@ class FakeStation:
             ("GET", "/controllers/{name}/command"): self._command_info,
             ("PUT", "/controllers/{name}/command"): self._command,
             ("GET", "/controller-types"): self._types,
+            ("GET", "/simulation"): self._simulated,
+            ("PATCH", "/simulation"): self._change_simulation,
+            ("POST", "/simulation/step"): self._step_simulation,
+            ("POST", "/simulation/reset"): self._reset_simulation,
             ("POST", "/stop"): self._stop,
             ("POST", "/stop/release"): self._release,
         }
@@ -144,6 +155,7 @@ class FakeStation:
             "stop_state": self.stop_state,
             "stop_reason": "",
             "loop": loop,
+            "simulation": self.simulation,
             "versions": {},
         })
 
@@ -231,6 +243,20 @@ class FakeStation:
                 for kind in kinds
             ]
         })
+
+    def _simulated(self, *_):
+        return JSONResponse(self.simulation)
+
+    def _change_simulation(self, _name, body, _token):
+        self.simulation = {**self.simulation, **body}
+        return self._simulated()
+
+    def _step_simulation(self, _name, body, _token):
+        time = self.simulation["time"] + 0.001 * body["n"]
+        return self._change_simulation("", {"time": time}, "")
+
+    def _reset_simulation(self, *_):
+        return self._change_simulation("", {"time": 0.0}, "")
 
     def _stop(self, *_):
         self.stop_state = "stopped"

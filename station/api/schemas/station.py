@@ -8,6 +8,7 @@ from station.api.schemas.base import RequestModel, ResponseModel
 from station.api.schemas.controllers import Percentiles
 from station.api.schemas.hardware import Clamp
 from station.api.schemas.robots import ArmReport
+from station.api.schemas.simulation import Simulation
 
 StopStateName = Literal["armed", "stopped", "released"]
 
@@ -81,7 +82,7 @@ class Status(ResponseModel):
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the control loop does.
-        paused: Station time stands still: somebody has paused the simulation.
+        simulation: How simulated time passes; null for a real robot.
         robots: The arms: mode, errors, and what to do about them.
         versions: Versions of the station and what it is built on.
         clamps: Commands that limits cut off; empty if none ever was.
@@ -96,7 +97,7 @@ class Status(ResponseModel):
     stop_state: StopStateName
     stop_reason: str
     loop: LoopReport
-    paused: bool = False
+    simulation: Simulation | None = None
     robots: list[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
     clamps: list[Clamp] = Field(default_factory=list)

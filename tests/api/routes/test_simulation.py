@@ -50,9 +50,11 @@ def test_a_reset_says_where_the_joints_go(client, station):
 
 
 def test_the_status_says_that_time_stands_still(client):
+    assert client.status().simulation.paused is False
+
     client.simulation.pause()
 
-    assert client.status().paused is True
+    assert client.status().simulation.paused is True
 
 
 @pytest.mark.parametrize(

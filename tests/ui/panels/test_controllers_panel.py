@@ -53,6 +53,7 @@ def test_the_form_is_prefilled_so_that_load_works_at_once(bench, panel):
     assert bench.wait(lambda: bench.station.controllers)
     body = next(r[2] for r in bench.station.requests if r[0] == "POST")
     assert body["params"]["panda_joint1"] == {"pid": {"p": 600, "i": 0, "d": 30}}
+    assert bench.wait(lambda: form._name.value != body["name"])  # a free one
 
 
 def test_a_refusal_is_shown_as_it_is_worded(bench, panel):
