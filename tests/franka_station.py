@@ -1,5 +1,7 @@
 """A station over one simulated arm, stepped by hand."""
 
+from collections.abc import Sequence
+
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
 from station.core.control_loop import ControlLoop
@@ -12,13 +14,15 @@ from station.hw.franka.franka_hw import FrankaHW
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 
 
-def make_franka_station(**robot: object) -> Station:
+def make_franka_station(*, objects: Sequence[object] = (), **robot: object) -> Station:
     """Return a station with the position controller `arm`, which does not run.
 
     Args:
+        objects: What stands around the robot, as in the configuration.
         robot: More parameters of the robot.
     """
     tree, clock, hw = Parameters(), ManualClock(), FrankaHW()
+    tree.set("scene", {"objects": list(objects)})
     tree.set(
         "robot",
         {"arm_id": "panda", "robot_description": "example-robot-data:panda", **robot},

@@ -1,6 +1,7 @@
 """From the core's values to the wire models."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import cast
 
 from pydantic import JsonValue
 
@@ -10,6 +11,7 @@ from station.core import loop_report, statistics, tunables
 from station.core.controller import ControllerSample
 from station.core.controller_manager import ControllerStatus
 from station.core.goal import Goal
+from station.core.robot_report import SceneObjectReport
 from station.core.set_point import SetPoint, SetPointElement
 from station.core.simulation import SimulationReport
 from station.core.snapshot import Snapshot
@@ -194,6 +196,24 @@ def loop(found: loop_report.LoopReport) -> schemas.LoopReport:
         write=percentiles(found.write),
         total=percentiles(found.total),
         scheduler=found.scheduler,
+    )
+
+
+def scene(found: Sequence[SceneObjectReport]) -> schemas.Scene:
+    """Return the things around a robot."""
+    return schemas.Scene(
+        objects=[
+            schemas.SceneObject(
+                name=thing.name,
+                type=cast("schemas.ObjectKind", thing.kind),
+                size=list(thing.size),
+                position=measured_list(thing.position),
+                orientation=measured_list(thing.orientation),
+                mass=thing.mass,
+                file=thing.file,
+            )
+            for thing in found
+        ]
     )
 
 

@@ -23,6 +23,7 @@ from station.api.schemas import (
     JointStates,
     LoopReport,
     Ready,
+    SceneObject,
     Session,
     Status,
     StopState,
@@ -296,6 +297,10 @@ class AsyncStationClient:
     def robot(self, arm_id: str) -> AsyncRobotClient:
         """Return the client of one arm."""
         return AsyncRobotClient(self._do, arm_id)
+
+    async def scene(self) -> list[SceneObject]:
+        """Return the things around a simulated robot, where they are now."""
+        return (await self._do(calls.scene())).objects
 
     async def loop(self) -> LoopReport:
         """Return how the control loop does."""

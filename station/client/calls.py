@@ -33,6 +33,7 @@ from station.api.schemas import (
     Ready,
     ReleaseRequest,
     ResetRequest,
+    Scene,
     Session,
     Simulation,
     SimulationPatch,
@@ -257,6 +258,11 @@ def loop() -> Call[LoopReport]:
 def reset_loop_statistics() -> Call[LoopReport]:
     """Ask to start the loop's statistics afresh."""
     return _send("POST", "/loop/statistics/reset", LoopReport)
+
+
+def scene() -> Call[Scene]:
+    """Ask for the things around a simulated robot."""
+    return _get("/scene", Scene)
 
 
 def simulation() -> Call[Simulation]:

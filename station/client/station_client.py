@@ -23,6 +23,7 @@ from station.api.schemas import (
     JointStates,
     LoopReport,
     Ready,
+    SceneObject,
     Session,
     Status,
     StopState,
@@ -296,6 +297,10 @@ class StationClient:
     def robot(self, arm_id: str) -> RobotClient:
         """Return the client of one arm."""
         return RobotClient(self._do, arm_id)
+
+    def scene(self) -> list[SceneObject]:
+        """Return the things around a simulated robot, where they are now."""
+        return (self._do(calls.scene())).objects
 
     def loop(self) -> LoopReport:
         """Return how the control loop does."""

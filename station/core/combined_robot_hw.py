@@ -20,6 +20,7 @@ from station.core.robot_hw import (
 from station.core.robot_report import (
     ClampReport,
     JointLimitsReport,
+    SceneObjectReport,
     TransmissionReport,
 )
 
@@ -166,6 +167,12 @@ class CombinedRobotHW(RobotHW):
             for part in _part_of(robot, [controller])
         ]
         return "; ".join(reason for reason in reasons if reason)
+
+    @override
+    def scene(self) -> Sequence[SceneObjectReport]:
+        """Return what any robot sees; robots in one world see the same."""
+        found = {one.name: one for hw in self.robots.values() for one in hw.scene()}
+        return list(found.values())
 
     @override
     def simulated_time(self) -> float | None:

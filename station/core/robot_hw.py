@@ -15,6 +15,7 @@ from station.core.parameters import Parameters
 from station.core.robot_report import (
     ClampReport,
     JointLimitsReport,
+    SceneObjectReport,
     TransmissionReport,
 )
 
@@ -208,6 +209,10 @@ class RobotHW(InterfaceManager):
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
         return ""
+
+    def scene(self) -> Sequence[SceneObjectReport]:
+        """Return the things around a simulated robot, now; control thread."""
+        return ()
 
     def simulated_time(self) -> float | None:
         """Return the time of the simulated world [s]; None for a real robot."""

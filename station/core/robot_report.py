@@ -62,6 +62,30 @@ class ClampReport:
     last: Clamp
 
 
+@dataclass(frozen=True, slots=True)
+class SceneObjectReport:
+    """A thing in a simulated world, where it is now.
+
+    Attributes:
+        name: Its name.
+        kind: `box`, `sphere`, `cylinder`, `table` or `mesh`.
+        size: Edges of a box or table; radius of a sphere; radius and height of a
+            cylinder [m]; empty for a mesh.
+        position: Of its middle, in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w.
+        mass: [kg]; 0 for a thing that cannot move.
+        file: File of a mesh.
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    position: tuple[float, ...]
+    orientation: tuple[float, ...]
+    mass: float
+    file: str
+
+
 def limit_values(
     limits: JointLimits, soft_limits: SoftJointLimits | None
 ) -> dict[str, object]:

@@ -21,6 +21,7 @@ from station.core.hardware_report import HardwareReport, report_hardware
 from station.core.loop_report import LoopReport, LoopState
 from station.core.motion_commands import MotionCommands
 from station.core.parameters import Parameters
+from station.core.robot_report import SceneObjectReport
 from station.core.robots import Robots
 from station.core.simulation import Simulation
 from station.core.snapshot import Snapshot, SnapshotRing
@@ -116,6 +117,14 @@ class Station(MotionCommands):
     def hardware(self) -> HardwareReport:
         """Return the robot's interfaces, claims, limits, transmissions and clamps."""
         return report_hardware(self.loop.hw, self.manager.list_controllers())
+
+    def scene(self) -> list[SceneObjectReport]:
+        """Return the things around a simulated robot, where they are now.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        return list(self.loop.run_in_cycle(self.loop.hw.scene))
 
     def dead(self) -> str:
         """Return why only a restart helps; empty while the loop has not died."""

@@ -22,6 +22,7 @@ from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
 from station.ui.robot_model import joint_limits
 from station.ui.scene import RobotScene
+from station.ui.scene_objects import SceneObjects
 from station.ui.station_link import StationLink
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ class Dashboard:
         self._link = StationLink(client)
         self._reporter = Reporter(self._link.now)
         self._failures = 0
+        self._objects = SceneObjects(server)
         self._scene = None if urdf is None else RobotScene(server, urdf)
         _set_theme(server)
         tabs = server.gui.add_tab_group()
@@ -113,6 +115,7 @@ class Dashboard:
             tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
 
     def _show_robot(self) -> None:
+        self._objects.show(self._link.objects)
         if self._scene is not None:
             self._scene.show(self._link.positions)
 

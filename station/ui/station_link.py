@@ -18,6 +18,7 @@ from station.client.models import (
     ControllerState,
     ControllerType,
     JointStates,
+    SceneObject,
     Status,
     StreamFrame,
 )
@@ -30,6 +31,7 @@ SAMPLE_RATE = 30.0
 """Controller samples per second for the plots [Hz]."""
 _STATUS_PERIOD = 0.5
 _CONTROLLERS_PERIOD = 0.4
+_SCENE_PERIOD = 0.1
 _RETRY = 0.5
 
 
@@ -53,6 +55,8 @@ class StationLink:
         self._controllers: tuple[ControllerState, ...] = ()
         self._types: tuple[ControllerType, ...] = ()
         self._positions: dict[str, float] = {}
+        self._objects: tuple[SceneObject, ...] = ()
+        self._scene_of = ""
         self._elements: dict[str, tuple[CommandElement, ...]] = {}
         self._samples: dict[str, ControllerSample] = {}
         self._followers: dict[str, asyncio.Task[None]] = {}
@@ -61,6 +65,11 @@ class StationLink:
     def positions(self) -> dict[str, float]:
         """The newest joint positions by name [rad] or [m]; not to be changed."""
         return self._positions
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """The things around a simulated robot, where they were last."""
+        return self._objects
 
     def view(self) -> StationView:
         """Return the newest of everything, frozen."""
@@ -82,6 +91,7 @@ class StationLink:
             async with asyncio.TaskGroup() as tasks:
                 tasks.create_task(self._follow_joints())
                 tasks.create_task(self._repeat(self.refresh_status, _STATUS_PERIOD))
+                tasks.create_task(self._repeat(self.refresh_scene, _SCENE_PERIOD))
                 tasks.create_task(
                     self._repeat(self.refresh_controllers, _CONTROLLERS_PERIOD)
                 )
@@ -111,6 +121,14 @@ class StationLink:
             self._types = tuple(await self.client.controller_types())
         self._status = status
         self._heard()
+
+    async def refresh_scene(self) -> None:
+        """Ask where things are; once per station when none of them can move."""
+        boot_id = "" if self._status is None else self._status.boot_id
+        if self._scene_of == boot_id and not any(o.mass > 0.0 for o in self._objects):
+            return
+        self._objects = tuple(await self.client.scene())
+        self._scene_of = boot_id
 
     async def refresh_controllers(self) -> None:
         """Ask which controllers there are, and what the running ones take."""

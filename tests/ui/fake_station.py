@@ -64,6 +64,7 @@ class FakeStation:
         self.stop_state = "armed"
         self.epoch = 1
         self.simulation = dict(SIMULATION)
+        self.objects = []
         self.requests = []
         self.boot_id = "boot-1"
         self.url = ""
@@ -96,6 +97,7 @@ class FakeStation:
             ("GET", "/controllers/{name}/command"): self._command_info,
             ("PUT", "/controllers/{name}/command"): self._command,
             ("GET", "/controller-types"): self._types,
+            ("GET", "/scene"): self._scene,
             ("GET", "/simulation"): self._simulated,
             ("PATCH", "/simulation"): self._change_simulation,
             ("POST", "/simulation/step"): self._step_simulation,
@@ -243,6 +245,9 @@ class FakeStation:
                 for kind in kinds
             ]
         })
+
+    def _scene(self, *_):
+        return JSONResponse({"objects": self.objects})
 
     def _simulated(self, *_):
         return JSONResponse(self.simulation)

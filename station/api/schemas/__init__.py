@@ -70,6 +70,7 @@ from station.api.schemas.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
+from station.api.schemas.scene import ObjectKind, Scene, SceneObject
 from station.api.schemas.simulation import (
     ResetRequest,
     Simulation,
@@ -160,6 +161,7 @@ __all__ = [
     "LoginRequest",
     "LoopReport",
     "Measured",
+    "ObjectKind",
     "Percentiles",
     "Problem",
     "Ready",
@@ -169,6 +171,8 @@ __all__ = [
     "RequestModel",
     "ResetRequest",
     "ResponseModel",
+    "Scene",
+    "SceneObject",
     "Session",
     "Simulation",
     "SimulationPatch",

@@ -213,6 +213,18 @@ class LoopTopic(ReportTopic):
         }
 
 
+class SceneTopic(ReportTopic):
+    """The things around a simulated robot."""
+
+    name = "scene"
+    default_rate = 10.0
+    fields = ("objects",)
+
+    @override
+    def report(self) -> Data:
+        return wire.scene(self._station.scene()).model_dump()
+
+
 def _payload(snapshot: Snapshot, data: Data) -> Payload:
     return Payload(snapshot.cycle, snapshot.epoch, snapshot.stamp, data)
 
@@ -221,6 +233,7 @@ _FIXED: tuple[type[JointStatesTopic | ReportTopic], ...] = (
     JointStatesTopic,
     ControllersTopic,
     LoopTopic,
+    SceneTopic,
 )
 
 

@@ -30,7 +30,11 @@ from station.core.robot_hw import (
     RobotHW,
     SwitchState,
 )
-from station.core.robot_report import ClampReport, JointLimitsReport
+from station.core.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    SceneObjectReport,
+)
 from station.hw.franka.arm_interfaces import model_interface, state_interface
 from station.hw.franka.arm_names import find_prefix, joint_names
 from station.hw.franka.arm_services import ArmServices
@@ -314,6 +318,10 @@ class FrankaHW(RobotHW):
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
+
+    @override
+    def scene(self) -> Sequence[SceneObjectReport]:
+        return [] if self.simulation is None else self.simulation.world.scene()
 
     @override
     def simulated_time(self) -> float | None:

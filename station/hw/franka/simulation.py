@@ -106,7 +106,7 @@ def simulate(
         urdfs[placement.arm_id] = urdf
     for one in objects:
         add_object(spec, one)
-    world = World(compile_world(spec))
+    world = World(compile_world(spec), objects)
     world.reset(_start_positions(placements, urdfs))
     arms = {p.arm_id: _make_arm(world, p, urdfs[p.arm_id], gravity) for p in placements}
     grippers = {

@@ -30,6 +30,7 @@ from station.core.robot_hw import ControllerInfo, RobotHW
 from station.core.robot_report import (
     ClampReport,
     JointLimitsReport,
+    SceneObjectReport,
     TransmissionReport,
 )
 from station.core.transmissions import (
@@ -50,6 +51,7 @@ from station.hw.mujoco.joint_pids import read_joint_pids
 from station.hw.mujoco.mujoco_robot_parameters import LimitMode, read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
+from station.hw.mujoco.scene import read_scene
 from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.world import World
@@ -112,7 +114,9 @@ class MujocoRobotHW(RobotHW):
                 f"{description.urdf_path}: <robot>: has no joint that could be driven",
                 remedy="give it joints that move and whose effort limit is above 0",
             )
-        self.world = simulate_robot(description, urdf, parameters)
+        self.world = simulate_robot(
+            description, urdf, parameters, read_scene(root_params)
+        )
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         self._make_motors(description, urdf, transmissions)
@@ -193,6 +197,10 @@ class MujocoRobotHW(RobotHW):
     ) -> None:
         self._modes.switch(start, stop)
         self._limits.activate(self._modes.in_use)
+
+    @override
+    def scene(self) -> Sequence[SceneObjectReport]:
+        return self.world.scene()
 
     @override
     def simulated_time(self) -> float:

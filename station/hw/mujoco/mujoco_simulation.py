@@ -1,6 +1,6 @@
 """Put one robot with a URDF into a simulated world."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from station.core.errors import ParameterError, RobotDescriptionError
 from station.hw.mujoco.model_builder import (
@@ -10,6 +10,7 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
+from station.hw.mujoco.scene import SceneObject, add_object
 from station.hw.mujoco.sensors import add_sensors
 from station.hw.mujoco.world import World
 from station.hw.robot_description import RobotDescription
@@ -18,7 +19,10 @@ from station.hw.urdf import Joint, JointType, Urdf
 
 
 def simulate_robot(
-    description: RobotDescription, urdf: Urdf, parameters: MujocoRobotParameters
+    description: RobotDescription,
+    urdf: Urdf,
+    parameters: MujocoRobotParameters,
+    objects: Sequence[SceneObject] = (),
 ) -> World:
     """Return a world with the robot in it, at its start pose and at rest.
 
@@ -26,6 +30,7 @@ def simulate_robot(
         description: The robot description.
         urdf: The same, parsed.
         parameters: How the robot stands in the world.
+        objects: What else is in the world.
 
     Raises:
         ParameterError: A start position or a sensor's link is impossible.
@@ -42,12 +47,14 @@ def simulate_robot(
     try:
         add_robot(spec, urdf, options)
         add_sensors(spec, parameters.sensors)
+        for one in objects:
+            add_object(spec, one)
         model = compile_world(spec)
     except RobotDescriptionError as exc:
         raise RobotDescriptionError(
             f"{description.urdf_path}: {exc.message}", remedy=exc.remedy
         ) from exc
-    world = World(model)
+    world = World(model, objects)
     world.reset(_start_positions(urdf, parameters.initial_positions))
     return world
 

@@ -7,6 +7,8 @@ from typing import Protocol
 import mujoco
 
 from station.core.errors import HardwareInterfaceError
+from station.core.robot_report import SceneObjectReport
+from station.hw.mujoco.scene import SceneObject
 from station.hw.mujoco.stepper import make_stepper
 from station.hw.mujoco.world_joints import WorldJoints, joint_position_address
 
@@ -42,10 +44,14 @@ class World:
 
     Args:
         model: The compiled model; kept, and changed by `WorldJoints.set_servo`.
+        objects: The things in it, as `add_object` has put them there.
     """
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, objects: Sequence[SceneObject] = ()
+    ) -> None:
         self.model = model
+        self._objects = tuple(objects)
         self.data = mujoco.MjData(model)
         self.timestep: float = float(model.opt.timestep)
         self._advance, self.keeps_interpreter_lock = make_stepper(model, self.data)
@@ -85,6 +91,10 @@ class World:
                 degree of freedom, or has no motor.
         """
         return WorldJoints(self.model, self.data, names, pushes=self._pushes)
+
+    def scene(self) -> list[SceneObjectReport]:
+        """Return the things in the world, where they are."""
+        return [_report(thing, self.data) for thing in self._objects]
 
     def push(
         self, body: str, force: Sequence[float], torque: Sequence[float], steps: int
@@ -167,3 +177,17 @@ class World:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)
+
+
+def _report(thing: SceneObject, data: mujoco.MjData) -> SceneObjectReport:
+    body = data.body(thing.name)
+    w, x, y, z = body.xquat.tolist()
+    return SceneObjectReport(
+        thing.name,
+        thing.kind,
+        thing.size,
+        tuple(body.xpos.tolist()),
+        (x, y, z, w),
+        thing.mass,
+        thing.file,
+    )

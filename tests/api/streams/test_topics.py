@@ -27,7 +27,8 @@ def latest(station, name):
 def test_all_topics_are_named(station):
     names = topic_names(station)
 
-    assert names == ["joint_states", "controllers", "loop", "controller_state/spring"]
+    fixed = ["joint_states", "controllers", "loop", "scene"]
+    assert names == [*fixed, "controller_state/spring"]
     assert all(find_topic(station, name) is not None for name in names)
 
 

@@ -255,6 +255,18 @@ def test_reset_keeps_a_running_controller():
     assert states(hw)["wrist_3_joint"].get_velocity() == pytest.approx(1.0, abs=1e-3)
 
 
+def test_things_stand_around_the_robot():
+    ball = {"name": "ball", "type": "sphere", "size": [0.1], "position": [2, 0, 1]}
+    tree = ParameterTree({
+        "robot": {"robot_description": WRIST},
+        "scene": {"objects": [ball]},
+    })
+    hw = MujocoRobotHW()
+    hw.init(Parameters(tree), Parameters(tree, "robot"))
+    (found,) = hw.scene()
+    assert (found.name, found.position, found.mass) == ("ball", (2.0, 0.0, 1.0), 0.0)
+
+
 def test_diverged_world_refuses_controllers():
     hw = make()
     hw.world.data.qvel[0] = 1e9

@@ -1,0 +1,16 @@
+"""The things around a simulated robot."""
+
+from fastapi import APIRouter
+
+from station.api import wire
+from station.api.dependencies import StationDep, Viewer
+from station.api.routes.problems import problems
+from station.api.schemas import Scene
+
+router = APIRouter(tags=["simulation"], dependencies=[Viewer])
+
+
+@router.get("/scene", responses=problems(503))
+def scene(station: StationDep) -> Scene:
+    """Return the things in the world besides robots, where they are now."""
+    return wire.scene(station.scene())

@@ -1,0 +1,108 @@
+"""The things around a simulated robot in 3D: drawn once each, then moved."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import trimesh
+import viser
+
+from station.client.models import SceneObject
+
+_ROOT = "/scene"
+_SMALLEST_STEP = 1e-4
+"""Nobody sees a smaller change of a position [m] or of a quaternion."""
+_FIXED = (176, 160, 140)
+_MOVABLE = (217, 128, 52)
+Draw = Callable[
+    [viser.SceneApi, str, SceneObject, tuple[int, int, int]], viser.SceneNodeHandle
+]
+
+
+class SceneObjects:
+    """The things in a Viser scene. To be used from Viser's event loop only.
+
+    Things that can be pushed are orange, the others brown. A mesh whose file is not on
+    the dashboard's machine is shown by its name alone.
+
+    Args:
+        server: The scene's server.
+    """
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
+        self._shown: dict[str, SceneObject] = {}
+        self._handles: dict[str, viser.SceneNodeHandle] = {}
+
+    def show(self, objects: Sequence[SceneObject]) -> None:
+        """Draw what is new, move what has moved, and take away what is gone."""
+        with self._server.atomic():
+            for name in self._shown.keys() - {thing.name for thing in objects}:
+                self._handles.pop(name).remove()
+                del self._shown[name]
+            for thing in objects:
+                if not _looks_the_same(self._shown.get(thing.name), thing):
+                    self._place(thing)
+
+    def _place(self, thing: SceneObject) -> None:
+        position = [0.0 if value is None else value for value in thing.position]
+        x, y, z, w = (0.0 if value is None else value for value in thing.orientation)
+        handle = self._handles.get(thing.name)
+        if handle is None:
+            colour = _MOVABLE if thing.mass > 0.0 else _FIXED
+            path = f"{_ROOT}/{thing.name}"
+            handle = _DRAW[thing.type](self._server.scene, path, thing, colour)
+            self._handles[thing.name] = handle
+        handle.position = (position[0], position[1], position[2])
+        handle.wxyz = (w, x, y, z)
+        self._shown[thing.name] = thing
+
+
+def _looks_the_same(shown: SceneObject | None, thing: SceneObject) -> bool:
+    if shown is None:
+        return False
+    before = (*shown.position, *shown.orientation)
+    now = (*thing.position, *thing.orientation)
+    return all(
+        abs((old or 0.0) - (new or 0.0)) < _SMALLEST_STEP
+        for old, new in zip(before, now, strict=True)
+    )
+
+
+def _draw_box(
+    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
+) -> viser.SceneNodeHandle:
+    x, y, z = thing.size
+    return scene.add_box(path, colour, (x, y, z), cast_shadow=False)
+
+
+def _draw_sphere(
+    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
+) -> viser.SceneNodeHandle:
+    return scene.add_icosphere(path, thing.size[0], colour, cast_shadow=False)
+
+
+def _draw_cylinder(
+    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
+) -> viser.SceneNodeHandle:
+    radius, height = thing.size
+    return scene.add_cylinder(path, radius, height, colour, cast_shadow=False)
+
+
+def _draw_mesh(
+    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
+) -> viser.SceneNodeHandle:
+    if not Path(thing.file).is_file():
+        return scene.add_label(path, f"{thing.name} (its mesh is on another machine)")
+    mesh = trimesh.load_mesh(thing.file)
+    return scene.add_mesh_simple(
+        path, mesh.vertices, mesh.faces, color=colour, cast_shadow=False
+    )
+
+
+_DRAW: Mapping[str, Draw] = {
+    "box": _draw_box,
+    "table": _draw_box,
+    "sphere": _draw_sphere,
+    "cylinder": _draw_cylinder,
+    "mesh": _draw_mesh,
+}
