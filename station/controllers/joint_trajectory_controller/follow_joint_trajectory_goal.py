@@ -7,7 +7,9 @@ differs: times are seconds, `stamp` may stand outside of `header`.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from math import isfinite
 
+from station.controllers.joint_trajectory_controller.request_limits import MAX_DURATION
 from station.core.errors import InvalidTrajectoryError
 from station.core.trajectory import (
     JointTrajectory,
@@ -68,8 +70,20 @@ def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
         parse_trajectory(trajectory),
         _tolerances(request, "path_tolerance"),
         _tolerances(request, "goal_tolerance"),
-        _number(request, "goal_time_tolerance", "goal_time_tolerance"),
+        _goal_time(request),
     )
+
+
+def error_code_of(error: InvalidTrajectoryError) -> ErrorCode:
+    """Return how the action of the original ends a goal that is refused.
+
+    Source:
+        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB: everything
+        but wrong joints is an invalid goal.
+    """
+    if error.details.get("reason") == "joints":
+        return ErrorCode.INVALID_JOINTS
+    return ErrorCode.INVALID_GOAL
 
 
 def parse_trajectory(message: Mapping[str, object]) -> JointTrajectory:
@@ -77,6 +91,7 @@ def parse_trajectory(message: Mapping[str, object]) -> JointTrajectory:
 
     Args:
         message: `{"joint_names", "points", "stamp"}`; the points are those of a goal.
+            An empty message has no joints and no points.
 
     Raises:
         InvalidTrajectoryError: A field is missing, unknown or has the wrong type.
@@ -87,7 +102,7 @@ def parse_trajectory(message: Mapping[str, object]) -> JointTrajectory:
     points = _list(message.get("points", []), "trajectory/points")
     stamp = _number(message, "stamp", "trajectory/stamp")
     return JointTrajectory(
-        _joint_names(message.get("joint_names")),
+        _joint_names(message.get("joint_names", [])),
         [
             _point(_mapping(point, f"trajectory/points/{index}"), index)
             for index, point in enumerate(points)
@@ -115,6 +130,20 @@ def _point(message: Mapping[str, object], index: int) -> JointTrajectoryPoint:
     )
 
 
+def _goal_time(request: Mapping[str, object]) -> float:
+    """Return the requested extra time [s].
+
+    Raises:
+        InvalidTrajectoryError: It is no number, or absurd.
+    """
+    seconds = _finite(request, "goal_time_tolerance", "goal_time_tolerance")
+    if seconds > MAX_DURATION:
+        raise _wrong(
+            "goal_time_tolerance", seconds, f"at most {MAX_DURATION:g} s, or negative"
+        )
+    return seconds
+
+
 def _tolerances(
     request: Mapping[str, object], key: str
 ) -> tuple[ToleranceRequest, ...]:
@@ -131,9 +160,9 @@ def _tolerances(
         tolerances.append(
             ToleranceRequest(
                 name,
-                _number(message, "position", f"{where}/position"),
-                _number(message, "velocity", f"{where}/velocity"),
-                _number(message, "acceleration", f"{where}/acceleration"),
+                _finite(message, "position", f"{where}/position"),
+                _finite(message, "velocity", f"{where}/velocity"),
+                _finite(message, "acceleration", f"{where}/acceleration"),
             )
         )
     return tuple(tolerances)
@@ -166,6 +195,13 @@ def _number(message: Mapping[str, object], key: str, where: str) -> float:
     return _as_number(message.get(key, 0.0), where)
 
 
+def _finite(message: Mapping[str, object], key: str, where: str) -> float:
+    number = _number(message, key, where)
+    if not isfinite(number):
+        raise _wrong(where, number, "a finite number")
+    return number
+
+
 def _as_number(value: object, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise _wrong(where, value, "a number")
@@ -176,5 +212,5 @@ def _wrong(where: str, value: object, wanted: str) -> InvalidTrajectoryError:
     return InvalidTrajectoryError(
         f"'{where}' is {value!r}; it must be {wanted}.",
         remedy="Send a goal shaped like control_msgs/FollowJointTrajectoryGoal.",
-        details={"field": where, "error_code": int(ErrorCode.INVALID_GOAL)},
+        details={"field": where},
     )

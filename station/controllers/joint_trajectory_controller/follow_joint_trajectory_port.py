@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing_extensions import override
 
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
+    error_code_of,
     parse_goal,
 )
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
@@ -26,6 +27,10 @@ class FollowJointTrajectoryPort(GoalPort):
         execution: Where planned goals go.
         tolerances: Default bounds of the errors by joint.
         is_running: Says whether the controller is running.
+
+    Source:
+        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB; differs:
+        tolerances for other joints are refused, not ignored.
     """
 
     def __init__(
@@ -48,8 +53,16 @@ class FollowJointTrajectoryPort(GoalPort):
 
         Raises:
             ControllerStateError: The controller is not running.
-            InvalidTrajectoryError: The goal is malformed or cannot be followed.
+            InvalidTrajectoryError: The goal is malformed or cannot be followed;
+                `details["error_code"]` is that of the action's result.
         """
+        try:
+            return self._accept(request)
+        except InvalidTrajectoryError as error:
+            error.details["error_code"] = int(error_code_of(error))
+            raise
+
+    def _accept(self, request: Mapping[str, object]) -> Goal:
         wanted = parse_goal(request)
         if not self._is_running():
             raise ControllerStateError(

@@ -14,6 +14,10 @@ from station.controllers.joint_trajectory_controller.goal_supervision import (
     JointErrors,
 )
 from station.controllers.joint_trajectory_controller.pace import check_pace
+from station.controllers.joint_trajectory_controller.request_limits import (
+    check_duration,
+    check_positions,
+)
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
 from station.core.angles import shortest_angular_distance
 from station.core.errors import InvalidTrajectoryError
@@ -26,6 +30,7 @@ from station.core.trajectory import (
     PosVelAccState,
     SegmentTrajectory,
     TrajectoryOptions,
+    check_joint_names,
     find_segment,
     hold_trajectory,
     init_joint_trajectory,
@@ -155,7 +160,7 @@ class TrajectoryExecution:
 
         Args:
             request: Where to go; without points: stop and hold.
-            goal: The goal that waits for it.
+            goal: The goal that waits for it; one without points names its joints, too.
             tolerances: Bounds of the errors by joint, used with a goal.
 
         Raises:
@@ -165,8 +170,14 @@ class TrajectoryExecution:
             if request.points:
                 planned = self._planned(request, goal, tolerances)
                 self._requests.append(_Request(planned, goal))
-            else:
-                self._requests.append(_Request(None, goal))
+                return
+            if goal is not None:
+                check_joint_names(
+                    request.joint_names,
+                    self._names,
+                    allow_partial_joints_goal=self._allow_partial,
+                )
+            self._requests.append(_Request(None, goal))
 
     def hold(self) -> None:
         """Let the next cycle end the motion and hold. Any thread, waits for nobody."""
@@ -231,6 +242,7 @@ class TrajectoryExecution:
         tolerances: Mapping[str, JointTolerances] | None,
     ) -> SegmentTrajectory:
         moment = self._moment
+        check_duration(request, moment.time)
         current = self._latest_trajectory()
         following = moment.uptime + to_nanoseconds(moment.period * self.speed.factor)
         planned = init_joint_trajectory(
@@ -246,7 +258,7 @@ class TrajectoryExecution:
                 tolerances=tolerances,
             ),
         )
-        self._check_limits(request)
+        check_positions(request, self._joints)
         self._check_pace(planned, current)
         return planned
 
@@ -256,24 +268,6 @@ class TrajectoryExecution:
         except IndexError:
             latest = None
         return self._trajectory if latest is None else latest
-
-    def _check_limits(self, request: JointTrajectory) -> None:
-        """Refuse positions that a joint cannot reach.
-
-        Raises:
-            InvalidTrajectoryError: A position is beyond the joint's limits.
-        """
-        for column, name in enumerate(request.joint_names):
-            joint = self._joints[self._names.index(name)]
-            for index, point in enumerate(request.points):
-                position = point.positions[column]
-                if not joint.lower <= position <= joint.upper:
-                    raise InvalidTrajectoryError(
-                        f"Point {index} has the position {position} for '{name}'; "
-                        f"allowed is {joint.lower} to {joint.upper}.",
-                        remedy="Give positions within the limits of the joint.",
-                        details={"point": index, "joint": name, "reason": "limits"},
-                    )
 
     def _check_pace(
         self, planned: SegmentTrajectory, current: SegmentTrajectory

@@ -3,6 +3,7 @@
 from station.core.trajectory.hold_trajectory import hold_trajectory, stop_trajectory
 from station.core.trajectory.init_joint_trajectory import (
     TrajectoryOptions,
+    check_joint_names,
     init_joint_trajectory,
 )
 from station.core.trajectory.joint_trajectory import (
@@ -41,6 +42,7 @@ __all__ = [
     "StateTolerances",
     "ToleranceRequest",
     "TrajectoryOptions",
+    "check_joint_names",
     "find_segment",
     "hold_trajectory",
     "init_joint_trajectory",

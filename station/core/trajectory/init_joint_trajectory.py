@@ -172,6 +172,33 @@ def init_joint_trajectory(
     return result if any(result) else []
 
 
+def check_joint_names(
+    names: Sequence[str], expected: Sequence[str], *, allow_partial_joints_goal: bool
+) -> list[int]:
+    """Return the index among `expected` of every joint of a request.
+
+    Args:
+        names: The joints of the request.
+        expected: The joints of the controller.
+        allow_partial_joints_goal: Whether the request may leave joints out.
+
+    Raises:
+        InvalidTrajectoryError: The joints are not those that are expected.
+    """
+    known = bool(names) and set(names) <= set(expected)
+    complete = allow_partial_joints_goal or len(names) == len(expected)
+    if not known or not complete or len(set(names)) != len(names):
+        raise InvalidTrajectoryError(
+            f"The trajectory is for the joints {', '.join(names) or 'none'}; expected "
+            f"are {', '.join(expected)}.",
+            remedy="Name "
+            + ("some" if allow_partial_joints_goal else "all")
+            + " of these joints, each once, in any order.",
+            details={"reason": "joints", "expected": list(expected)},
+        )
+    return [expected.index(name) for name in names]
+
+
 def _check_points(trajectory: JointTrajectory) -> None:
     trajectory.check_values()
     if not trajectory.points:
@@ -204,19 +231,11 @@ def _check_joints(
             remedy="Say it of every joint.",
             details={"reason": "wraparound"},
         )
-    names = list(trajectory.joint_names)
-    known = bool(names) and set(names) <= set(joint_names)
-    complete = options.allow_partial_joints_goal or len(names) == len(joint_names)
-    if not known or not complete or len(set(names)) != len(names):
-        raise InvalidTrajectoryError(
-            f"The trajectory is for the joints {', '.join(names) or 'none'}; expected "
-            f"are {', '.join(joint_names)}.",
-            remedy="Name "
-            + ("some" if options.allow_partial_joints_goal else "all")
-            + " of these joints, each once, in any order.",
-            details={"reason": "joints", "expected": joint_names},
-        )
-    return [joint_names.index(name) for name in names]
+    return check_joint_names(
+        trajectory.joint_names,
+        joint_names,
+        allow_partial_joints_goal=options.allow_partial_joints_goal,
+    )
 
 
 def _points_after(trajectory: JointTrajectory, now: int) -> list[JointTrajectoryPoint]:

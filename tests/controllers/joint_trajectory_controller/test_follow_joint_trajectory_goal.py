@@ -43,7 +43,7 @@ def test_the_stamp_may_stand_in_the_header():
     [
         ({}, "'trajectory' is None; it must be a mapping"),
         ({"trajectory": []}, r"'trajectory' is \[\]"),
-        ({"trajectory": {}}, "'trajectory/joint_names' is None"),
+        (_request(joint_names=None), "'trajectory/joint_names' is None"),
         (_request(joint_names="ab"), "'trajectory/joint_names' is 'ab'"),
         (_request(joint_names=[1]), "'trajectory/joint_names'"),
         (_request(points={}), "'trajectory/points' is {}; it must be a list"),
@@ -54,6 +54,12 @@ def test_the_stamp_may_stand_in_the_header():
         (_request(points=[{"position": [1.0]}]), r"\['position'\]; it must be made of"),
         (_request(stamp=True), "'trajectory/stamp' is True; it must be a number"),
         (_request() | {"path_tolerance": [{}]}, "'path_tolerance/0/name' is None"),
+        (
+            _request() | {"goal_tolerance": [{"name": "a", "position": float("nan")}]},
+            "'goal_tolerance/0/position' is nan; it must be a finite number",
+        ),
+        (_request() | {"goal_time_tolerance": float("inf")}, "finite number"),
+        (_request() | {"goal_time_tolerance": 1e300}, "at most 86400 s"),
         (_request() | {"tolerance": 1}, r"'the goal' is \['tolerance'\]"),
     ],
 )

@@ -23,7 +23,7 @@ def test_hold_ends_the_motion(robot, start):
 @pytest.mark.parametrize(
     ("request_", "message"),
     [
-        ({}, "joint_names"),
+        ({"joint_names": None}, "joint_names"),
         ({"joint_names": JOINTS, "points": 3}, "points"),
         ({"joint_names": ["nose"] * 3, "points": [AWAY]}, "expected"),
         ({"joint_names": JOINTS, "points": [AWAY], "goal": 1}, "made of"),
