@@ -30,6 +30,7 @@ class CommandGuard:
         self.slots = slots
         self._last = [0.0 for _ in slots]
         self._rest = self._last
+        self._present = self._last
 
     def write_rest(self) -> None:
         """Command the resource to rest where it is.
@@ -45,12 +46,13 @@ class CommandGuard:
                 storage[index] = self._last[position]
 
     def remember(self) -> bool:
-        """Take rest and the present commands as what a jump is measured from.
+        """Take rest, motion and commands of now as what a jump is measured from.
 
         Returns:
             Whether rest is known, that is, finite.
         """
         self._rest = self.interface.rest_commands(self.name)
+        self._present = self.interface.present_commands(self.name)
         self._last = [storage[index] for storage, index in self.slots]
         return all(math.isfinite(value) for value in self._rest)
 
@@ -67,12 +69,16 @@ class CommandGuard:
         return 0.0, 0.0
 
     def _steps(self) -> list[float]:
-        """Return how far the commands are from rest or the last ones, the nearer."""
+        """Return how far the commands are from the last ones or from slowing down.
+
+        Slowing down is everything between rest and what keeps the present motion.
+        """
         steps: list[float] = []
         for position, (storage, index) in enumerate(self.slots):
             command = storage[index]
             from_last = abs(command - self._last[position])
-            steps.append(min(from_last, abs(command - self._rest[position])))
+            rest, present = self._rest[position], self._present[position]
+            steps.append(min(from_last, _distance(command, rest, present)))
         return steps
 
     def bad_command(self) -> str:
@@ -81,6 +87,14 @@ class CommandGuard:
             if not _is_finite(storage[index]):
                 return repr(storage[index])
         return ""
+
+
+def _distance(command: float, rest: float, present: float) -> float:
+    """Return how far a command is from the range between rest and the present."""
+    if not math.isfinite(present):
+        return abs(command - rest)
+    low, high = min(rest, present), max(rest, present)
+    return max(low - command, command - high, 0.0)
 
 
 def _is_finite(value: object) -> bool:

@@ -2,6 +2,8 @@
 
 import math
 
+import pytest
+
 from station.core.command_guard import as_pieces, find_guards
 from station.core.interfaces import (
     EffortJointInterface,
@@ -9,6 +11,7 @@ from station.core.interfaces import (
     JointStateHandle,
     JointStateInterface,
     PositionJointInterface,
+    VelocityJointInterface,
 )
 from station.core.robot_hw import InterfaceResources, RobotHW
 
@@ -16,9 +19,9 @@ EFFORT = "hardware_interface::EffortJointInterface"
 STATE = "hardware_interface::JointStateInterface"
 
 
-def one_joint(interface, command, position=0.0):
+def one_joint(interface, command, position=0.0, velocity=0.0):
     robot = RobotHW()
-    state = JointStateHandle("j", [position], [0.0], [0.0])
+    state = JointStateHandle("j", [position], [velocity], [0.0])
     states = JointStateInterface()
     states.register_handle(state)
     interface.register_handle(JointHandle(state, command))
@@ -27,8 +30,8 @@ def one_joint(interface, command, position=0.0):
     return robot
 
 
-def guard_of(interface, command, position=0.0):
-    robot = one_joint(interface, command, position)
+def guard_of(interface, command, position=0.0, velocity=0.0):
+    robot = one_joint(interface, command, position, velocity)
     claims = (InterfaceResources(interface.type_name, ("j",)),)
     (guard,) = find_guards(robot, claims)
     return guard
@@ -80,6 +83,28 @@ def test_a_jump_is_measured_from_the_nearer_of_rest_and_last():
     assert guard.jump() == 1.0
     command[0] = 2.0
     assert guard.jump() == 2.0
+
+
+@pytest.mark.parametrize(
+    ("command", "jump"),
+    [(0.0, 0.0), (0.3, 0.0), (0.5, 0.0), (0.75, 0.25), (-0.25, 0.25)],
+)
+def test_slowing_a_moving_joint_down_is_no_jump(command, jump):
+    commands = [100.0]
+    guard = guard_of(VelocityJointInterface(), commands, velocity=0.5)
+    guard.remember()
+    commands[0] = command
+
+    assert guard.jump() == jump
+
+
+def test_an_unknown_velocity_leaves_the_step_from_rest():
+    commands = [100.0]
+    guard = guard_of(VelocityJointInterface(), commands, velocity=math.nan)
+    guard.remember()
+    commands[0] = 0.5
+
+    assert guard.jump() == 0.5
 
 
 def test_an_excessive_step_comes_with_its_limit():

@@ -190,6 +190,10 @@ class VelocityJointInterface(JointCommandInterface):
     type_name: ClassVar[str] = "hardware_interface::VelocityJointInterface"
     start_jump: ClassVar[float] = VELOCITY_START_JUMP
 
+    @override
+    def present_commands(self, name: str) -> list[float]:
+        return [self._handles[name].get_velocity()]
+
 
 class PositionJointInterface(JointCommandInterface):
     """Position commands [rad or m]; a joint rests at its (desired) position."""

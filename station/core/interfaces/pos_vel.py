@@ -225,6 +225,11 @@ class PosVelFamilyInterface(HardwareResourceManager[PosVelH]):
         return [handle.get_position(), 0.0, *further]
 
     @override
+    def present_commands(self, name: str) -> list[float]:
+        position, _, *further = self.rest_commands(name)
+        return [position, self._handles[name].get_velocity(), *further]
+
+    @override
     def start_jump_limits(self, name: str) -> list[float]:
         return [POSITION_START_JUMP, VELOCITY_START_JUMP, *self.further_jumps]
 

@@ -184,6 +184,14 @@ class HardwareResourceManager(ResourceManager[H]):
         """
         return [0.0 for _ in super().get_handle(name).command_slots()]
 
+    def present_commands(self, name: str) -> list[float]:
+        """Return the commands that let the resource `name` go on as it does.
+
+        One value per slot; rest unless the resource may be in motion. What lies
+        between rest and these is no jump.
+        """
+        return self.rest_commands(name)
+
     def start_jump_limits(self, name: str) -> list[float]:
         """Return how far a first command may be from rest, one per command slot.
 
