@@ -1,9 +1,76 @@
-"""JointStateController: the original's tests with a stepped clock, and more."""
+"""JointStateController: the original's tests with a stepped clock, and more.
+
+The seven of ros_controllers@678b92a joint_state_controller_test.cpp are here as:
+initOk, valuesOk: `test_the_originals_file_publishes_what_the_robot_reports`;
+initKo: `test_it_needs_a_publish_rate`;
+publishOk: `test_the_originals_file_publishes_ten_times_a_second`;
+publishKo: `test_the_originals_file_with_no_rate_publishes_nothing`;
+extraJointsOk: `test_the_originals_extra_joints_have_constant_values`;
+extraJointsKo: `test_the_originals_unusable_extra_joints_are_left_out`.
+"""
+
+from pathlib import Path
 
 import pytest
+import yaml
 
 from station.controllers.joint_state_controller import JointStateController
 from station.core.errors import ParameterError, ResourceNotFoundError
+
+FOLDER = Path(__file__).parents[1] / "data" / "ros_yaml" / "joint_state_controller"
+
+
+@pytest.fixture
+def start_file(make_robot):
+    """Return a way to start the controller of one of the original's files."""
+
+    def start(suffix):
+        text = (FOLDER / f"joint_state_controller_{suffix}.yaml").read_text()
+        values = yaml.safe_load(text)["joint_state_controller"]
+        robot = make_robot(["joint1", "joint2"], urdf="")
+        return robot, robot.start(JointStateController, **values)
+
+    return start
+
+
+def _states_of_moving(robot, controller):
+    robot.position[:], robot.velocity[:] = [1.0, -1.0], [2.0, -2.0]
+    robot.effort[:] = [3.0, -3.0]
+    robot.step(controller, period=0.1)
+    states = controller.joint_states
+    rows = zip(
+        states.name, states.position, states.velocity, states.effort, strict=True
+    )
+    return {name: row for name, *row in rows}
+
+
+MOVING = {"joint1": [1.0, 2.0, 3.0], "joint2": [-1.0, -2.0, -3.0]}
+
+
+def test_the_originals_file_publishes_what_the_robot_reports(start_file):
+    assert _states_of_moving(*start_file("ok")) == MOVING
+
+
+def test_the_originals_file_publishes_ten_times_a_second(start_file):
+    stamps = _published(*start_file("ok"), duration=1.0, period=0.05)
+    # The first one comes at once.
+    assert len(stamps) - 1 == pytest.approx(10, abs=1)
+
+
+def test_the_originals_file_with_no_rate_publishes_nothing(start_file):
+    assert _published(*start_file("ko"), duration=1.0, period=0.1) == []
+
+
+def test_the_originals_extra_joints_have_constant_values(start_file):
+    assert _states_of_moving(*start_file("extra_joints_ok")) == MOVING | {
+        "extra1": [10.0, 20.0, 30.0],
+        "extra2": [-10.0, 0.0, 0.0],
+        "extra3": [0.0, 0.0, 0.0],
+    }
+
+
+def test_the_originals_unusable_extra_joints_are_left_out(start_file):
+    assert _states_of_moving(*start_file("extra_joints_ko")) == MOVING
 
 
 def _published(robot, controller, duration, period):

@@ -1,28 +1,30 @@
-"""effort_controllers/JointPositionController: the original's simple robot."""
+"""effort_controllers/JointPositionController: the original's test, and more.
+
+The one of ros_controllers@678b92a effort_controllers/test, TestPosition, is
+`test_the_simple_robot_reaches_its_targets_one_after_the_other`.
+"""
+
+from pathlib import Path
 
 import pytest
+import yaml
 
 from station.controllers.effort_controllers import JointPositionController
 
-SIMPLE_BOT = """
-<robot name="simple_bot">
-  <joint name="joint" type="prismatic">
-    <limit lower="-2" upper="2" velocity="1" effort="1"/>
-  </joint>
-</robot>
-"""
+FOLDER = Path(__file__).parents[2] / "data" / "ros_yaml" / "effort_controllers"
 
 
-@pytest.mark.parametrize("target", [1.0, -1.0, 0.0])
-def test_the_simple_robot_reaches_its_targets(make_robot, send, target):
-    robot = make_robot(["joint"], SIMPLE_BOT)
+def test_the_simple_robot_reaches_its_targets_one_after_the_other(make_robot, send):
+    parameters = yaml.safe_load((FOLDER / "simple_bot_controllers.yaml").read_text())
+    robot = make_robot(["joint"], (FOLDER / "simple_bot.urdf").read_text())
     controller = robot.start(
-        JointPositionController, joint="joint", pid={"p": 0.25, "d": 1.0, "i": 0.0}
+        JointPositionController, **parameters["position_controller"]
     )
-    send(controller, [target])
-    robot.run_with_effort(controller, count=2000, period=0.01)
-    # Tolerance of the original's test; the time constant is 2 s, 20 s have passed.
-    assert robot.position[0] == pytest.approx(target, abs=5e-2)
+    for target in (1.0, -1.0, 0.0):
+        send(controller, [target])
+        robot.run_with_effort(controller, count=2000, period=0.01)
+        # Tolerance of the original's test; the time constant is 2 s, 20 s have passed.
+        assert robot.position[0] == pytest.approx(target, abs=5e-2)
 
 
 def test_it_claims_its_joint_for_efforts(robot):

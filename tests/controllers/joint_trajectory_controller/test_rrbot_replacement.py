@@ -1,4 +1,4 @@
-"""The original's tests, re-told: what replaces a trajectory, and what is too old for it.
+"""The original's tests, re-told: what replaces a trajectory, and what is too old to.
 
 All of them interrupt a motion at about its first waypoint.
 """
