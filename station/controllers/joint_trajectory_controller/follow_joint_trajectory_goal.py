@@ -131,7 +131,6 @@ def _point(message: Mapping[str, object], index: int) -> JointTrajectoryPoint:
 
 
 def _goal_time(request: Mapping[str, object]) -> float:
-    """Return the requested extra time [s]."""
     seconds = _finite(request, "goal_time_tolerance", "goal_time_tolerance")
     if seconds > MAX_DURATION:
         raise _wrong(

@@ -1,11 +1,8 @@
-"""Goals: submitted, watched, cancelled, and the table of malformed trajectories."""
-
-import json
+"""Goals: submitted, watched, cancelled."""
 
 import pytest
 
 from station.client import ApiError
-from tests.api.test_errors import problem_of
 from tests.two_joint_station import JOINTS, TRAJECTORY, make_station
 
 GOALS = "/api/v1/controllers/arm/goals"
@@ -173,72 +170,6 @@ def points(*each, **more):
 
 
 AWAY = [0.4, -0.4]
-# Everything that must be refused, with the reason or a word of the message.
-MALFORMED = {
-    "all in the past": (points((0.05, AWAY), stamp=1e-3), "past"),
-    "at the present": (points((0.0, AWAY)), "past"),
-    "negative time": (points((-0.5, AWAY)), "past"),
-    "equal times": (points((0.5, AWAY), (0.5, [0, 0])), "order"),
-    "falling times": (points((0.5, AWAY), (0.2, [0, 0])), "order"),
-    "too few positions": (points((0.5, [0.4])), "positions"),
-    "too many positions": (points((0.5, [0.4, 0.1, 0.2])), "positions"),
-    "no positions": (points((0.5, [])), "positions"),
-    "wrong velocities": (points((0.5, AWAY, [0.0])), "velocities"),
-    "wrong accelerations": (points((0.5, AWAY, [0, 0], [0.0])), "accelerations"),
-    "text": (points((0.5, ["a", 0.1])), "number"),
-    "true": (points((0.5, [True, 0.1])), "number"),
-    "null": (points((0.5, [None, 0.1])), "number"),
-    "text time": (points(("1", AWAY)), "number"),
-    "missing joint": (
-        {"trajectory": {"joint_names": ["j1"], "points": [{"positions": [0.1]}]}},
-        "joints",
-    ),
-    "unknown joint": (points((0.5, AWAY), joint_names=["j1", "j3"]), "joints"),
-    "joint twice": (points((0.5, AWAY), joint_names=["j1", "j1"]), "joints"),
-    "no joints": (points((0.5, []), joint_names=[]), "joints"),
-    "beyond the limits": (points((5.0, [2.1, 0.0])), "limits"),
-    "start far away": (points((0.01, [1.5, 0.0]), (1.0, AWAY)), "pace"),
-    "race": (points((1.0, AWAY), (1.05, [1.0, 0.0])), "pace"),
-    "unknown field": (points((0.5, AWAY), speed=2), "speed"),
-    "unknown tolerance": (
-        {**points((0.5, AWAY)), "path_tolerance": [{"name": "j9", "position": 1}]},
-        "j9",
-    ),
-    "no trajectory": ({}, "trajectory"),
-    "points that are none": ({"trajectory": {"joint_names": JOINTS, "points": 3}}, ""),
-}
-
-
-@pytest.mark.parametrize("what", MALFORMED)
-def test_a_malformed_goal_is_refused_with_the_reason(arm, operator, station, what):
-    body, reason = MALFORMED[what]
-    arm.submit_goal("arm", points((2.0, [0.1, 0.1])))
-    station.loop.step(100)
-
-    answer = operator.post(GOALS, json={"goal": body})
-
-    problem = problem_of(answer, 422, "invalid_trajectory")
-    told = problem.get("details", {}).get("reason", "")
-    assert reason == told or reason in problem["detail"]
-    station.loop.step(2500)
-    assert [goal.status for goal in arm.goals("arm")] == ["succeeded"]
-    assert arm.joint_states().position == pytest.approx([0.1, 0.1], abs=1e-6)
-
-
-@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
-@pytest.mark.parametrize("field", ["positions", "velocities", "time_from_start"])
-def test_numbers_that_are_not_finite_are_no_json(arm, operator, number, field):
-    body = json.dumps({"goal": points((0.5, AWAY, [0.125, 0.125]))})
-    value = {"positions": "-0.4", "velocities": "0.125", "time_from_start": "0.5"}
-    assert value[field] in body
-    content = body.replace(value[field], number, 1)
-
-    answer = operator.post(
-        GOALS, content=content, headers={"Content-Type": "application/json"}
-    )
-
-    problem_of(answer, 422, "invalid_request")
-    assert arm.goals("arm") == []
 
 
 def test_an_empty_goal_stops_the_joints_and_succeeds(arm, station):

@@ -15,11 +15,9 @@ FOLDER = Path(__file__).parents[2] / "data" / "ros_yaml" / "effort_controllers"
 
 
 def test_the_simple_robot_reaches_its_targets_one_after_the_other(make_robot, send):
-    parameters = yaml.safe_load((FOLDER / "simple_bot_controllers.yaml").read_text())
+    values = yaml.safe_load((FOLDER / "simple_bot_controllers.yaml").read_text())
     robot = make_robot(["joint"], (FOLDER / "simple_bot.urdf").read_text())
-    controller = robot.start(
-        JointPositionController, **parameters["position_controller"]
-    )
+    controller = robot.start(JointPositionController, **values["position_controller"])
     for target in (1.0, -1.0, 0.0):
         send(controller, [target])
         robot.run_with_effort(controller, count=2000, period=0.01)
