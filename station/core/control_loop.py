@@ -199,10 +199,14 @@ class ControlLoop:
         """Start the statistics anew; control thread or between cycles."""
         self._meter.reset()
 
-    def next_epoch(self) -> int:
-        """Make everything commanded so far void; control thread or between cycles."""
+    def next_epoch(self, reason: str) -> int:
+        """Make everything commanded so far void; control thread or between cycles.
+
+        Args:
+            reason: Why, one sentence; the goals that end say it.
+        """
         self.epoch += 1
-        self.manager.void_commands()
+        self.manager.void_commands(reason)
         return self.epoch
 
     def begin_anew(self) -> None:
@@ -215,7 +219,8 @@ class ControlLoop:
 
     def carry_out_stop(self) -> None:
         """Stop every controller now; control thread, or when no thread runs."""
-        self.next_epoch()
+        why = self.stop_latch.reason or self.failure_summary() or "no reason given"
+        self.next_epoch(f"The station was stopped: {why.rstrip('.')}.")
         self.manager.stop_all(self.time)
         if self.stop_latch.pending:
             self.stop_latch.carried_out(self.cycle)

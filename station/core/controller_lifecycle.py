@@ -138,6 +138,7 @@ class ControllerLifecycle:
         """Mark one controller as not running, because of `problem`; it rests."""
         one.fault, one.traceback, one.fresh = problem, "", False
         one.write_rest()
+        one.abort_goals(f"The controller failed: {problem}.")
         try:
             one.controller.abort_request(time)
         except CONTAINED as error:  # contained, kept and shown

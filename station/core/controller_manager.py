@@ -134,9 +134,13 @@ class ControllerManager:
         """
         self._runner.stop_all(time)
 
-    def void_commands(self) -> None:
-        """Void every set-point that has not been picked up, and every goal."""
-        self._runner.void_commands()
+    def void_commands(self, reason: str) -> None:
+        """Void every set-point that has not been picked up, and every goal.
+
+        Args:
+            reason: Why, one sentence; the goals that end say it.
+        """
+        self._runner.void_commands(reason)
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""

@@ -126,6 +126,7 @@ class ControllerRunner(ControllerLifecycle):
                 reason = self.hw.interruption_of(one.info)
             if reason:
                 found.append(one)
+                one.abort_goals(f"The robot ended the motion: {reason}.")
                 self.stop(one, time)
                 one.fault = one.fault or reason
                 one.write_rest()
@@ -170,14 +171,18 @@ class ControllerRunner(ControllerLifecycle):
         self._finish(pending)
         return waiting
 
-    def void_commands(self) -> None:
-        """Void every set-point that has not been picked up, and every goal."""
+    def void_commands(self, reason: str) -> None:
+        """Void every set-point that has not been picked up, and every goal.
+
+        Args:
+            reason: Why, one sentence; the goals that end say it.
+        """
         for one in self.loaded:
             controller = one.controller
             if controller.set_points is not None:
                 controller.set_points.clear()
             if controller.goals is not None:
-                controller.goals.void("A stop, a reset or a recovery made it void.")
+                controller.goals.void(reason)
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""

@@ -144,6 +144,15 @@ class GoalPort(ABC):
         for goal in self.goals():
             goal.withdraw(reason)
 
+    def abort(self, reason: str) -> None:
+        """End every goal because its controller cannot go on. Control thread.
+
+        Args:
+            reason: Why, one sentence.
+        """
+        for goal in self.goals():
+            goal.finish(GoalStatus.ABORTED, GoalResult(0, reason))
+
     def new_goal(self, request: Mapping[str, object]) -> Goal:
         """Return a goal with a new name that is not yet listed."""
         self._count += 1

@@ -124,6 +124,15 @@ class LoadedController:
         goals = [] if port is None else port.goals()
         return goals[-1] if goals else None
 
+    def abort_goals(self, reason: str) -> None:
+        """End the controller's goals because it cannot go on.
+
+        Args:
+            reason: Why, one sentence.
+        """
+        if self.controller.goals is not None:
+            self.controller.goals.abort(reason)
+
     def jumps(self) -> dict[str, float]:
         """Return how far its commands are from before it was started, by resource."""
         return {guard.name: guard.jump() for guard in self.guards}

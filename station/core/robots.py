@@ -190,7 +190,7 @@ class Robots:
 
         def clear(arm: FrankaServices) -> bool:
             had_error = arm.error_recovery()
-            self._loop.next_epoch()
+            self._loop.next_epoch(f"Arm '{arm_id}' was recovered.")
             return had_error
 
         had_error = self._ask(arm_id, clear)
@@ -204,7 +204,8 @@ class Robots:
 
         def press(arm: FrankaServices) -> None:
             arm.set_user_stop(pressed=pressed)
-            self._loop.next_epoch()
+            did = "pressed" if pressed else "released"
+            self._loop.next_epoch(f"The user stop of arm '{arm_id}' was {did}.")
 
         self._ask(arm_id, press)
 

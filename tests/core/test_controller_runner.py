@@ -196,7 +196,7 @@ def test_voided_commands_are_not_picked_up(bench):
     arm.set_points = SetPointPort([SetPointElement("j1", "Nm")])
     arm.set_points.post([1.0])
 
-    bench.manager.void_commands()
+    bench.manager.void_commands("A reset.")
 
     assert arm.set_points.take() is None
 

@@ -64,3 +64,15 @@ def test_voiding_ends_all_goals_and_asks_their_controller_to_stop():
     assert waiting.status is GoalStatus.PREEMPTED
     assert waiting.result == GoalResult(0, "A reset.")
     assert waiting.cancel_requested
+
+
+def test_aborting_ends_all_goals_that_had_not_ended():
+    port = Port()
+    done, waiting = port.submit({}), port.submit({})
+    done.finish(GoalStatus.SUCCEEDED, GoalResult())
+
+    port.abort("A reflex.")
+
+    assert done.status is GoalStatus.SUCCEEDED
+    assert waiting.status is GoalStatus.ABORTED
+    assert waiting.result == GoalResult(0, "A reflex.")
