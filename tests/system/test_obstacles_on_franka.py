@@ -1,4 +1,4 @@
-"""An obstacle ends a goal of the simulated arm: what is told, and that the arm holds."""
+"""An obstacle ends a goal of the simulated arm: what is told, and the arm holds."""
 
 import pytest
 

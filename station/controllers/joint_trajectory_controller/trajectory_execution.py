@@ -39,6 +39,9 @@ from station.core.trajectory import (
 )
 from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
 
+_STANDSTILL = 1e-6
+"""Part of its speed below which a trajectory counts as paused."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Moment:
@@ -110,7 +113,7 @@ class TrajectoryExecution:
         self.velocities: list[float] = []
         self.accelerations: list[float] = []
         self.errors = JointErrors([], [])
-        self._rates: list[float] = []
+        self._sampled = 0.0
         self._trajectory: SegmentTrajectory = []
         self._moment = _Moment()
         self._supervision = GoalSupervision(joints)
@@ -133,8 +136,8 @@ class TrajectoryExecution:
         self.positions = positions
         self.velocities = velocities
         self.accelerations = [0.0] * size
+        self._sampled = 0.0
         self.errors = JointErrors([0.0] * size, [0.0] * size)
-        self._rates = velocities
         self._trajectory = self._resting(positions)
 
     def end_goals(self, status: GoalStatus, reason: str) -> None:
@@ -216,11 +219,13 @@ class TrajectoryExecution:
     def query(self, time: float) -> PosVelAccState:
         """Return the desired state at a station time [s], past or to come.
 
+        It is told for the present speed of the trajectory.
+
         Raises:
             InvalidTrajectoryError: The trajectory being executed begins later.
         """
-        moment, trajectory = self._moment, self._trajectory
-        when = to_seconds(moment.uptime) + (time - moment.time)
+        moment, trajectory, factor = self._moment, self._trajectory, self.speed.factor
+        when = to_seconds(moment.uptime) + factor * (time - moment.time)
         states = []
         for segments in trajectory:
             if find_segment(segments, when) is None:
@@ -231,8 +236,8 @@ class TrajectoryExecution:
             states.append(sample_segments(segments, when))
         return PosVelAccState(
             [state[0] for state in states],
-            [state[1] for state in states],
-            [state[2] for state in states],
+            [factor * state[1] for state in states],
+            [factor * factor * state[2] for state in states],
         )
 
     def _planned(
@@ -263,11 +268,14 @@ class TrajectoryExecution:
         return planned
 
     def _latest_trajectory(self) -> SegmentTrajectory:
+        """Return what will be executed when all that waits has been taken up."""
         try:
             latest = self._requests[-1].trajectory
         except IndexError:
-            latest = None
-        return self._trajectory if latest is None else latest
+            return self._trajectory
+        if latest is None:  # a stop: nothing of what is executed goes on after it
+            return hold_trajectory(self._sampled, self.positions)
+        return latest
 
     def _check_pace(
         self, planned: SegmentTrajectory, current: SegmentTrajectory
@@ -295,12 +303,24 @@ class TrajectoryExecution:
     def _resting(
         self, positions: list[float], goal: Goal | None = None
     ) -> SegmentTrajectory:
-        """Return a trajectory that ends the motion, from the present cycle on."""
+        """Return a trajectory that ends the motion, from the present cycle on.
+
+        A stop ramp begins where the joints were due last, so that it goes on in this
+        cycle as they did.
+        """
         now = to_seconds(self._moment.uptime)
         if self._stop_duration == 0.0:
             return hold_trajectory(now, positions, goal)
-        moving = zip(self.positions, self._rates, strict=True)
-        return stop_trajectory(now, self._stop_duration, list(moving), goal)
+        now = self._sampled
+        factor = self.speed.factor
+        if factor < _STANDSTILL:
+            return hold_trajectory(now, self.positions, goal)
+        # The duration is real time, whatever the speed of the trajectory.
+        moving = [
+            (position, velocity / factor)
+            for position, velocity in zip(self.positions, self.velocities, strict=True)
+        ]
+        return stop_trajectory(now, self._stop_duration * factor, moving, goal)
 
     def _with_timely_bridges(
         self, planned: SegmentTrajectory, now: float
@@ -336,10 +356,10 @@ class TrajectoryExecution:
             wanted.append(position)
             rates.append(velocity)
             accelerations.append(acceleration * factor * factor + velocity * rate)
+        self._sampled = now
         self.positions = wanted
         self.velocities = [velocity * factor for velocity in rates]
         self.accelerations = accelerations
-        self._rates = rates
         errors = [d - a for d, a in zip(wanted, measured, strict=True)]
         for index, wraps in enumerate(self._wraps):
             if wraps:

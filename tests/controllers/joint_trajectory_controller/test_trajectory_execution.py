@@ -69,3 +69,17 @@ def test_an_hour_of_cycles_does_not_drift(execution):
     for _ in range(3600):
         execution.advance(50.0, 1.0 / 3.0, [0.0], [0.0])
     assert execution._moment.uptime == pytest.approx(1200e9, abs=3600)
+
+
+def test_a_stop_that_waits_is_not_undone_by_a_later_start(execution):
+    time = _advance(execution, 1, 50.0)
+    execution.plan(_to(1.0, 1.0))
+    time = _advance(execution, 500, time)
+    here = execution.positions[0]
+    execution.hold()
+    point = JointTrajectoryPoint([0.0], time_from_start=1.0)
+    execution.plan(JointTrajectory(["a"], [point], stamp=time + 0.3))
+    time = _advance(execution, 290, time)
+    assert execution.positions[0] == pytest.approx(here, abs=2e-3)
+    _advance(execution, 1100, time)
+    assert execution.positions[0] == pytest.approx(0.0, abs=1e-9)
