@@ -128,11 +128,14 @@ class GoalPort(ABC):
     def cancel(self, identifier: str) -> Goal:
         """Ask for the end of a goal; the controller ends it in its next cycle.
 
+        A goal that has ended stays as it is.
+
         Raises:
             GoalNotFoundError: There is none of that name, or it is too old.
         """
         goal = self.get(identifier)
-        goal.cancel_requested = True
+        if not goal.is_final():
+            goal.cancel_requested = True
         return goal
 
     def void(self, reason: str) -> None:

@@ -76,3 +76,12 @@ def test_aborting_ends_all_goals_that_had_not_ended():
     assert done.status is GoalStatus.SUCCEEDED
     assert waiting.status is GoalStatus.ABORTED
     assert waiting.result == GoalResult(0, "A reflex.")
+
+
+def test_cancelling_a_goal_that_has_ended_changes_nothing():
+    port = Port()
+    done = port.submit({})
+    done.finish(GoalStatus.SUCCEEDED, GoalResult())
+
+    assert port.cancel(done.identifier) is done
+    assert not done.cancel_requested
