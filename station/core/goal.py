@@ -77,11 +77,13 @@ class Goal:
         """End the goal from outside of its controller, whether it has begun or not.
 
         Callable from any thread: a controller that takes the goal up at the same time
-        sees the wish and ends the motion.
+        sees the wish and ends the motion. A goal that has ended stays as it is.
 
         Args:
             reason: Why, one sentence.
         """
+        if self.is_final():
+            return
         self.cancel_requested = True
         self.finish(GoalStatus.PREEMPTED, GoalResult(0, reason))
 

@@ -84,4 +84,5 @@ def test_cancelling_a_goal_that_has_ended_changes_nothing():
     done.finish(GoalStatus.SUCCEEDED, GoalResult())
 
     assert port.cancel(done.identifier) is done
+    port.void("A reset.")
     assert not done.cancel_requested

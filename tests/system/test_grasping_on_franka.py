@@ -126,6 +126,7 @@ def test_a_new_command_while_the_fingers_move_replaces_the_old_one(make_bench, k
 def test_a_stop_with_nothing_running_changes_nothing(make_bench, kind):
     bench = make_bench(kind, "air")
     done = bench.finish(move(bench, 0.02), "gripper")
+    bench.run(0.5)
     before = finger(bench)
 
     assert bench.client.cancel_goal("gripper", done.id) == done
