@@ -10,7 +10,7 @@ from station.api.wire_numbers import measured, measured_list
 from station.core import loop_report, statistics, tunables
 from station.core.controller import ControllerSample
 from station.core.controller_manager import ControllerStatus
-from station.core.goal import Goal
+from station.core.goal import Goal, GoalStatus
 from station.core.robot_report import SceneObjectReport
 from station.core.set_point import SetPoint, SetPointElement
 from station.core.simulation import SimulationReport
@@ -131,11 +131,14 @@ def controller_sample(
 def goal(found: Goal) -> schemas.Goal:
     """Return a goal and how far it is."""
     result = found.result
+    is_active = found.status is GoalStatus.ACTIVE
+    feedback = found.feedback() if is_active else {}
     return schemas.Goal(
         id=found.identifier,
         status=found.status.value,
         progress=found.progress,
         cancel_requested=found.cancel_requested,
+        feedback={key: _value(value) for key, value in feedback.items()} or None,
         result=None
         if result is None
         else schemas.GoalResult(

@@ -4,6 +4,7 @@ Source: franka_ros@c11f000 franka_control/src/franka_state_controller.cpp; diffe
 is published is kept as one object for any thread, instead of being sent to topics.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -101,3 +102,23 @@ class FrankaStateController(Controller[FrankaStateInterface]):
             ),
         )
         self._sequence += 1
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the messages of three topics; the whole state is the arm's resource.
+
+        Called in any thread.
+        """
+        found = self.franka_states
+        if found is None:
+            return {}
+        return {
+            "joint_states": found.joint_states._asdict(),
+            "joint_states_desired": found.joint_states_desired._asdict(),
+            "F_ext": {
+                "stamp": found.stamp,
+                "frame_id": f"{self._arm_id}_K",
+                "force": found.F_ext[:3],
+                "torque": found.F_ext[3:],
+            },
+        }

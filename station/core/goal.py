@@ -6,7 +6,7 @@ a pair of topics, and a refused goal is an exception.
 
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -53,6 +53,8 @@ class Goal:
         progress: Part of its time that has passed, 0 to 1.
         result: How it ended; None until then.
         cancel_requested: Whether somebody wants it to end.
+        feedback: Gives the action's feedback message (JSON-compatible values); nothing
+            unless its owner says more. Any thread.
     """
 
     def __init__(self, identifier: str, request: Mapping[str, object]) -> None:
@@ -62,6 +64,7 @@ class Goal:
         self.progress = 0.0
         self.result: GoalResult | None = None
         self.cancel_requested = False
+        self.feedback: Callable[[], Mapping[str, object]] = dict
 
     def is_final(self) -> bool:
         """Say whether the goal has ended."""

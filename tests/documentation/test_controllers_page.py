@@ -5,10 +5,14 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
 from station.controllers import CONTROLLERS
 from station.core.parameters import Parameters
+from station.core.switching import SwitchRequest
 from tests.conformance.benches import JOINTS, bench_for
 from tests.documentation.shell_examples import ROOT
+from tests.two_joint_station import make_station
 
 PAGE = (ROOT / "docs" / "controllers.md").read_text()
 GETTERS = ("get_float", "get_int", "get_bool", "get_str", "get_str_list")
@@ -30,16 +34,22 @@ def groups_of(cell: str) -> set[str]:
 TYPES = {row[0].strip("`"): row for row in table("Types")}
 
 
+# Sensors publish under their own names.
+SENSORS = {"mock_wrench": "`<sensor>`", "mock_imu": "`<sensor>`"}
+
+
 @dataclass
 class Reading:
     """A controller after loading, and what it asked the parameters for.
 
     Attributes:
+        bench: Where it runs.
         status: Its status.
         controller: The controller.
         defaults: By key: the defaults given; nothing for a key that is only looked at.
     """
 
+    bench: object
     status: object
     controller: object
     defaults: dict[str, list[object]] = field(default_factory=dict)
@@ -69,12 +79,12 @@ def reading(request, monkeypatch):
         watch(name)
     bench = bench_for(request.param)
     (status,) = bench.manager.list_controllers()
-    return Reading(status, bench.manager.get_controller("it"), asked)
+    return Reading(bench, status, bench.manager.get_controller("it"), asked)
 
 
 def documented(controller_type: str) -> dict[str, str]:
     """Return the default of each parameter of a type as the page tells it."""
-    groups = groups_of(TYPES[controller_type][3])
+    groups = groups_of(TYPES[controller_type][4])
     return {
         row[0].strip("`"): row[2].strip("`")
         for row in table("Parameters")
@@ -87,7 +97,7 @@ def test_all_types_are_told():
 
 
 def test_every_group_of_parameters_is_used():
-    used = set().union(*(groups_of(row[3]) for row in TYPES.values()))
+    used = set().union(*(groups_of(row[4]) for row in TYPES.values()))
 
     told = {row[3] for row in table("Parameters")}
     told_at_run_time = {row[2] for row in table("Run-time parameters")}
@@ -113,6 +123,38 @@ def test_what_it_takes_is_told(reading):
     assert TYPES[reading.status.type][2] == (", ".join(takes) or "nothing")
 
 
+def test_what_it_publishes_is_told(reading):
+    topics = {
+        SENSORS.get(topic, f"`{topic}`")
+        for topic in published_by(reading.bench, reading.controller)
+    }
+    told = set(TYPES[reading.status.type][3].split(", "))
+
+    assert told == (topics or {"nothing"})
+
+
+def published_by(bench, controller):
+    """Run a controller and return the names of what it publishes."""
+    bench.manager.switch_controller(SwitchRequest(start=("it",)))
+    bench.step(100)
+    return controller.published()
+
+
+def test_the_resources_that_stand_for_topics_and_actions_exist():
+    cells = [row[1] for row in table("Topics, services and actions of the originals")]
+    told = re.findall(r"`([A-Z]+) ([^`?]+)", " ".join(cells))
+    routes = {(verb, path.replace("…", "/controllers/{name}")) for verb, path in told}
+    paths = create_app(make_station(), Authenticator()).openapi()["paths"]
+    known = {
+        (verb.upper(), path.removeprefix("/api/v1").replace("{goal_id}", "{id}"))
+        for path, verbs in paths.items()
+        for verb in verbs
+    }
+
+    assert len(routes) >= 8
+    assert routes <= known
+
+
 def test_every_parameter_that_is_read_is_told_and_no_other(reading):
     assert set(reading.defaults) == set(documented(reading.status.type))
 
@@ -134,7 +176,7 @@ def test_defaults_are_told(reading):
 
 
 def test_run_time_parameters_and_their_ranges_are_told(reading):
-    groups = groups_of(TYPES[reading.status.type][3])
+    groups = groups_of(TYPES[reading.status.type][4])
     told = {
         row[0].strip("`"): row[1]
         for row in table("Run-time parameters")

@@ -64,6 +64,8 @@ class Goal(ResponseModel):
         status: How far it is; the last three are final.
         progress: Part of its time that has passed, 0 to 1.
         cancel_requested: Somebody wants it to end.
+        feedback: The action's feedback while the goal is active: desired and actual
+            states and errors of joints, or position and effort of a gripper.
         result: How it ended; null until then.
     """
 
@@ -71,6 +73,7 @@ class Goal(ResponseModel):
     status: GoalStatusName
     progress: float
     cancel_requested: bool
+    feedback: dict[str, JsonValue] | None = None
     result: GoalResult | None
 
 

@@ -52,7 +52,9 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
         self._max_effort = 0.0
         self._stall_velocity = 0.0
         self._stall_timeout = 0.0
-        self._port = GripperCommandPort(self.joint, 0.0, self.is_running)
+        self._port = GripperCommandPort(
+            self.joint, 0.0, self.is_running, self._feedback
+        )
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
@@ -64,7 +66,9 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
         self._max_effort = self._read_max_effort(params)
         self._stall_velocity = params.get_float("stall_velocity_threshold", 0.001)
         self._stall_timeout = params.get_float("stall_timeout", 1.0)
-        self._port = GripperCommandPort(self.joint, self._max_effort, self.is_running)
+        self._port = GripperCommandPort(
+            self.joint, self._max_effort, self.is_running, self._feedback
+        )
         self.goals = self._port
         self.init_command(params)
 
@@ -173,6 +177,16 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
                 "tolerance": self._tolerance,
             }
         return GoalResult(0, message if stalled else "", details)
+
+    def _feedback(self) -> dict[str, object]:
+        """Return the feedback of the active goal. Any thread."""
+        (handle,) = self._handles
+        return {
+            "position": handle.get_position(),
+            "effort": handle.get_effort(),
+            "stalled": False,
+            "reached_goal": False,
+        }
 
     def _hold(self) -> None:
         """Stay where the joint is."""

@@ -35,6 +35,7 @@ class GripperCommandPort(GoalPort):
         joint: The gripper's joint.
         max_effort: Effort of goals that name none [N or Nm], >= 0.
         is_running: Says whether the controller is running.
+        feedback: Gives the feedback message of the active goal.
 
     Attributes:
         waiting: Goals that were not taken up yet, oldest first.
@@ -45,12 +46,14 @@ class GripperCommandPort(GoalPort):
         joint: JointDescription,
         max_effort: float,
         is_running: Callable[[], bool],
+        feedback: Callable[[], Mapping[str, object]],
     ) -> None:
         super().__init__()
         self.waiting: deque[tuple[Goal, GripperCommand]] = deque()
         self._joint = joint
         self._max_effort = max_effort
         self._is_running = is_running
+        self._feedback = feedback
 
     @override
     def submit(self, request: Mapping[str, object]) -> Goal:
@@ -71,6 +74,7 @@ class GripperCommandPort(GoalPort):
                 remedy="Start it with POST /controllers/switch.",
             )
         goal = self.new_goal(request)
+        goal.feedback = self._feedback
         self.remember(goal)
         self.waiting.append((goal, command))
         return goal

@@ -27,6 +27,7 @@ class FollowJointTrajectoryPort(GoalPort):
         execution: Where planned goals go.
         tolerances: Default bounds of the errors by joint.
         is_running: Says whether the controller is running.
+        feedback: Gives the feedback message of the active goal.
 
     Source:
         ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB; differs:
@@ -38,11 +39,13 @@ class FollowJointTrajectoryPort(GoalPort):
         execution: TrajectoryExecution,
         tolerances: Mapping[str, JointTolerances],
         is_running: Callable[[], bool],
+        feedback: Callable[[], Mapping[str, object]],
     ) -> None:
         super().__init__()
         self._execution = execution
         self._tolerances = tolerances
         self._is_running = is_running
+        self._feedback = feedback
 
     @override
     def submit(self, request: Mapping[str, object]) -> Goal:
@@ -71,6 +74,7 @@ class FollowJointTrajectoryPort(GoalPort):
             )
         self._check_names([*wanted.path_tolerance, *wanted.goal_tolerance])
         goal = self.new_goal(request)
+        goal.feedback = self._feedback
         bounds = updated_tolerances(
             self._tolerances,
             wanted.path_tolerance,

@@ -95,6 +95,7 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
             self.execution,
             read_tolerances(params.namespace("constraints"), self.joint_names),
             self.is_running,
+            self._state_message,
         )
         self.trajectories = JointTrajectoryPort(self.execution, self.is_running)
         self._schema = {
@@ -167,30 +168,38 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
         execution.advance(time, period, positions, velocities)
         output = self.command(execution, period)
         desired, errors = execution.positions, execution.errors
+        begun, passed = execution.times_from_start
         self.sample = ControllerSample(
             time, desired, positions, errors.positions, output
         )
         self.trajectory_state = JointTrajectoryState(
             time,
-            PosVelAccState(desired, execution.velocities, execution.accelerations),
-            PosVelAccState(positions, velocities),
-            PosVelAccState(errors.positions, errors.velocities),
+            PosVelAccState(
+                desired, execution.velocities, execution.accelerations, begun
+            ),
+            PosVelAccState(positions, velocities, time_from_start=passed),
+            PosVelAccState(
+                errors.positions, errors.velocities, time_from_start=begun - passed
+            ),
         )
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
         """Return what the original's topic `state` says."""
+        message = self._state_message()
+        return {"state": message} if message else {}
+
+    def _state_message(self) -> dict[str, object]:
+        """Return the last state; it is the feedback of goals, too."""
         state = self.trajectory_state
         if state is None:
             return {}
         return {
-            "state": {
-                "stamp": state.stamp,
-                "joint_names": list(self.joint_names),
-                "desired": _message(state.desired),
-                "actual": _message(state.actual),
-                "error": _message(state.error),
-            }
+            "stamp": state.stamp,
+            "joint_names": list(self.joint_names),
+            "desired": _message(state.desired),
+            "actual": _message(state.actual),
+            "error": _message(state.error),
         }
 
     @override
@@ -213,6 +222,7 @@ def _message(state: PosVelAccState) -> dict[str, object]:
         "positions": state.position,
         "velocities": state.velocity,
         "accelerations": state.acceleration,
+        "time_from_start": state.time_from_start,
     }
 
 

@@ -87,6 +87,8 @@ class TrajectoryExecution:
         velocities: Desired velocities [rad/s or m/s], shape (n,).
         accelerations: Desired accelerations [rad/s^2 or m/s^2], shape (n,).
         errors: Desired minus measured states.
+        times_from_start: When the first joint's segment begins, and how far it is, both
+            from the start of the trajectory [s].
 
     Source:
         JointTrajectoryController; differs: after a violated tolerance the joints are
@@ -113,6 +115,7 @@ class TrajectoryExecution:
         self.velocities: list[float] = []
         self.accelerations: list[float] = []
         self.errors = JointErrors([], [])
+        self.times_from_start = (0.0, 0.0)
         self._sampled = 0.0
         self._trajectory: SegmentTrajectory = []
         self._moment = _Moment()
@@ -356,6 +359,9 @@ class TrajectoryExecution:
             wanted.append(position)
             rates.append(velocity)
             accelerations.append(acceleration * factor * factor + velocity * rate)
+        if active:
+            begun = active[0].spline.time_from_start
+            self.times_from_start = (begun, now - active[0].start_time + begun)
         self._sampled = now
         self.positions = wanted
         self.velocities = [velocity * factor for velocity in rates]

@@ -31,6 +31,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
     def __init__(self) -> None:
         super().__init__()
+        self._period = 0.0
         self._pids = JointPids(
             [], [], error=JointQuantity.POSITION, command=JointQuantity.EFFORT
         )
@@ -66,7 +67,31 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
         else:
             commands = self._pids.compute_commands(errors, period)
         self.group.set_commands(commands)
+        self._period = period
         self.sample = ControllerSample(time, set_point, actual, errors, commands)
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the topic `state`; for a group lists, in the order of its joints.
+
+        Source:
+            control_msgs@1.5.2 msg/JointControllerState.msg; differs: a group of joints
+            publishes its state, too.
+        """
+        sample = self.sample
+        if sample is None:
+            return {}
+        columns: dict[str, list[float] | list[bool]] = {
+            "set_point": sample.desired,
+            "process_value": sample.actual,
+            "error": sample.error,
+            "command": sample.output,
+            **self._pids.columns(),
+        }
+        common = {"stamp": sample.stamp, "time_step": self._period}
+        if self.is_group:
+            return {"state": {**common, "joint_names": self.joint_names, **columns}}
+        return {"state": {**common, **{key: each[0] for key, each in columns.items()}}}
 
     @override
     def gain_schema(self) -> Mapping[str, Tunable]:

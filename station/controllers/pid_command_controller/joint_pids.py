@@ -97,6 +97,17 @@ class JointPids:
             for key, value in _named(pid.gains).items()
         }
 
+    def columns(self) -> dict[str, list[float] | list[bool]]:
+        """Return the gains in force as the original tells them, shape (n,) each."""
+        gains = [pid.gains for pid in self.pids]
+        return {
+            "p": [each.p for each in gains],
+            "i": [each.i for each in gains],
+            "d": [each.d for each in gains],
+            "i_clamp": [each.i_max for each in gains],
+            "antiwindup": [each.antiwindup for each in gains],
+        }
+
     def check_gains(self, values: Mapping[str, float]) -> None:
         """Refuse a complete set of gains that does not fit together.
 

@@ -34,16 +34,21 @@ def test_a_goal_is_followed_to_its_end(arm, operator, station):
         "status": "pending",
         "progress": 0.0,
         "cancel_requested": False,
+        "feedback": None,
         "result": None,
     }
     station.loop.step(250)
     half = arm.goal("arm", "1")
     assert half.status == "active"
     assert half.progress == pytest.approx(0.5, abs=0.01)
+    assert half.feedback["joint_names"] == JOINTS
+    assert half.feedback["desired"]["positions"] == pytest.approx([0.2, -0.2], abs=0.01)
+    assert half.feedback["actual"]["time_from_start"] == pytest.approx(0.25, abs=0.01)
     station.loop.step(300)
     done = arm.goal("arm", "1")
     assert (done.status, done.progress) == ("succeeded", 1.0)
     assert (done.result.code, done.result.message) == (0, "")
+    assert done.feedback is None
     assert arm.goals("arm") == [done]
     assert arm.joint_states().position == pytest.approx([0.4, -0.4], abs=1e-6)
 
