@@ -12,7 +12,6 @@ from station.controllers import CONTROLLERS
 from tests.app.test_ros_yaml import FILES, FOLDER, robot_for
 from tests.system.station_process import StationProcess
 
-
 ONE_OF_EACH = {file.parent: file for file in FILES}.values()
 
 

@@ -130,7 +130,8 @@ def init_joint_trajectory(
 
     Source:
         initJointTrajectory; differs: sizes and numbers of all points are checked
-        first, and a joint may be named once only.
+        first, a joint may be named once only, and a start before the other time base
+        began is allowed.
     """
     _check_points(trajectory)
     joint_names = list(options.joint_names or trajectory.joint_names)

@@ -1,14 +1,19 @@
 """Joining a request to what is being executed: the original's recorded answers."""
 
+from math import pi
+
 import pytest
 
 from station.core.errors import InvalidTrajectoryError
+from station.core.goal import Goal
 from station.core.trajectory import (
+    JointTolerances,
     JointTrajectory,
     JointTrajectoryPoint,
     JointTrajectorySegment,
     PosVelAccState,
     QuinticSplineSegment,
+    StateTolerances,
     TrajectoryOptions,
     find_segment,
     init_joint_trajectory,
@@ -160,3 +165,76 @@ def test_a_current_trajectory_that_begins_later_is_an_error():
             10.0,
             TrajectoryOptions(current=[[later]]),
         )
+
+
+def _moving(start_time, velocity):
+    """Return segments of 2 s for a joint that moves from 0 with that velocity."""
+    start = PosVelAccState([0.0], [velocity], [0.0])
+    end = PosVelAccState([2.0 * velocity], [velocity], [0.0])
+    spline = QuinticSplineSegment(start_time, start, start_time + 2.0, end)
+    bounds = JointTolerances(StateTolerances(0.1))
+    return [JointTrajectorySegment(spline, end, goal=OLD, tolerances=bounds)]
+
+
+OLD, NEW = Goal("old", {}), Goal("new", {})
+
+
+def test_a_joint_that_is_left_out_goes_on_under_the_new_goal_with_its_bounds():
+    current = [_moving(10.0, 0.5), _moving(10.0, 0.25)]
+    bounds = {"b": JointTolerances(StateTolerances(0.3))}
+    result = init_joint_trajectory(
+        JointTrajectory(["b"], _points(1.0)),
+        11.0,
+        TrajectoryOptions(
+            current=current,
+            joint_names=["a", "b"],
+            allow_partial_joints_goal=True,
+            goal=NEW,
+            tolerances=bounds,
+        ),
+    )
+    (kept,) = result[0]
+    assert kept.goal is NEW
+    assert kept.tolerances.path.position == 0.1
+    assert kept.spline is current[0][0].spline
+    before, bridge = result[1]
+    assert before.tolerances.path.position == 0.1
+    assert bridge.goal is NEW
+    assert bridge.tolerances.path.position == 0.3
+
+
+def test_a_point_without_velocities_is_gone_to_on_a_line_from_a_moving_joint():
+    result = init_joint_trajectory(
+        JointTrajectory(["a"], _points(2.5)),
+        11.0,
+        TrajectoryOptions(current=[_moving(10.0, 0.5)]),
+    )
+    assert sample_segments(result[0], 11.5) == pytest.approx((1.5, 2.0, 0.0))
+
+
+def test_whole_turns_are_added_to_every_point():
+    turn = 2.0 * pi
+    start, end = PosVelAccState([3 * turn]), PosVelAccState([3 * turn])
+    hold = JointTrajectorySegment(QuinticSplineSegment(0.0, start, 0.0, end), end)
+    result = init_joint_trajectory(
+        JointTrajectory(["a"], _points(0.5, 1.0, -0.5)),
+        10.0,
+        TrajectoryOptions(current=[[hold]], angle_wraparound=[True]),
+    )
+    reached = [sample_segments(result[0], 11.0 + i)[0] - 3 * turn for i in range(3)]
+    assert reached == pytest.approx([0.5, 1.0, -0.5])
+
+
+def test_a_start_before_the_other_time_base_began_is_no_hindrance():
+    """The original's times cannot be negative, so it refuses this one."""
+    points = [
+        JointTrajectoryPoint([1.0], time_from_start=1.0),
+        JointTrajectoryPoint([2.0], time_from_start=11.0),
+    ]
+    result = init_joint_trajectory(
+        JointTrajectory(["a"], points, stamp=100.0),
+        110.0,
+        TrajectoryOptions(current=[_moving(0.0, 0.0)], other_time_base=0.5),
+    )
+    assert result[0][-1].end_time == pytest.approx(1.5)
+    assert sample_segments(result[0], 1.5)[0] == pytest.approx(2.0)

@@ -96,3 +96,40 @@ def test_ends_are_met_as_far_as_they_are_specified(velocity, acceleration):
         assert reached.velocity == pytest.approx(velocity)
     if acceleration:
         assert reached.acceleration == pytest.approx(acceleration)
+
+
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [
+        (([], [0.3]), ([], [0.3])),
+        (([0.2], [0.3]), ([], [])),
+        (([], []), ([0.2], [0.3])),
+        (([0.2], []), ([], [0.3])),
+    ],
+)
+def test_rates_that_one_end_lacks_are_not_used(start, end):
+    states = PosVelAccState([1.0], *start), PosVelAccState([2.0], *end)
+    segment = QuinticSplineSegment(10.0, states[0], 12.0, states[1])
+    assert segment.sample_dimension(10.5) == (1.25, 0.5, 0.0)
+    assert segment.sample_dimension(11.5) == (1.75, 0.5, 0.0)
+
+
+@pytest.mark.parametrize(("start", "end"), [([0.4], []), ([], [0.4])])
+def test_accelerations_that_one_end_lacks_leave_a_cubic(start, end):
+    states = PosVelAccState([0.0], [0.0], start), PosVelAccState([1.0], [0.0], end)
+    segment = QuinticSplineSegment(0.0, states[0], 1.0, states[1])
+    # 3 t^2 - 2 t^3
+    assert segment.sample_dimension(0.5) == pytest.approx((0.5, 1.5, 0.0))
+    assert segment.sample_dimension(0.25)[0] == pytest.approx(0.15625)
+
+
+@pytest.mark.parametrize("rates", [([], []), ([0.7], []), ([0.7], [0.3])])
+def test_a_segment_without_duration_is_its_start(rates):
+    state = PosVelAccState([1.0], *rates)
+    segment = QuinticSplineSegment(5.0, state, 5.0, PosVelAccState([9.0], *rates))
+    assert segment.end_time == 5.0
+    for time in (4.0, 6.0):
+        assert segment.sample_dimension(time) == (1.0, 0.0, 0.0)
+    velocity = rates[0][0] if rates[0] else 0.0
+    acceleration = rates[1][0] if rates[1] else 0.0
+    assert segment.sample_dimension(5.0) == (1.0, velocity, acceleration)
