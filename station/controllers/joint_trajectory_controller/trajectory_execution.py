@@ -43,6 +43,10 @@ _STANDSTILL = 1e-6
 """Part of its speed below which a trajectory counts as paused."""
 
 
+_KEPT = 8
+"""How many trajectories wait at most to be thrown away."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Moment:
     """One cycle's time, swapped as a whole.
@@ -118,6 +122,7 @@ class TrajectoryExecution:
         self.times_from_start = (0.0, 0.0)
         self._sampled = 0.0
         self._trajectory: SegmentTrajectory = []
+        self._retired: deque[SegmentTrajectory] = deque(maxlen=_KEPT)
         self._moment = _Moment()
         self._supervision = GoalSupervision(joints)
         self._requests: deque[_Request] = deque()
@@ -173,6 +178,7 @@ class TrajectoryExecution:
             InvalidTrajectoryError: The request cannot be followed; nothing changed.
         """
         with self._planning:
+            self._retired.clear()
             if request.points:
                 planned = self._planned(request, goal, tolerances)
                 self._requests.append(_Request(planned, goal))
@@ -214,10 +220,10 @@ class TrajectoryExecution:
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
             self._supervision.end(GoalStatus.PREEMPTED, "It was cancelled.")
-            self._trajectory = self._resting(positions)
+            self._follow(self._resting(positions))
         active = self._sample(now, positions, velocities)
         if self._supervision.check(active, self._trajectory, self.errors, now):
-            self._trajectory = self._resting(positions)
+            self._follow(self._resting(positions))
 
     def query(self, time: float) -> PosVelAccState:
         """Return the desired state at a station time [s], past or to come.
@@ -298,10 +304,18 @@ class TrajectoryExecution:
 
     def _take_up(self, request: _Request, now: float, positions: list[float]) -> None:
         if request.trajectory is None:
-            self._trajectory = self._resting(positions, request.goal)
+            self._follow(self._resting(positions, request.goal))
         else:
-            self._trajectory = self._with_timely_bridges(request.trajectory, now)
+            self._follow(self._with_timely_bridges(request.trajectory, now))
         self._supervision.begin(request.goal, now, self._trajectory)
+
+    def _follow(self, trajectory: SegmentTrajectory) -> None:
+        """Execute `trajectory`; what was executed is left for `plan` to throw away.
+
+        A long one takes milliseconds to free, which no cycle has.
+        """
+        self._retired.append(self._trajectory)
+        self._trajectory = trajectory
 
     def _resting(
         self, positions: list[float], goal: Goal | None = None

@@ -1,5 +1,7 @@
 """Taking a trajectory over late: the bridge begins where the joints shall be then."""
 
+import weakref
+
 import pytest
 
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
@@ -83,3 +85,16 @@ def test_a_stop_that_waits_is_not_undone_by_a_later_start(execution):
     assert execution.positions[0] == pytest.approx(here, abs=2e-3)
     _advance(execution, 1100, time)
     assert execution.positions[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_was_executed_is_freed_by_who_plans_and_not_in_a_cycle(execution):
+    time = _advance(execution, 1, 50.0)
+    points = [JointTrajectoryPoint([x], time_from_start=x) for x in (1.0, 2.0)]
+    execution.plan(JointTrajectory(["a"], points))
+    time = _advance(execution, 1, time)
+    first = weakref.ref(execution._trajectory[0][-1])
+    execution.plan(_to(0.0, 1.0))
+    _advance(execution, 1, time)
+    assert first() is not None
+    execution.plan(_to(1.0, 1.0))
+    assert first() is None
