@@ -122,6 +122,7 @@ class ControllerLifecycle:
             one.controller.state = ControllerState.STOPPED
             one.fault = reason_of("stopping", error)
             one.traceback = trace_of_fault()
+            one.abort_goals(f"The controller failed: {one.fault}.")
             one.write_rest()
 
     def wait(self, one: LoadedController, time: float) -> str:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.goal import GoalPort, GoalStatus
 from tests.core.scripted import Bench
 
 
@@ -57,3 +58,34 @@ def test_statistics_start_anew_on_request(bench):
     (statistics,) = bench.manager.controller_statistics()
     assert statistics.time.count == 0
     assert statistics.mean_time == 0.0
+
+
+class Port(GoalPort):
+    """Takes every goal."""
+
+    def submit(self, request):
+        goal = self.new_goal(request)
+        self.remember(goal)
+        return goal
+
+
+def fail():
+    raise RuntimeError("broken gear")
+
+
+@pytest.mark.parametrize("callback", ["update", "stopping"])
+def test_the_goals_of_a_controller_that_fails_say_why(bench, callback):
+    controller = bench.load("bad", "j1")
+    controller.goals = Port()
+    bench.switch(["bad"])
+    goal = controller.goals.submit({})
+    controller.actions[callback] = fail
+
+    bench.step()
+    if callback == "stopping":
+        bench.switch(stop=["bad"])
+
+    assert goal.status is GoalStatus.ABORTED
+    assert goal.result.message.startswith(
+        f"The controller failed: {callback} raised RuntimeError: broken gear"
+    )
