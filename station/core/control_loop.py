@@ -214,7 +214,7 @@ class ControlLoop:
 
         For a world that was put somewhere else; control thread or between cycles.
         """
-        self.next_epoch("The simulated world was put back to its start.")
+        self.next_epoch("A reset put the simulated world back to its start.")
         self._restart = True
 
     def carry_out_stop(self) -> None:

@@ -112,7 +112,7 @@ def test_a_reset_of_the_simulated_world(moving):
     bench.client.simulation.reset()
     bench.run(0.1)
     assert bench.goal(goal, name).status == "preempted"
-    assert "put back to its start" in bench.goal(goal, name).result.message
+    assert "A reset put the simulated world" in bench.goal(goal, name).result.message
     assert bench.client.controller(name).state == "running"
     assert_nothing_resumes(bench, name, goal, {"preempted"})
     assert_a_new_goal_is_reached(bench, name)
