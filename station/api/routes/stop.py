@@ -19,8 +19,8 @@ from station.api.routes.problems import problems
 from station.api.schemas import ReleaseRequest, StopRequest, StopState
 from station.core.stop_latch import StopLatch
 
-BODY_TIMEOUT = 0.2
-"""How long a stop waits for the rest of its own request [s]."""
+BODY_TIMEOUT = 0.01
+"""How long a stop waits for its own reason [s]; it comes with the request."""
 CARRY_OUT_TIMEOUT = 0.1
 """How long an answer waits for the cycle that stops the controllers [s]."""
 _STOP_BODY = {
@@ -49,10 +49,8 @@ async def stop(station: StationDep, role: RoleDep, request: Request) -> StopStat
     The body is optional and never in the way: one that cannot be read is ignored.
     Stopping again is fine. Nothing moves until the stop is released and armed.
     """
-    latch = station.loop.stop_latch
-    station.stop(f"asked for by the {role.value}")
-    latch.reason = await _reason(request) or latch.reason
-    await _carried_out(latch)
+    station.stop(await _reason(request) or f"asked for by the {role.value}")
+    await _carried_out(station.loop.stop_latch)
     return wire.stop_state(station)
 
 
