@@ -1,9 +1,10 @@
-# The station's one-word commands. Each prepares .venv first when it has to.
+# The station's one-word commands. Each prepares .venv first when it has to; `make run`
+# and `make bench` leave out what only the tests need.
 #
 #   make run    the station; ARGS="--rate 500" are handed on to `station run`
 #   make test   all that CI runs      make check   without the slow and browser tests
 #   make setup  only prepares .venv   make lock    after a change of dependencies
-#   make bench  the benchmarks         make clean   removes all that can be made again
+#   make bench  the benchmarks        make clean   removes all that can be made again
 
 .DEFAULT_GOAL := help
 .PHONY: help setup run test check static lock bench clean
@@ -11,20 +12,26 @@
 ARGS ?=
 PYTEST_ARGS ?=
 READY := .venv/.ready
+READY_DEV := .venv/.ready-dev
+SETUP := pyproject.toml requirements.lock requirements-dev.lock tools/setup.sh tools/fetch_pip.py
 
 help:
 	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
 
-setup: $(READY)
+setup: $(READY_DEV)
 
-$(READY): pyproject.toml requirements.lock tools/setup.sh tools/fetch_pip.py
+$(READY): $(SETUP)
 	@sh tools/setup.sh
 	@touch $@
+
+$(READY_DEV): $(SETUP)
+	@sh tools/setup.sh dev
+	@touch $(READY) $@
 
 run: $(READY)
 	@exec .venv/bin/station run $(ARGS)
 
-static: $(READY)
+static: $(READY_DEV)
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
@@ -37,9 +44,11 @@ test: static
 	@sh tools/browser.sh
 	.venv/bin/python -m pytest $(PYTEST_ARGS)
 
+lock: EXPORT := --quiet --no-config --locked --no-emit-project
 lock: $(READY)
 	.venv/bin/uv lock --no-config $(ARGS)
-	.venv/bin/uv export --quiet --no-config --locked --no-emit-project --output-file requirements.lock
+	.venv/bin/uv export $(EXPORT) --no-dev --group build --output-file requirements.lock
+	.venv/bin/uv export $(EXPORT) --output-file requirements-dev.lock
 
 bench: $(READY)
 	@set -e; for script in benchmarks/bench_*.py; do echo "$$script"; .venv/bin/python "$$script"; done

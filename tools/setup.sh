@@ -1,6 +1,7 @@
 #!/bin/sh
 # Prepare .venv: the packages of requirements.lock, each checked against its hash, and
-# the station itself as an editable install. Safe to repeat; quick when nothing changed.
+# the station itself as an editable install. `setup.sh dev` takes requirements-dev.lock,
+# which has the packages of the tests, too. Safe to repeat; quick when nothing changed.
 #
 # Needs Python 3.11 to 3.14 and the network; nothing else. uv is used when it is there or
 # can be installed into .venv, pip otherwise. PYTHON=... chooses the interpreter.
@@ -62,18 +63,23 @@ find_uv() {
 }
 
 install_with_uv() {
-    "$1" pip sync --quiet --python "$venv_python" --require-hashes requirements.lock &&
+    "$1" pip sync --quiet --python "$venv_python" --require-hashes "$lock" &&
         "$1" pip install --quiet --python "$venv_python" --no-deps --no-build-isolation --editable .
 }
 
 install_with_pip() {
     ensure_pip
-    "$venv_python" -m pip install --quiet --require-hashes -r requirements.lock
+    "$venv_python" -m pip install --quiet --require-hashes -r "$lock"
     "$venv_python" -m pip install --quiet --no-deps --no-build-isolation --editable .
 }
 
 "$venv_python" -c "$SUPPORTED" 2>/dev/null || create_venv
-say "installing the locked packages"
+lock=requirements.lock
+# What the tests need stays where it once was asked for.
+if [ "${1:-}" = dev ] || [ -e .venv/.ready-dev ]; then
+    lock=requirements-dev.lock
+fi
+say "installing the packages of $lock"
 if ! { uv=$(find_uv) && install_with_uv "$uv"; }; then
     say "uv did not do it: going on with pip, which takes a few minutes"
     install_with_pip

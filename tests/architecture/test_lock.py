@@ -1,4 +1,4 @@
-"""The two lock files and pyproject.toml agree, and name public sources alone."""
+"""The lock files and pyproject.toml agree, and name public sources alone."""
 
 import os
 import re
@@ -43,11 +43,11 @@ def files_of(package: dict) -> list[dict]:
     return [*package.get("wheels", []), *filter(None, [package.get("sdist")])]
 
 
-def required_hashes() -> dict[Pin, set[str]]:
-    """Return what requirements.lock pins, with the hashes it accepts."""
+def required_hashes(name: str) -> dict[Pin, set[str]]:
+    """Return what a file of requirements pins, with the hashes it accepts."""
     hashes: dict[Pin, set[str]] = defaultdict(set)
     pin: Pin | None = None
-    for line in (ROOT / "requirements.lock").read_text().splitlines():
+    for line in (ROOT / name).read_text().splitlines():
         if match := re.match(r"([\w.-]+)==([\w.!+-]+)", line):
             pin = (match[1], match[2])
             hashes[pin] = set()
@@ -68,10 +68,23 @@ def declared(lines: list) -> set[tuple[str, str]]:
     return {(canonicalize_name(r.name), str(r.specifier)) for r in parsed}
 
 
-def test_lock_files_pin_the_same_versions(third_party):
-    pinned = {(package["name"], package["version"]) for package in third_party}
-
-    assert set(required_hashes()) == pinned
+def needed_to_run(project: dict, third_party: list[dict]) -> set[str]:
+    """Return the names that the station and its installation lead to."""
+    packages = {package["name"]: package for package in third_party}
+    frontier = [*project["dependencies"], *project["dev-dependencies"]["build"]]
+    found: set[tuple[str, str]] = set()
+    while frontier:
+        wanted = frontier.pop()
+        package = packages[wanted["name"]]
+        for extra in ("", *wanted.get("extra", [])):
+            if (wanted["name"], extra) in found:
+                continue
+            found.add((wanted["name"], extra))
+            if extra:
+                frontier += package["optional-dependencies"][extra]
+            else:
+                frontier += package.get("dependencies", [])
+    return {name for name, _ in found}
 
 
 def test_requirements_accept_the_locked_files_alone(third_party):
@@ -80,8 +93,17 @@ def test_requirements_accept_the_locked_files_alone(third_party):
         for package in third_party
     }
 
-    assert required_hashes() == expected
+    assert required_hashes("requirements-dev.lock") == expected
     assert all(expected.values())
+
+
+def test_running_requires_what_the_station_needs_and_no_more(project, third_party):
+    everything = required_hashes("requirements-dev.lock")
+    needed = needed_to_run(project, third_party)
+
+    assert required_hashes("requirements.lock") == {
+        pin: hashes for pin, hashes in everything.items() if pin[0] in needed
+    }
 
 
 def test_lock_holds_the_declared_dependencies(project):
@@ -102,7 +124,9 @@ def test_packages_come_from_the_public_index_alone(third_party):
     assert [url for url in urls if not url.startswith(FILES)] == []
 
 
-@pytest.mark.parametrize("name", ["uv.lock", "requirements.lock", "pyproject.toml"])
+@pytest.mark.parametrize(
+    "name", ["uv.lock", "requirements.lock", "requirements-dev.lock", "pyproject.toml"]
+)
 def test_no_local_path_or_private_index_in(name):
     text = (ROOT / name).read_text()
 
