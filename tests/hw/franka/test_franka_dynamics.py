@@ -12,6 +12,7 @@ from station.hw.franka.franka_kinematics import zero_jacobian
 from station.hw.franka.load import Load
 from station.hw.franka.simulation import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
+from station.hw.urdf_parser import parse_urdf
 
 STRETCHED = [0.0] * 7
 START = list(INITIAL_POSITIONS)
@@ -52,6 +53,26 @@ def test_gravity_is_the_published_one(
     dynamics: FrankaDynamics, q: list[float], load: Load, expected: list[float]
 ) -> None:
     assert dynamics.gravity(q, load) == pytest.approx(expected, abs=1e-5)
+
+
+# What franka_hw's own test expects of the model that a real arm brings along.
+@pytest.mark.parametrize(
+    ("q", "expected", "tolerance"),
+    [
+        (STRETCHED, [0, -3.47218, 0, -3.20896, 0, 1.68623, 0], 0.05),
+        (Q, [0, -12.1212, 11.5316, 1.35018, 0.973167, 0.918118, -0.0330053], 0.1),
+    ],
+)
+def test_gravity_is_close_to_a_real_arms(
+    dynamics: FrankaDynamics, q: list[float], expected: list[float], tolerance: float
+) -> None:
+    assert dynamics.gravity(q) == pytest.approx(expected, abs=tolerance)
+
+
+def test_links_have_the_published_masses() -> None:
+    links = parse_urdf(load_robot_description("example-robot-data:panda")).links
+    masses = [links[f"panda_link{number}"].inertial.mass for number in range(8)]
+    assert sum(masses) == pytest.approx(16.692, abs=5e-4)
 
 
 @pytest.mark.parametrize(

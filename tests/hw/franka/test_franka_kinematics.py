@@ -85,6 +85,16 @@ def test_origins_of_the_stretched_arm(
     assert frame_pose(frame, [0.0] * 7)[12:15] == pytest.approx(origin, abs=1e-12)
 
 
+def test_flange_of_the_stretched_arm_points_down() -> None:
+    rotation = matrix(frame_pose(Frame.FLANGE, [0.0] * 7), 4)[:3, :3]
+    assert rotation == pytest.approx(np.diag([1.0, -1.0, -1.0]), abs=1e-12)
+
+
+def test_flange_at_the_start_pose_is_where_it_is_published() -> None:
+    origin = frame_pose(Frame.FLANGE, INITIAL_POSITIONS)[12:15]
+    assert origin == pytest.approx([0.306891, 0.0, 0.590282], abs=1e-6)
+
+
 def test_hand_at_the_start_pose_points_down() -> None:
     pose = frame_pose(Frame.END_EFFECTOR, INITIAL_POSITIONS, F_T_EE)
     assert pose[12:15] == pytest.approx([0.306891, 0.0, 0.486882], abs=1e-6)
