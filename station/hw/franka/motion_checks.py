@@ -24,6 +24,8 @@ START_ELBOW_TOLERANCE = 0.01
 _ROUNDING = 1e-4
 # A command may be at a position limit, rounding included [rad].
 _AT_LIMIT = 1e-6
+# So may a velocity, as the difference over 1 ms of positions of some rad [rad/s].
+_AT_VELOCITY_LIMIT = 1e-9
 _JOINT_ERRORS = (
     "joint_motion_generator_position_limits_violation",
     "joint_motion_generator_velocity_limits_violation",
@@ -65,9 +67,12 @@ def joint_motion_errors(
         acceleration = (velocity - last_dq[i]) / period
         jerk = (acceleration - last_ddq[i]) / period
         lowest, highest = limits.velocity_range(i, q[i])
+        is_too_fast = not (
+            lowest - _AT_VELOCITY_LIMIT <= velocity <= highest + _AT_VELOCITY_LIMIT
+        )
         if (
             limits.lower[i] - _AT_LIMIT <= q[i] <= limits.upper[i] + _AT_LIMIT
-            and lowest <= velocity <= highest
+            and not is_too_fast
             and abs(acceleration) <= limits.acceleration[i] * (1.0 + _ROUNDING)
             and abs(jerk) <= limits.jerk[i] * (1.0 + _ROUNDING)
         ):
@@ -76,7 +81,7 @@ def joint_motion_errors(
         speed = highest if velocity > 0.0 else lowest
         if not limits.lower[i] - _AT_LIMIT <= q[i] <= limits.upper[i] + _AT_LIMIT:
             found.append(ArmError(names[0], _joint(i), q[i], bound, "rad"))
-        if not lowest <= velocity <= highest:
+        if is_too_fast:
             found.append(ArmError(names[1], _joint(i), velocity, speed, "rad/s"))
         if abs(acceleration) > limits.acceleration[i] * (1.0 + _ROUNDING):
             allowed = limits.acceleration[i]

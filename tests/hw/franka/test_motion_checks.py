@@ -32,6 +32,8 @@ def check(dq, last, limits=PANDA_LIMITS, q=Q):
     ("dq", "last", "names"),
     [
         (2.17, 2.16, []),
+        # A difference of positions at the limit: (2.8 - (2.8 - 0.002175)) / 0.001.
+        (2.1750000000001, 2.17, []),
         (2.18, 2.17, ["velocity_limits_violation"]),
         (1.0, 0.9851, []),
         (1.0, 0.984, ["velocity_discontinuity"]),

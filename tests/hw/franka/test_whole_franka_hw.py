@@ -1,5 +1,7 @@
 """FrankaHW with its whole state, its errors and its world."""
 
+import re
+
 import pytest
 
 from station.core.interfaces import (
@@ -13,6 +15,7 @@ from station.core.interfaces import (
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.robot_description import load_robot_description
 from tests.hw.franka.test_franka_hw import (
     PERIOD,
     ROBOT,
@@ -31,6 +34,16 @@ def hw() -> FrankaHW:
     return make()
 
 
+@pytest.fixture(scope="module")
+def without_soft_limits(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Return the path of the Panda's URDF without its safety controllers."""
+    description = load_robot_description("example-robot-data:panda")
+    xml = re.sub(r"<safety_controller [^>]*/>", "", description.xml)
+    path = tmp_path_factory.mktemp("urdf") / "panda.urdf"
+    path.write_text(xml)
+    return str(path)
+
+
 def test_all_eight_interfaces_have_upstreams_names(hw: FrankaHW) -> None:
     assert hw.get(FrankaStateInterface).get_names() == ["panda_robot"]
     assert hw.get(FrankaPoseCartesianInterface).get_names() == ["panda_robot"]
@@ -47,10 +60,14 @@ def test_all_eight_interfaces_have_upstreams_names(hw: FrankaHW) -> None:
     } <= set(hw.get_names())
 
 
-def test_torque_step_is_no_error_with_the_limiter_on(hw: FrankaHW) -> None:
+@pytest.mark.parametrize("cutoff", [100.0, 1000.0])
+def test_torque_step_is_no_error_with_the_limiter_on(cutoff: float) -> None:
+    hw = make(cutoff_frequency=cutoff)
     switch(hw, "jt")
-    for _ in range(10):
-        drive(hw, EffortJointInterface, [2.0] + [0.0] * 6, 1)
+    drive(hw, EffortJointInterface, [0.0] * 7, 10)
+    drive(hw, EffortJointInterface, [2.0] + [0.0] * 6, 20)
+    assert hw.robot_state.tau_J_d[0] == pytest.approx(2.0, abs=0.02)
+    assert not any(hw.robot_state.current_errors)
     assert hw.mode() == "move"
 
 
@@ -60,10 +77,59 @@ def test_torque_step_is_an_error_with_the_limiter_off() -> None:
     drive(hw, EffortJointInterface, [0.0] * 7, 10)
     drive(hw, EffortJointInterface, [2.0] + [0.0] * 6, 2)
     assert hw.mode() == "reflex"
-    assert hw.arm.errors()[0].name == "controller_torque_discontinuity"
+    (error,) = hw.arm.errors()
+    assert error.name == "controller_torque_discontinuity"
+    assert (error.where, error.value, error.limit) == ("joint1", 2000.0, 1000.0)
     assert hw.is_interrupted()
     (info,) = controllers("jt")
     assert "went to reflex (controller_torque_discontinuity" in hw.interruption_of(info)
+
+
+VELOCITY = "joint_motion_generator_velocity_limits_violation"
+ACCELERATION = "joint_motion_generator_velocity_discontinuity"
+JERK = "joint_motion_generator_acceleration_discontinuity"
+
+
+@pytest.mark.parametrize(
+    ("jump", "names"),
+    [
+        (5e-6, []),
+        (1e-5, [JERK]),
+        (1e-4, [ACCELERATION, JERK]),
+        (5e-3, [VELOCITY, ACCELERATION, JERK]),
+    ],
+)
+def test_position_jump_raises_what_its_size_deserves(
+    jump: float, names: list[str], without_soft_limits: str
+) -> None:
+    hw = make(
+        robot_description=without_soft_limits,
+        rate_limiting=False,
+        cutoff_frequency=1000.0,
+    )
+    switch(hw, "jp")
+    rest = list(hw.robot_state.q_d)
+    drive(hw, PositionJointInterface, rest, 10)
+    drive(hw, PositionJointInterface, [rest[0] + jump, *rest[1:]], 2)
+    assert [error.name for error in hw.arm.errors()] == names
+    assert hw.mode() == ("reflex" if names else "move")
+
+
+def test_soft_limits_take_the_velocity_out_of_a_position_jump() -> None:
+    hw = make(rate_limiting=False, cutoff_frequency=1000.0)
+    switch(hw, "jp")
+    rest = list(hw.robot_state.q_d)
+    drive(hw, PositionJointInterface, rest, 10)
+    drive(hw, PositionJointInterface, [rest[0] + 0.5, *rest[1:]], 2)
+    # They let a command change by the largest velocity, as franka_hw has it.
+    assert [error.name for error in hw.arm.errors()] == [ACCELERATION, JERK]
+
+
+def test_position_jump_is_no_error_with_the_limiter_on(hw: FrankaHW) -> None:
+    switch(hw, "jp")
+    rest = list(hw.robot_state.q_d)
+    drive(hw, PositionJointInterface, [rest[0] + 0.5, *rest[1:]], 100)
+    assert hw.mode() == "move"
 
 
 @pytest.mark.slow
