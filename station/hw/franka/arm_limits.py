@@ -1,7 +1,8 @@
 """What an arm can do: limits of its joints and of its end effector, Panda and FR3.
 
 Source: Franka Control Interface documentation, Robot and interface specifications;
-libfranka@0.9.2 and @0.15.0 include/franka/rate_limiting.h; differs: the Panda's
+libfranka@0.9.2 and @0.15.0 include/franka/rate_limiting.h; franka_ros@c11f000
+franka_description/robots/fr3/joint_limits.yaml; differs: the Panda's
 translational velocity is that of libfranka's limiter, 2.0 m/s, not the documented
 1.7 m/s, so that what the limiter lets pass raises no error.
 """
@@ -26,6 +27,24 @@ class MotionLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class UrdfLimits:
+    """What a URDF states of an arm's joints, tuples of shape (7,).
+
+    Where velocity limits depend on the position, a URDF can but give a range of
+    positions in which a lower velocity is always allowed.
+
+    Attributes:
+        lower: Lowest positions [rad].
+        upper: Highest positions [rad].
+        velocity: [rad/s].
+    """
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    velocity: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ArmLimits:
     """Limits of one kind of arm; tuples have one number per joint, shape (7,).
 
@@ -40,9 +59,15 @@ class ArmLimits:
         translation: Of the end effector.
         rotation: Of the end effector.
         elbow: Of the elbow angle.
+        limiter_elbow_velocity: Up to which libfranka's limiter lets the elbow go
+            [rad/s].
         tolerated_losses: Lost packets for which the velocity limit leaves room.
+        urdf: What a URDF of the arm states instead; None: these limits.
         curves: (a, b, upper, lower) per joint of limits that depend on the position,
-            see `velocity_range`; empty where there are none.
+            see `velocity_range`; empty where there are none. They end at rest, so that
+            no position limit of commands is needed besides.
+        filters_first_pose: The low-pass acts on the first position or pose of a motion,
+            too.
     """
 
     lower: tuple[float, ...]
@@ -55,8 +80,11 @@ class ArmLimits:
     translation: MotionLimits
     rotation: MotionLimits
     elbow: MotionLimits
+    limiter_elbow_velocity: float
     tolerated_losses: int
+    urdf: UrdfLimits | None = None
     curves: tuple[tuple[float, float, float, float], ...] = ()
+    filters_first_pose: bool = True
 
     def velocity_range(self, joint: int, q: float) -> tuple[float, float]:
         """Return the lowest and the highest velocity of a joint [rad/s].
@@ -85,6 +113,7 @@ PANDA_LIMITS = ArmLimits(
     translation=MotionLimits(2.0, 13.0, 6500.0),
     rotation=MotionLimits(2.5, 25.0, 12500.0),
     elbow=MotionLimits(2.175, 10.0, 5000.0),
+    limiter_elbow_velocity=2.175,
     tolerated_losses=3,
 )
 """The Panda (FER)."""
@@ -100,7 +129,13 @@ FR3_LIMITS = ArmLimits(
     translation=MotionLimits(3.0, 9.0, 4500.0),
     rotation=MotionLimits(2.5, 17.0, 8500.0),
     elbow=MotionLimits(2.62, 10.0, 5000.0),
+    limiter_elbow_velocity=1.5,
     tolerated_losses=0,
+    urdf=UrdfLimits(
+        lower=(-2.3093, -1.5133, -2.4937, -2.7478, -2.4800, 0.8521, -2.6895),
+        upper=(2.3093, 1.5133, 2.4937, -0.4461, 2.4800, 4.2094, 2.6895),
+        velocity=(2.0, 1.0, 1.5, 1.25, 3.0, 1.5, 3.0),
+    ),
     curves=(
         (0.30, 12.0, 2.75010, -2.75010),
         (0.20, 5.17, 1.79180, -1.79180),
@@ -110,6 +145,7 @@ FR3_LIMITS = ArmLimits(
         (0.35, 11.0, 4.52050, 0.54092),
         (0.35, 34.0, 3.01960, -3.01960),
     ),
+    filters_first_pose=False,
 )
 """The Franka Research 3."""
 

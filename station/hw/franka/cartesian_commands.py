@@ -5,6 +5,7 @@ cartesianLowpassFilter; src/rate_limiting.cpp, limitRate.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite, sqrt
 
 from station.core.interfaces import (
@@ -57,8 +58,12 @@ class CartesianCommands:
         losses = limits.tolerated_losses
         self._translation = _with_margins(limits.translation, losses)
         self._rotation = _with_margins(limits.rotation, losses)
-        elbow = _with_margins(limits.elbow, losses)
+        elbow = _with_margins(
+            replace(limits.elbow, velocity=limits.limiter_elbow_velocity), losses
+        )
         self._elbow = RateLimits(elbow.velocity, elbow.acceleration, elbow.jerk, 1.0)
+        self._filters_first_pose = limits.filters_first_pose
+        self._is_first = False
         name, state, refresh = f"{arm_id}_robot", arm.state, arm.refresh_state
         self._pose_interface = FrankaPoseCartesianInterface()
         self._pose_interface.register_handle(
@@ -88,6 +93,7 @@ class CartesianCommands:
             self._pose[:] = self._arm.state.O_T_EE_d
         self._twist[:] = [0.0] * 6
         self._pose_elbow[:] = self._twist_elbow[:] = [0.0, 0.0]
+        self._is_first = True
 
     def are_finite(self) -> bool:
         """Tell whether all commands that are taken are finite."""
@@ -109,6 +115,9 @@ class CartesianCommands:
         """
         state = self._arm.state
         if self.has_pose:
+            if self._is_first and not self._filters_first_pose:
+                settings = replace(settings, cutoff_frequency=MAX_CUTOFF_FREQUENCY)
+            self._is_first = False
             pose = self._limited_pose(state, settings)
             elbow = self._limited_elbow(self._pose_elbow, state, settings)
             self._arm.command_cartesian_pose(pose, elbow)

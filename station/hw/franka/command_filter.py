@@ -4,14 +4,18 @@ from collections.abc import Sequence
 from math import sqrt
 
 from station.core.interfaces.franka_robot_state import RobotState
+from station.hw.franka.arm_limits import ArmLimits
 from station.hw.franka.rate_limiter import (
     MAX_CUTOFF_FREQUENCY,
     PERIOD,
     RateLimits,
+    VelocityRange,
     limit_position,
     limit_rate,
     limit_velocity,
     low_pass,
+    rate_limits_of,
+    velocity_range_of,
 )
 
 # How a goal is approached: braking with half of the acceleration limit, and for the
@@ -19,6 +23,7 @@ from station.hw.franka.rate_limiter import (
 # that deceleration where the two meet.
 _BRAKING_SHARE = 0.5
 _APPROACH_GAIN = 50.0
+_ANY_POSITION = [None] * 7
 
 
 class CommandFilter:
@@ -30,14 +35,17 @@ class CommandFilter:
     Source: libfranka@0.9.2 src/control_loop.cpp, convertMotion and
     ControlLoop::spinControl; differs: a position command that breaks the limits, e.g. a
     step, is approached with a velocity from which the arm can stop there, instead of
-    with full speed; commands within the limits pass unchanged, as there.
+    with full speed; commands within the limits pass unchanged, as there. Limits that
+    depend on the position and the first position of a motion: libfranka@0.15.0.
 
     Args:
-        limits: Limits of the joints, shape (7,).
+        limits: The arm's own limits.
     """
 
-    def __init__(self, limits: Sequence[RateLimits]) -> None:
-        self._limits = tuple(limits)
+    def __init__(self, limits: ArmLimits) -> None:
+        self._arm_limits = limits
+        self._limits = rate_limits_of(limits)
+        self._is_first = False
         self._cutoff_frequency = MAX_CUTOFF_FREQUENCY
         self._is_limiting = False
         self._last_goals: list[float] | None = None
@@ -52,6 +60,7 @@ class CommandFilter:
         self._cutoff_frequency = cutoff_frequency
         self._is_limiting = rate_limiting
         self._last_goals = None
+        self._is_first = True
 
     def torques(self, tau: list[float], state: RobotState) -> list[float]:
         """Return the torques to send [Nm], shape (7,)."""
@@ -78,10 +87,11 @@ class CommandFilter:
         ]
         if not self._is_limiting:
             return result
+        ranges = self._velocity_ranges(state.q_d)
         return [
-            limit_velocity(value, velocity, acceleration, limits)
-            for value, velocity, acceleration, limits in zip(
-                result, state.dq_d, state.ddq_d, self._limits, strict=True
+            limit_velocity(value, velocity, acceleration, limits, allowed)
+            for value, velocity, acceleration, limits, allowed in zip(
+                result, state.dq_d, state.ddq_d, self._limits, ranges, strict=True
             )
         ]
 
@@ -97,22 +107,34 @@ class CommandFilter:
                 [rad], shape (7,).
         """
         cutoff = self._cutoff_frequency
+        passes = self._is_first and not self._arm_limits.filters_first_pose
+        self._is_first = False
         result = [
             low_pass(value, previous, cutoff)
-            for value, previous in zip(q, state.q_d, strict=True)
+            for value, previous in zip(q, q if passes else state.q_d, strict=True)
         ]
         if not self._is_limiting:
             return result
         last_goals = self._last_goals or goals
         self._last_goals = list(goals)
+        ranges = self._velocity_ranges(state.q_d)
         for i, limits in enumerate(self._limits):
             q_d = state.q_d[i]
             goal_velocity = (goals[i] - last_goals[i]) / PERIOD
             value = _stoppable(result[i], q_d, goals[i], goal_velocity, limits)
             result[i] = limit_position(
-                value, q_d, state.dq_d[i], state.ddq_d[i], limits
+                value, q_d, state.dq_d[i], state.ddq_d[i], limits, ranges[i]
             )
         return result
+
+    def _velocity_ranges(self, q_d: Sequence[float]) -> Sequence[VelocityRange | None]:
+        """Return what the joints' positions allow; None where they do not matter."""
+        if not self._arm_limits.curves:
+            return _ANY_POSITION
+        return [
+            velocity_range_of(self._arm_limits, i, position)
+            for i, position in enumerate(q_d)
+        ]
 
 
 def _stoppable(

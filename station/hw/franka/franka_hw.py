@@ -35,6 +35,7 @@ from station.core.robot_report import (
     JointLimitsReport,
     SceneObjectReport,
 )
+from station.hw.franka.arm_description import load_arm_description
 from station.hw.franka.arm_interfaces import model_interface, state_interface
 from station.hw.franka.arm_names import find_prefix, joint_names
 from station.hw.franka.arm_services import ArmServices
@@ -56,12 +57,9 @@ from station.hw.franka.franka_parameters import (
 from station.hw.franka.joint_commands import JointCommands
 from station.hw.franka.joint_limit_warnings import joint_limit_warnings
 from station.hw.franka.rate_limiter import rate_limits_of
-from station.hw.franka.robot_arm import (
-    RobotArm,
-)
+from station.hw.franka.robot_arm import RobotArm
 from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
 from station.hw.mujoco.scene import SceneObject, read_scene
-from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
 
 _logger = logging.getLogger(__name__)
@@ -117,23 +115,22 @@ class FrankaHW(RobotHW):
         self._parameters = read_parameters(hw_params)
         self._settings = read_command_settings(hw_params)
         self._hw_params = hw_params
-        description = load_robot_description(self._parameters.robot_description)
+        placement = placement_of(self._parameters)
         if self._arm is None:
-            self._arm = self._simulate(read_scene(root_params))
-        arm_id = self._parameters.arm_id
+            self._arm = self._simulate(placement, read_scene(root_params))
+        arm_id, description = self._parameters.arm_id, placement.description
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         limits = self._parameters.limits
-        rates = rate_limits_of(limits)
         self.commands = JointCommands(self._arm.state, self._parameters.joint_names)
         self.cartesian = CartesianCommands(self._arm, arm_id, limits)
         self._sender = CommandSender(
-            self.arm, self.commands, self.cartesian, CommandFilter(rates)
+            self.arm, self.commands, self.cartesian, CommandFilter(limits)
         )
         urdf = parse_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
-        for name in self.commands.add_limits(self._joints, rates):
+        for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
@@ -373,10 +370,12 @@ class FrankaHW(RobotHW):
     def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:
         return control_mode_of(controllers, self._parameters.arm_id)
 
-    def _simulate(self, objects: Sequence[SceneObject]) -> RobotArm:
+    def _simulate(
+        self, placement: ArmPlacement, objects: Sequence[SceneObject]
+    ) -> RobotArm:
         parameters = self._parameters
         self.simulation = simulate(
-            [placement_of(parameters)], gravity=parameters.gravity, objects=objects
+            [placement], gravity=parameters.gravity, objects=objects
         )
         arm = self.simulation.arms[parameters.arm_id]
         arm.set_collision_behavior(parameters.collision_behavior)
@@ -387,11 +386,11 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
     """Return the arm that parameters describe.
 
     Raises:
-        RobotDescriptionError: Its URDF cannot be found.
+        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
     """
     return ArmPlacement(
         parameters.arm_id,
-        load_robot_description(parameters.robot_description),
+        load_arm_description(parameters.robot_description, parameters.limits),
         parameters.base,
         parameters.initial_positions,
         parameters.limits,

@@ -3,11 +3,12 @@
 Derivatives are backward differences over one cycle, from the values accepted last.
 
 Source: Franka Control Interface documentation, Robot and interface specifications,
-necessary conditions.
+necessary conditions; libfranka@0.15.0 include/franka/errors.h, the position limits that
+an FR3 never reports.
 """
 
 from collections.abc import Sequence
-from math import sqrt
+from math import inf, sqrt
 
 from station.core.interfaces.franka_errors import ArmError
 from station.hw.franka.arm_limits import ArmLimits, MotionLimits
@@ -63,15 +64,17 @@ def joint_motion_errors(
     """
     found: list[ArmError] = []
     names = _IK_ERRORS if from_pose else _JOINT_ERRORS
+    # Limits that depend on the position bring the velocity to 0 in time.
+    slack = inf if limits.curves else _AT_LIMIT
     for i, velocity in enumerate(dq):
         acceleration = (velocity - last_dq[i]) / period
         jerk = (acceleration - last_ddq[i]) / period
-        lowest, highest = limits.velocity_range(i, q[i])
+        lowest, highest = limits.velocity_range(i, q[i] - velocity * period)
         is_too_fast = not (
             lowest - _AT_VELOCITY_LIMIT <= velocity <= highest + _AT_VELOCITY_LIMIT
         )
         if (
-            limits.lower[i] - _AT_LIMIT <= q[i] <= limits.upper[i] + _AT_LIMIT
+            limits.lower[i] - slack <= q[i] <= limits.upper[i] + slack
             and not is_too_fast
             and abs(acceleration) <= limits.acceleration[i] * (1.0 + _ROUNDING)
             and abs(jerk) <= limits.jerk[i] * (1.0 + _ROUNDING)
@@ -79,7 +82,7 @@ def joint_motion_errors(
             continue
         bound = limits.upper[i] if q[i] > limits.upper[i] else limits.lower[i]
         speed = highest if velocity > 0.0 else lowest
-        if not limits.lower[i] - _AT_LIMIT <= q[i] <= limits.upper[i] + _AT_LIMIT:
+        if not limits.lower[i] - slack <= q[i] <= limits.upper[i] + slack:
             found.append(ArmError(names[0], _joint(i), q[i], bound, "rad"))
         if is_too_fast:
             found.append(ArmError(names[1], _joint(i), velocity, speed, "rad/s"))

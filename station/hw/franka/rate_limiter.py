@@ -3,7 +3,8 @@
 Pure functions of plain floats. `period` is libfranka's fixed cycle of 1 ms.
 
 Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
-limitRate; include/franka/rate_limiting.h, the limits of the Panda.
+limitRate; include/franka/rate_limiting.h, the limits of the Panda; libfranka@0.15.0,
+the same files, for the FR3.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,10 @@ MAX_CUTOFF_FREQUENCY = 1000.0
 """From here on the low-pass is off [Hz]."""
 MARGIN = 1e-3
 """Subtracted from every limit."""
+
+
+VelocityRange = tuple[float, float]
+"""Lowest velocity [rad/s], <= 0, and highest velocity [rad/s], >= 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +64,25 @@ def rate_limits_of(limits: ArmLimits) -> tuple[RateLimits, ...]:
     return tuple(result)
 
 
+def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> VelocityRange:
+    """Return the velocities that the limiter allows a joint at a position.
+
+    Without reserve for lost packets: limits that depend on the position have none.
+
+    Args:
+        limits: The arm's own limits.
+        joint: Index of the joint, 0 to 6.
+        q_d: Its desired position [rad].
+
+    Source:
+        libfranka@0.15.0 include/franka/rate_limiting.h,
+        computeUpperLimitsJointVelocity, computeLowerLimitsJointVelocity; differs: the
+        margin does not turn a range of 0 inside out.
+    """
+    lowest, highest = limits.velocity_range(joint, q_d)
+    return min(0.0, lowest + MARGIN), max(0.0, highest - MARGIN)
+
+
 PANDA_RATE_LIMITS = rate_limits_of(PANDA_LIMITS)
 """The Panda's limits, joints 1 to 7."""
 
@@ -90,7 +114,11 @@ def limit_rate(value: float, previous: float, max_rate: float) -> float:
 
 
 def limit_velocity(
-    velocity: float, last_velocity: float, last_acceleration: float, limits: RateLimits
+    velocity: float,
+    last_velocity: float,
+    last_acceleration: float,
+    limits: RateLimits,
+    velocity_range: VelocityRange | None = None,
 ) -> float:
     """Return the velocity nearest to a command that all limits allow.
 
@@ -102,13 +130,19 @@ def limit_velocity(
         last_velocity: The last command [rad/s].
         last_acceleration: Its acceleration [rad/s^2].
         limits: The joint's limits.
+        velocity_range: What is allowed at the present position; None: what `limits`
+            allow anywhere.
     """
+    lowest_velocity, highest_velocity = velocity_range or (
+        -limits.velocity,
+        limits.velocity,
+    )
     jerk = ((velocity - last_velocity) / PERIOD - last_acceleration) / PERIOD
     jerk = max(-limits.jerk, min(limits.jerk, jerk))
     acceleration = last_acceleration + jerk * PERIOD
     slope = limits.jerk / limits.acceleration
-    highest = min(slope * (limits.velocity - last_velocity), limits.acceleration)
-    lowest = max(slope * (-limits.velocity - last_velocity), -limits.acceleration)
+    highest = min(slope * (highest_velocity - last_velocity), limits.acceleration)
+    lowest = max(slope * (lowest_velocity - last_velocity), -limits.acceleration)
     return last_velocity + max(lowest, min(highest, acceleration)) * PERIOD
 
 
@@ -118,6 +152,7 @@ def limit_position(
     last_velocity: float,
     last_acceleration: float,
     limits: RateLimits,
+    velocity_range: VelocityRange | None = None,
 ) -> float:
     """Return the position nearest to a command that all limits allow.
 
@@ -129,7 +164,10 @@ def limit_position(
         last_velocity: Its velocity [rad/s].
         last_acceleration: Its acceleration [rad/s^2].
         limits: The joint's limits.
+        velocity_range: As for `limit_velocity`.
     """
     velocity = (position - last_position) / PERIOD
-    velocity = limit_velocity(velocity, last_velocity, last_acceleration, limits)
+    velocity = limit_velocity(
+        velocity, last_velocity, last_acceleration, limits, velocity_range
+    )
     return last_position + velocity * PERIOD

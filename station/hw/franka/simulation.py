@@ -1,7 +1,7 @@
 """Put Franka arms into one simulated world."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 
 from station.core.interfaces.franka_model import GRAVITY_EARTH
@@ -93,7 +93,11 @@ def simulate(
     urdfs = {}
     for placement in placements:
         old, new = find_prefix(placement.description), f"{placement.arm_id}_"
-        urdf = parse_urdf(placement.description.with_prefix(old, new))
+        urdf = _stopped_at(
+            placement.limits,
+            parse_urdf(placement.description.with_prefix(old, new)),
+            new,
+        )
         pairs = [
             (replace_prefix(first, old, new), replace_prefix(second, old, new))
             for first, second in disabled_collisions(placement.description.srdf_path)
@@ -144,6 +148,19 @@ def _make_arm(
         end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
     )
     return arm
+
+
+def _stopped_at(limits: ArmLimits, urdf: Urdf, prefix: str) -> Urdf:
+    """Return the arm with its own position limits for the URDF's narrower ones."""
+    joints = dict(urdf.joints)
+    for number, (lower, upper) in enumerate(
+        zip(limits.lower, limits.upper, strict=True), start=1
+    ):
+        joint = joints[f"{prefix}joint{number}"]
+        if joint.limit is not None:
+            stops = replace(joint.limit, lower=lower, upper=upper)
+            joints[joint.name] = replace(joint, limit=stops)
+    return replace(urdf, joints=joints)
 
 
 def _start_positions(

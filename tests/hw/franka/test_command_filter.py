@@ -5,12 +5,18 @@ from math import cos
 import pytest
 
 from station.core.interfaces.franka_robot_state import RobotState
+from station.hw.franka.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.command_filter import CommandFilter
 from station.hw.franka.rate_limiter import PANDA_RATE_LIMITS, PERIOD
 
 
-def make(*, cutoff_frequency: float = 1000.0, rate_limiting: bool = True):
-    command_filter = CommandFilter(PANDA_RATE_LIMITS)
+def make(
+    *,
+    cutoff_frequency: float = 1000.0,
+    rate_limiting: bool = True,
+    arm: ArmLimits = PANDA_LIMITS,
+) -> tuple[CommandFilter, RobotState]:
+    command_filter = CommandFilter(arm)
     command_filter.begin(cutoff_frequency=cutoff_frequency, rate_limiting=rate_limiting)
     return command_filter, RobotState()
 
@@ -56,6 +62,39 @@ def test_smooth_positions_pass_unchanged() -> None:
         wanted = [0.3 * (1.0 - cos(3.0 * cycle * PERIOD))] * 7
         follow(state, command_filter.positions(wanted, state, goals=wanted))
         assert state.q_d == pytest.approx(wanted, abs=1e-12)
+
+
+@pytest.mark.parametrize("joint", range(7))
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_fr3_slows_down_towards_its_position_limits(joint: int, side: float) -> None:
+    command_filter, state = make(arm=FR3_LIMITS)
+    # Slow enough for 10 rad/s^2 to follow any of the curves: 34 / 2 * v / (v + 0.35).
+    # The limiter brakes in proportion to how much too fast it is, so it comes late.
+    late = 10.0**2 / 5000.0
+    bound = (FR3_LIMITS.upper if side > 0.0 else FR3_LIMITS.lower)[joint]
+    state.q_d[:] = [0.0, 0.0, 0.0, -1.5, 0.0, 2.5, 0.0]
+    state.q_d[joint] = bound - 0.3 * side
+    speed = [0.0] * 7
+    speed[joint] = 0.4 * side
+    for _ in range(3_000):
+        dq = command_filter.velocities(speed, state)
+        lowest, highest = FR3_LIMITS.velocity_range(joint, state.q_d[joint])
+        assert lowest - late <= dq[joint] <= highest + late
+        rise = [new - old for new, old in zip(dq, state.dq_d, strict=True)]
+        assert abs(rise[joint]) <= FR3_LIMITS.acceleration[joint] * PERIOD
+        follow(state, [q + v * PERIOD for q, v in zip(state.q_d, dq, strict=True)])
+    assert state.q_d[joint] == pytest.approx(bound, abs=0.01)
+
+
+def test_fr3_takes_its_first_position_unfiltered() -> None:
+    command_filter, state = make(
+        cutoff_frequency=100.0, rate_limiting=False, arm=FR3_LIMITS
+    )
+    first = command_filter.positions([1e-6] * 7, state, goals=[1e-6] * 7)
+    assert first == [1e-6] * 7
+    follow(state, first)
+    second = command_filter.positions([2e-6] * 7, state, goals=[2e-6] * 7)
+    assert second == pytest.approx([1.3859e-6] * 7, abs=1e-10)
 
 
 def test_torque_step_rises_with_1000_newton_metres_per_second() -> None:

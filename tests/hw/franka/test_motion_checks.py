@@ -49,6 +49,13 @@ def test_fr3_may_not_be_fast_near_its_limit():
     assert check(1.0, 1.0, FR3_LIMITS, near) == ["velocity_limits_violation"]
 
 
+def test_fr3_reports_no_position_limit_but_a_velocity_of_zero():
+    beyond = [2.75, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
+    assert check(0.0, 0.0, FR3_LIMITS, beyond) == []
+    assert check(1e-3, 1e-3, FR3_LIMITS, beyond) == ["velocity_limits_violation"]
+    assert check(-1e-3, -1e-3, FR3_LIMITS, beyond) == []
+
+
 def test_torque_may_start_from_what_acted_or_from_what_was_sent():
     def names(tau):
         found = torque_errors([tau] * 7, [87.0] * 7, [90.0] * 7, PANDA_LIMITS, PERIOD)

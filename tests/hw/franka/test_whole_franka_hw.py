@@ -13,6 +13,8 @@ from station.core.interfaces import (
     PositionJointInterface,
 )
 from station.core.parameters import Parameters, ParameterTree
+from station.core.robot_hw import ControllerInfo, InterfaceResources
+from station.hw.franka.arm_limits import FR3_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulation import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
@@ -27,6 +29,8 @@ from tests.hw.franka.test_franka_hw import (
     run,
     switch,
 )
+
+FR3_JOINTS = [f"fr3_joint{number}" for number in range(1, 8)]
 
 
 @pytest.fixture
@@ -153,9 +157,45 @@ def test_slower_loops_follow_positions_without_an_error(rate: float) -> None:
     assert measured(hw) == pytest.approx(goal, abs=2e-3)
 
 
-def test_fr3_has_limits_of_its_own() -> None:
+def test_fr3_is_an_arm_with_names_and_limits_of_its_own() -> None:
+    hw = make(arm_id="fr3")
+    assert hw.arm.limits is FR3_LIMITS
+    assert hw.get(FrankaStateInterface).get_names() == ["fr3_robot"]
+    reports = {report.joint: report for report in hw.joint_limits()}
+    assert list(reports) == FR3_JOINTS
+    elbow = reports["fr3_joint4"].limits
+    assert (elbow.min_position, elbow.max_position) == (-2.7478, -0.4461)
+    assert (elbow.max_velocity, elbow.max_acceleration) == (1.25, 9.999)
+    # The world stops the joints where the arm does, not where its URDF advises.
+    stops = hw.simulation.world.joints(FR3_JOINTS)
+    assert stops.upper_limits == list(FR3_LIMITS.upper)
+
+
+def test_panda_may_be_told_to_be_an_fr3() -> None:
     hw = make(arm_type="fr3")
-    assert hw.arm.limits.velocity[4] == 5.26
+    assert hw.arm.limits is FR3_LIMITS
+    assert hw.joint_limits()[0].joint == "panda_joint1"
+    assert hw.joint_limits()[0].limits.max_position == 2.3093
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_fr3_follows_positions_within_its_limits(sign: float) -> None:
+    hw = make(arm_id="fr3")
+    claim = InterfaceResources(PositionJointInterface.type_name, tuple(FR3_JOINTS))
+    hw.do_switch([ControllerInfo("jp", "test/Controller", (claim,))], [])
+    handles = [hw.get(PositionJointInterface).get_handle(name) for name in FR3_JOINTS]
+    goal = [q + 0.3 * sign for q in INITIAL_POSITIONS]
+    goal[0] = 9.0 * sign
+    fastest = 0.0
+    for _ in range(3_000):
+        for handle, value in zip(handles, goal, strict=True):
+            handle.set_command(value)
+        run(hw, 1)
+        fastest = max(fastest, abs(hw.robot_state.dq_d[0]))
+    assert hw.arm.errors() == []
+    expected = [2.3093 * sign, *goal[1:]]
+    assert hw.robot_state.q_d == pytest.approx(expected, abs=1e-3)
+    assert 1.9 < fastest < 2.62
 
 
 def test_gravity_vector_is_carried_as_well() -> None:
