@@ -62,7 +62,8 @@ class CommandSender:
         if not (commands.are_finite() and self._cartesian.are_finite()):
             self._arm.stop_motion()
             return
-        self._goals = commands.goals()
+        if commands.has_positions:
+            self._goals = commands.goals()
         if period > 0.0:
             commands.enforce_limits(period)
         self.send()

@@ -55,6 +55,8 @@ class DesiredMotion:
 
     def hold(self) -> None:
         """Slow down to rest, then stay."""
+        if not any(self._dq_d) and not any(self._ddq_d):
+            return
         velocities = []
         for dq_d, step in zip(self._dq_d, self._largest_step, strict=True):
             if dq_d > step:

@@ -9,6 +9,7 @@ an FR3 never reports.
 
 from collections.abc import Sequence
 from math import inf, sqrt
+from operator import sub
 
 from station.core.interfaces.franka_errors import ArmError
 from station.hw.franka.arm_limits import ArmLimits, MotionLimits
@@ -128,6 +129,8 @@ def torque_errors(
         period: Duration of a cycle [s], > 0.
     """
     largest = limits.torque_rate * period * (1.0 + 1e-9)
+    if max(map(abs, map(sub, tau, last))) <= largest:
+        return []
     found = []
     for i, value in enumerate(tau):
         step = min(abs(value - last[i]), abs(value - sent[i]))

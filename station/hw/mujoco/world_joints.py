@@ -99,7 +99,7 @@ class WorldJoints:
         Mechanical stops of these joints do not count: they are inside the robot.
         """
         forces = self._read_constraints()
-        if self._data.nl:
+        if self._data.nl and any(forces):
             self._remove_stops(forces)
         if self._pushes:
             for i, (smooth, bias, passive, actuator) in enumerate(
