@@ -1,6 +1,9 @@
 """FrankaHW with its whole state, its errors and its world."""
 
+import cProfile
+import pstats
 import re
+from pathlib import Path
 
 import pytest
 
@@ -87,6 +90,41 @@ def test_torque_step_is_an_error_with_the_limiter_off() -> None:
     assert hw.is_interrupted()
     (info,) = controllers("jt")
     assert "went to reflex (controller_torque_discontinuity" in hw.interruption_of(info)
+
+
+def called_modules(hw: FrankaHW, cycles: int) -> set[str]:
+    """Return the modules whose functions ran in some cycles."""
+    profile = cProfile.Profile()
+    profile.runcall(run, hw, cycles)
+    return {Path(file).stem for file, _, _ in pstats.Stats(profile).stats}
+
+
+KINEMATICS = {"franka_kinematics"}
+DYNAMICS = {"franka_dynamics", "franka_model"}
+
+
+@pytest.mark.parametrize("kind", ["none", "jt", "jp", "jv", "jt+jp"])
+def test_nobody_pays_for_kinematics_or_dynamics_that_nobody_asks_for(
+    hw: FrankaHW, kind: str
+) -> None:
+    switch(hw, kind)
+    run(hw, 300)
+    called = called_modules(hw, 200)
+    assert {"franka_hw", "simulated_arm"} <= called
+    assert not called & (KINEMATICS | DYNAMICS)
+
+
+def test_state_is_completed_once_per_cycle_for_all_who_ask(hw: FrankaHW) -> None:
+    handle = hw.get(FrankaStateInterface).get_handle("panda_robot")
+    run(hw, 1)
+    profile = cProfile.Profile()
+    profile.enable()
+    for _ in range(5):
+        handle.get_robot_state()
+    profile.disable()
+    calls = {name: n for (_, _, name), (n, *_) in pstats.Stats(profile).stats.items()}
+    assert calls["refresh"] == 5
+    assert calls["frame_pose"] == 2  # of q and of q_d
 
 
 VELOCITY = "joint_motion_generator_velocity_limits_violation"
