@@ -20,12 +20,12 @@ from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_kinematics import IDENTITY
 from station.hw.franka.franka_parameters import CommandSettings
 from station.hw.franka.rate_limiter import (
-    MARGIN,
     MAX_CUTOFF_FREQUENCY,
     PERIOD,
     RateLimits,
     limit_position,
     low_pass,
+    with_margins,
 )
 from station.hw.franka.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.robot_arm import RobotArm
@@ -56,9 +56,9 @@ class CartesianCommands:
         self._twist_elbow = [0.0, 0.0]
         self.has_pose = self.has_twist = False
         losses = limits.tolerated_losses
-        self._translation = _with_margins(limits.translation, losses)
-        self._rotation = _with_margins(limits.rotation, losses)
-        elbow = _with_margins(
+        self._translation = with_margins(limits.translation, losses)
+        self._rotation = with_margins(limits.rotation, losses)
+        elbow = with_margins(
             replace(limits.elbow, velocity=limits.limiter_elbow_velocity), losses
         )
         self._elbow = RateLimits(elbow.velocity, elbow.acceleration, elbow.jerk, 1.0)
@@ -222,12 +222,6 @@ def limit_vector(
     safe = min(limits.jerk / limits.acceleration * distance, limits.acceleration)
     step = min(size, max(0.0, safe)) * PERIOD
     return [v + u * step for v, u in zip(last_velocity, direction, strict=True)]
-
-
-def _with_margins(limits: MotionLimits, losses: int) -> MotionLimits:
-    acceleration = limits.acceleration - MARGIN
-    velocity = limits.velocity - MARGIN - losses * PERIOD * acceleration
-    return MotionLimits(velocity, acceleration, limits.jerk - MARGIN)
 
 
 def _norm(vector: Sequence[float]) -> float:

@@ -10,7 +10,7 @@ the same files, for the FR3.
 from dataclasses import dataclass
 from math import pi
 
-from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits
+from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimits
 
 PERIOD = 0.001
 """Cycle of the arm [s]."""
@@ -51,17 +51,33 @@ def rate_limits_of(limits: ArmLimits) -> tuple[RateLimits, ...]:
     for velocity, acceleration, jerk in zip(
         limits.velocity, limits.acceleration, limits.jerk, strict=True
     ):
-        largest = acceleration - MARGIN
-        reserve = limits.tolerated_losses * PERIOD * largest
+        motion = with_margins(
+            MotionLimits(velocity, acceleration, jerk), limits.tolerated_losses
+        )
         result.append(
             RateLimits(
-                velocity - MARGIN - reserve,
-                largest,
-                jerk - MARGIN,
+                motion.velocity,
+                motion.acceleration,
+                motion.jerk,
                 limits.torque_rate - MARGIN,
             )
         )
     return tuple(result)
+
+
+def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
+    """Return limits less libfranka's margins.
+
+    Args:
+        limits: The arm's own limits of a motion.
+        tolerated_losses: Lost packets, during which the arm goes on with constant
+            acceleration, for which the velocity leaves room.
+    """
+    acceleration = limits.acceleration - MARGIN
+    reserve = tolerated_losses * PERIOD * acceleration
+    return MotionLimits(
+        limits.velocity - MARGIN - reserve, acceleration, limits.jerk - MARGIN
+    )
 
 
 def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> VelocityRange:
