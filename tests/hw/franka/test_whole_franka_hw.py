@@ -135,7 +135,7 @@ JERK = "joint_motion_generator_acceleration_discontinuity"
 @pytest.mark.parametrize(
     ("jump", "names"),
     [
-        (5e-6, []),
+        (3e-6, []),
         (1e-5, [JERK]),
         (1e-4, [ACCELERATION, JERK]),
         (5e-3, [VELOCITY, ACCELERATION, JERK]),
@@ -152,7 +152,7 @@ def test_position_jump_raises_what_its_size_deserves(
     switch(hw, "jp")
     rest = list(hw.robot_state.q_d)
     drive(hw, PositionJointInterface, rest, 10)
-    drive(hw, PositionJointInterface, [rest[0] + jump, *rest[1:]], 2)
+    drive(hw, PositionJointInterface, [rest[0] + jump, *rest[1:]], 10)
     assert [error.name for error in hw.arm.errors()] == names
     assert hw.mode() == ("reflex" if names else "move")
 
