@@ -17,6 +17,7 @@ from station.client.models import (
     ControllerSample,
     ControllerState,
     ControllerType,
+    Hardware,
     JointStates,
     SceneObject,
     Status,
@@ -59,6 +60,8 @@ class StationLink:
         self._scene_of = ""
         self._elements: dict[str, tuple[CommandElement, ...]] = {}
         self._samples: dict[str, ControllerSample] = {}
+        self._limits: dict[str, tuple[float, float]] = {}
+        self._limits_of = ""  # the boot_id of the station that they come from
         self._followers: dict[str, asyncio.Task[None]] = {}
 
     @property
@@ -83,6 +86,7 @@ class StationLink:
             positions=dict(self._positions),
             elements=dict(self._elements),
             samples=dict(self._samples),
+            limits=dict(self._limits),
         )
 
     async def run(self) -> None:
@@ -121,6 +125,9 @@ class StationLink:
             self._types = tuple(await self.client.controller_types())
         self._status = status
         self._heard()
+        if self._limits_of != status.boot_id:
+            self._limits = _position_limits(await self.client.hardware())
+            self._limits_of = status.boot_id
 
     async def refresh_scene(self) -> None:
         """Ask where things are; once per station when none of them can move."""
@@ -189,6 +196,14 @@ class StationLink:
                 async for frame in self.client.stream(topic, rate=rate):
                     yield frame
             await asyncio.sleep(_RETRY)
+
+
+def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
+    return {
+        limits.joint: (limits.min_position, limits.max_position)
+        for limits in hardware.limits
+        if limits.min_position is not None and limits.max_position is not None
+    }
 
 
 def _joint_states(frame: StreamFrame) -> JointStates | None:

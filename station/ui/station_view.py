@@ -17,6 +17,9 @@ STALE_AFTER = 0.7
 LOST_AFTER = 3.0
 """Data older than this means that the link is down [s]."""
 
+Limits = Mapping[str, tuple[float, float]]
+"""Lowest and highest position of joints by name [rad] or [m]."""
+_NO_LIMITS: Limits = MappingProxyType({})
 _NO_POSITIONS: Mapping[str, float] = MappingProxyType({})
 _NO_ELEMENTS: Mapping[str, tuple[CommandElement, ...]] = MappingProxyType({})
 _NO_SAMPLES: Mapping[str, ControllerSample] = MappingProxyType({})
@@ -36,6 +39,7 @@ class StationView:
         positions: Joint positions by name [rad] or [m].
         elements: What running controllers take as set-point, by controller.
         samples: What watched controllers did last, by controller.
+        limits: Position limits that the robot keeps; joints without are not in it.
     """
 
     now: float = 0.0
@@ -49,6 +53,7 @@ class StationView:
         default_factory=lambda: _NO_ELEMENTS
     )
     samples: Mapping[str, ControllerSample] = field(default_factory=lambda: _NO_SAMPLES)
+    limits: Limits = field(default_factory=lambda: _NO_LIMITS)
 
     @property
     def age(self) -> float | None:

@@ -102,6 +102,7 @@ class FakeStation:
             ("PATCH", "/simulation"): self._change_simulation,
             ("POST", "/simulation/step"): self._step_simulation,
             ("POST", "/simulation/reset"): self._reset_simulation,
+            ("GET", "/hardware"): self._hardware,
             ("POST", "/stop"): self._stop,
             ("POST", "/stop/release"): self._release,
         }
@@ -262,6 +263,24 @@ class FakeStation:
 
     def _reset_simulation(self, *_):
         return self._change_simulation("", {"time": 0.0}, "")
+
+    def _hardware(self, *_):
+        limits = [
+            {
+                "joint": name,
+                "min_position": -2.5,
+                "max_position": 2.5,
+                "max_velocity": 2.0,
+                "max_acceleration": None,
+                "max_jerk": None,
+                "max_effort": 87.0,
+                "soft_limits": None,
+                "sources": {},
+            }
+            for name in JOINTS
+        ]
+        empty = {"interfaces": [], "transmissions": [], "clamps": []}
+        return JSONResponse({**empty, "limits": limits})
 
     def _stop(self, *_):
         self.stop_state = "stopped"

@@ -35,12 +35,14 @@ def test_joints_controllers_types_and_status_arrive(fake_station):
 
     async def script(link):
         await _until(lambda: link.positions and link.view().elements)
+        await _until(lambda: link.view().limits)
         view = link.view()
         assert view.positions == dict(zip(JOINTS, START, strict=True))
         assert [c.name for c in view.controllers] == ["arm"]
         assert len(view.elements["arm"]) == 7
         assert view.status.epoch == 1
         assert view.types
+        assert view.limits == dict.fromkeys(JOINTS, (-2.5, 2.5))
         assert view.link == "live"
 
     _follow(fake_station.url, script)

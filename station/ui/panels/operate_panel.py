@@ -1,7 +1,6 @@
 """The Operate tab: a slider per joint that commands the running group controller."""
 
 import asyncio
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -16,11 +15,10 @@ from station.ui.panels.panel import Panel
 from station.ui.reporter import Event, Reporter
 from station.ui.slider_scale import SliderScale, command_scale
 from station.ui.station_link import StationLink
-from station.ui.station_view import StationView
+from station.ui.station_view import Limits, StationView
 from station.ui.widgets import FollowingSlider
 
 _SEND_PERIOD = 0.04
-Limits = Mapping[str, tuple[float, float]]
 
 
 class OperatePanel(Panel):
@@ -30,8 +28,8 @@ class OperatePanel(Panel):
         gui: Where the tab is built.
         link: The station.
         reporter: Says what went wrong.
-        limits: Position limits of the robot's joints by name [rad] or [m], for the
-            greyed sliders that only show the robot.
+        limits: Position limits of the robot's joints, for the greyed sliders that only
+            show the robot; those that the station names itself come first.
     """
 
     def __init__(
@@ -147,9 +145,10 @@ class OperatePanel(Panel):
 def _joint_elements(view: StationView, limits: Limits) -> tuple[CommandElement, ...]:
     """Return elements that only show where the robot's joints are."""
     elements = []
+    known = {**limits, **view.limits}
     for name in view.positions:
-        if name in limits:
-            low, high = limits[name]
+        if name in known:
+            low, high = known[name]
             unit = "m" if "finger" in name else "rad"
             elements.append(
                 CommandElement(name=name, unit=unit, minimum=low, maximum=high)

@@ -36,6 +36,11 @@ def test_greyed_sliders_show_the_robot(bench, panel):
     assert bench.wait(lambda: panel._sliders[0].slider.value == 0.4)
 
 
+def test_greyed_sliders_have_the_limits_that_the_robot_keeps(bench, panel):
+    assert bench.wait(lambda: panel._sliders and panel._sliders[0].slider.max == 2.5)
+    assert panel._sliders[0].slider.min == -2.5
+
+
 def test_a_touched_slider_moves_its_joint_in_small_steps(running, panel):
     running.enter(panel._sliders[0].slider, 0.1)
     assert running.wait(lambda: running.station.positions[0] == pytest.approx(0.1))
