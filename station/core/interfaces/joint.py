@@ -114,7 +114,31 @@ class JointStateHandle(ResourceHandle):
         return self.torque_sensor_storage[self.index]
 
 
-class JointHandle(JointStateHandle):
+class CommandedJointHandle(JointStateHandle):
+    """What all handles share that command a joint: its state, and a slot for commands.
+
+    Args:
+        state: State handle of the joint.
+        index: The joint's slot in the lists of commands; the state's when left out.
+
+    Attributes:
+        command_index: The joint's slot in the lists of commands.
+    """
+
+    def __init__(self, state: JointStateHandle, index: int | None = None) -> None:
+        super().__init__(
+            state.name,
+            state.position_storage,
+            state.velocity_storage,
+            state.effort_storage,
+            state.index,
+            absolute_position=state.absolute_position_storage,
+            torque_sensor=state.torque_sensor_storage,
+        )
+        self.command_index: int = state.index if index is None else index
+
+
+class JointHandle(CommandedJointHandle):
     """Reads the state of one joint and commands it with one value.
 
     Args:
@@ -132,16 +156,7 @@ class JointHandle(JointStateHandle):
         command: list[float] | None,
         index: int | None = None,
     ) -> None:
-        super().__init__(
-            state.name,
-            state.position_storage,
-            state.velocity_storage,
-            state.effort_storage,
-            state.index,
-            absolute_position=state.absolute_position_storage,
-            torque_sensor=state.torque_sensor_storage,
-        )
-        self.command_index = state.index if index is None else index
+        super().__init__(state, index)
         self.command_storage = check_storage(
             state.name, "Command", command, self.command_index
         )

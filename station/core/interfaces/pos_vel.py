@@ -14,6 +14,7 @@ from station.core.interfaces.joint import (
     EFFORT_START_JUMP,
     POSITION_START_JUMP,
     VELOCITY_START_JUMP,
+    CommandedJointHandle,
     JointStateHandle,
 )
 from station.core.interfaces.resource_manager import (
@@ -25,7 +26,7 @@ ACCELERATION_START_JUMP = 1.0
 """Largest first acceleration command away from rest [rad/s^2 or m/s^2]."""
 
 
-class PosVelJointHandle(JointStateHandle):
+class PosVelJointHandle(CommandedJointHandle):
     """Reads one joint and commands its position and velocity.
 
     Args:
@@ -45,17 +46,7 @@ class PosVelJointHandle(JointStateHandle):
         velocity: list[float] | None,
         index: int | None = None,
     ) -> None:
-        super().__init__(
-            state.name,
-            state.position_storage,
-            state.velocity_storage,
-            state.effort_storage,
-            state.index,
-            absolute_position=state.absolute_position_storage,
-            torque_sensor=state.torque_sensor_storage,
-        )
-        slot = state.index if index is None else index
-        self.command_index = slot
+        super().__init__(state, index)
         self.command_storages: list[list[float]] = []
         self.add_command("Command position", position)
         self.add_command("Command velocity ", velocity)  # the original has two spaces
