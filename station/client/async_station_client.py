@@ -36,7 +36,7 @@ from station.client.async_robot_client import AsyncRobotClient
 from station.client.async_simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
 from station.client.calls import Call, ModelT, Strictness
-from station.client.errors import ApiError, StationUnreachableError
+from station.client.errors import StationUnreachableError
 from station.client.stream_options import Rate, StreamOptions, bearer
 
 
@@ -96,22 +96,17 @@ class AsyncStationClient:
         await self._http.aclose()
 
     async def _do(self, call: Call[ModelT]) -> ModelT:
-        headers = dict(call.headers)
-        if call.body is not None:
-            headers["Content-Type"] = "application/json"
         try:
             answer = await self._http.request(
                 call.method,
                 call.path,
                 content=call.body,
-                headers=headers,
+                headers=call.sent_headers(),
                 timeout=self.timeout + call.patience,
             )
         except httpx.TransportError as error:
             raise StationUnreachableError(self.url, error) from error
-        if not answer.is_success:
-            raise ApiError.from_body(answer.status_code, answer.content)
-        return call.model.model_validate_json(answer.content)
+        return call.read_answer(answer.status_code, answer.content)
 
     async def health(self) -> Health:
         """Return that the process lives, and its boot_id."""

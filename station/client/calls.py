@@ -46,6 +46,7 @@ from station.api.schemas import (
     SwitchResult,
     TrajectoryRequest,
 )
+from station.client.errors import ApiError
 
 PREFIX = "/api/v1"
 Strictness = Literal["strict", "best_effort"]
@@ -71,6 +72,26 @@ class Call(Generic[ModelT]):
     body: bytes | None = None
     headers: Mapping[str, str] = field(default_factory=dict)
     patience: float = 0.0
+
+    def sent_headers(self) -> dict[str, str]:
+        """Return the extra headers, and what the body is."""
+        kind = {} if self.body is None else {"Content-Type": "application/json"}
+        return {**self.headers, **kind}
+
+    def read_answer(self, status: int, body: bytes) -> ModelT:
+        """Return what the station has answered.
+
+        Args:
+            status: HTTP status.
+            body: The answer's body.
+
+        Raises:
+            ApiError: The station refuses.
+        """
+        if not 200 <= status < 300:
+            refusal = ApiError.from_body(status, body)
+            raise refusal
+        return self.model.model_validate_json(body)
 
 
 def _get(path: str, model: type[ModelT]) -> Call[ModelT]:

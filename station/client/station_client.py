@@ -33,7 +33,7 @@ from station.api.schemas import (
 )
 from station.client import calls, robot_calls
 from station.client.calls import Call, ModelT, Strictness
-from station.client.errors import ApiError, StationUnreachableError
+from station.client.errors import StationUnreachableError
 from station.client.robot_client import RobotClient
 from station.client.simulation_client import SimulationClient
 from station.client.stream import Stream
@@ -96,22 +96,17 @@ class StationClient:
         self._http.close()
 
     def _do(self, call: Call[ModelT]) -> ModelT:
-        headers = dict(call.headers)
-        if call.body is not None:
-            headers["Content-Type"] = "application/json"
         try:
             answer = self._http.request(
                 call.method,
                 call.path,
                 content=call.body,
-                headers=headers,
+                headers=call.sent_headers(),
                 timeout=self.timeout + call.patience,
             )
         except httpx.TransportError as error:
             raise StationUnreachableError(self.url, error) from error
-        if not answer.is_success:
-            raise ApiError.from_body(answer.status_code, answer.content)
-        return call.model.model_validate_json(answer.content)
+        return call.read_answer(answer.status_code, answer.content)
 
     def health(self) -> Health:
         """Return that the process lives, and its boot_id."""

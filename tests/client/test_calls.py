@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from station.api.schemas import SwitchRequest
-from station.client import calls
+from station.client import ApiError, calls
 
 
 def test_names_are_quoted():
@@ -30,6 +30,18 @@ def test_a_switch_may_take_its_time():
 
     assert call.patience == 7.0
     assert json.loads(call.body) == {"start": ["a"], "timeout": 7.0}
+
+
+def test_a_body_is_sent_as_json_and_nothing_as_nothing():
+    assert calls.status().sent_headers() == {}
+    sent = calls.set_gains("a", {"p": 1.0}, '"x"').sent_headers()
+    assert sent == {"If-Match": '"x"', "Content-Type": "application/json"}
+
+
+def test_a_refusal_is_an_error_and_an_answer_is_what_was_asked_for():
+    assert calls.session().read_answer(200, b'{"role": "viewer"}').role == "viewer"
+    with pytest.raises(ApiError, match="answered 502"):
+        calls.session().read_answer(502, b"Bad gateway")
 
 
 def test_an_etag_becomes_if_match():
