@@ -23,6 +23,9 @@ LOG_LENGTH = 50
 # Farther than any end effector is from any joint axis [m].
 _REACH = 1.3
 
+_Floats = tuple[float, ...]
+_Cycle = tuple[float, _Floats, _Floats, _Floats, _Floats, _Floats, _Floats]
+
 
 @dataclass(frozen=True, slots=True)
 class SupervisorLimits:
@@ -69,7 +72,8 @@ class ArmSupervisor:
         self._velocity = [v * thresholds.velocity_factor for v in limits.velocity]
         self._speed = limits.translation.velocity * thresholds.velocity_factor
         self._bad_cycles = 0
-        self._recent: deque[ArmRecord] = deque(maxlen=LOG_LENGTH)
+        # The fields of an ArmRecord each; who asks for a log makes the records.
+        self._recent: deque[_Cycle] = deque(maxlen=LOG_LENGTH)
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []
@@ -81,17 +85,15 @@ class ArmSupervisor:
             command: What the client sent last.
         """
         state = self._state
-        self._recent.append(
-            ArmRecord(
-                state.time,
-                tuple(state.q),
-                tuple(state.dq),
-                tuple(state.tau_J),
-                tuple(state.q_d),
-                tuple(state.tau_J_d),
-                tuple(command),
-            )
-        )
+        self._recent.append((
+            state.time,
+            tuple(state.q),
+            tuple(state.dq),
+            tuple(state.tau_J),
+            tuple(state.q_d),
+            tuple(state.tau_J_d),
+            tuple(command),
+        ))
 
     def measured_errors(self, q: Sequence[float]) -> list[ArmError]:
         """Return what of the measured state is out of its range for too long.
@@ -136,7 +138,7 @@ class ArmSupervisor:
         """
         state = self._state
         if not self.errors:
-            self.log = list(self._recent)
+            self.log = [ArmRecord(*cycle) for cycle in self._recent]
         known = {(error.name, error.where) for error in self.errors}
         for error in errors:
             if (error.name, error.where) not in known:

@@ -8,8 +8,7 @@ an FR3 never reports.
 """
 
 from collections.abc import Sequence
-from math import inf, sqrt
-from operator import sub
+from math import sqrt
 
 from station.core.interfaces.franka_errors import ArmError
 from station.hw.franka.arm_limits import ArmLimits, MotionLimits
@@ -65,17 +64,23 @@ def joint_motion_errors(
     """
     found: list[ArmError] = []
     names = _IK_ERRORS if from_pose else _JOINT_ERRORS
-    # Limits that depend on the position bring the velocity to 0 in time.
-    slack = inf if limits.curves else _AT_LIMIT
     for i, velocity in enumerate(dq):
         acceleration = (velocity - last_dq[i]) / period
         jerk = (acceleration - last_ddq[i]) / period
-        lowest, highest = limits.velocity_range(i, q[i] - velocity * period)
+        lowest, highest = -limits.velocity[i], limits.velocity[i]
+        if limits.curves:
+            lowest, highest = limits.velocity_range(i, q[i] - velocity * period)
         is_too_fast = not (
             lowest - _AT_VELOCITY_LIMIT <= velocity <= highest + _AT_VELOCITY_LIMIT
         )
+        # Who is outside already may stay, and may come back. Limits that depend on the
+        # position bring the velocity to 0 in time.
+        goes_out = not limits.curves and (
+            (q[i] > limits.upper[i] + _AT_LIMIT and velocity > 0.0)
+            or (q[i] < limits.lower[i] - _AT_LIMIT and velocity < 0.0)
+        )
         if (
-            limits.lower[i] - slack <= q[i] <= limits.upper[i] + slack
+            not goes_out
             and not is_too_fast
             and abs(acceleration) <= limits.acceleration[i] * (1.0 + _ROUNDING)
             and abs(jerk) <= limits.jerk[i] * (1.0 + _ROUNDING)
@@ -83,7 +88,7 @@ def joint_motion_errors(
             continue
         bound = limits.upper[i] if q[i] > limits.upper[i] else limits.lower[i]
         speed = highest if velocity > 0.0 else lowest
-        if not limits.lower[i] - slack <= q[i] <= limits.upper[i] + slack:
+        if goes_out:
             found.append(ArmError(names[0], _joint(i), q[i], bound, "rad"))
         if is_too_fast:
             found.append(ArmError(names[1], _joint(i), velocity, speed, "rad/s"))
@@ -129,7 +134,10 @@ def torque_errors(
         period: Duration of a cycle [s], > 0.
     """
     largest = limits.torque_rate * period * (1.0 + 1e-9)
-    if max(map(abs, map(sub, tau, last))) <= largest:
+    for value, before in zip(tau, last, strict=True):
+        if not -largest <= value - before <= largest:
+            break
+    else:
         return []
     found = []
     for i, value in enumerate(tau):

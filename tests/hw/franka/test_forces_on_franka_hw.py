@@ -28,6 +28,7 @@ C, S = cos(0.4), sin(0.4)
 EE_T_K = [1, 0, 0, 0, 0, C, S, 0, 0, -S, C, 0, 0.02, 0.03, 0.1, 1]
 # After the filter of 100 Hz, and after the arm's swing into its deflected pose.
 SETTLED = 500
+TOO_CLOSE = "self_collision_avoidance_violation"
 
 
 @dataclass(frozen=True)
@@ -169,10 +170,12 @@ def test_nothing_is_felt_at_rest_in_a_hundred_poses(
         put(hw, services, generator.uniform(low, high).tolist())
         if hw.simulation.world.data.ncon:
             continue  # the arm touches itself there
-        poses += 1
         if payload:
             carry(hw, services, NONE)
         run(hw, 20)
+        if {error.name for error in hw.arm.errors()} == {TOO_CLOSE}:
+            continue  # or all but touches itself
+        poses += 1
         state = read_state(hw)
         assert state.tau_ext_hat_filtered == pytest.approx([0.0] * 7, abs=1e-6)
         assert state.O_F_ext_hat_K == pytest.approx([0.0] * 6, abs=1e-5)
