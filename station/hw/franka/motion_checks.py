@@ -62,6 +62,8 @@ def joint_motion_errors(
         period: Duration of a cycle [s], > 0.
         from_pose: The motion was computed from a Cartesian command.
     """
+    if not limits.curves and _is_well_inside(q, dq, last_dq, last_ddq, limits, period):
+        return []
     found: list[ArmError] = []
     names = _IK_ERRORS if from_pose else _JOINT_ERRORS
     for i, velocity in enumerate(dq):
@@ -100,6 +102,38 @@ def joint_motion_errors(
         if abs(jerk) > limits.jerk[i] * (1.0 + _ROUNDING):
             found.append(ArmError(names[3], _joint(i), jerk, limits.jerk[i], "rad/s^3"))
     return sorted(found, key=lambda error: names.index(error.name))
+
+
+def _is_well_inside(
+    q: Sequence[float],
+    dq: Sequence[float],
+    last_dq: Sequence[float],
+    last_ddq: Sequence[float],
+    limits: ArmLimits,
+    period: float,
+) -> bool:
+    """Tell in the usual case, and cheaply, that there is nothing wrong at all."""
+    for position, velocity, last, last_rate, low, high, fastest, rate, jerk in zip(
+        q,
+        dq,
+        last_dq,
+        last_ddq,
+        limits.lower,
+        limits.upper,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+        strict=True,
+    ):
+        acceleration = (velocity - last) / period
+        if not (
+            low <= position <= high
+            and -fastest <= velocity <= fastest
+            and -rate <= acceleration <= rate
+            and -jerk <= (acceleration - last_rate) / period <= jerk
+        ):
+            return False
+    return True
 
 
 def start_position_errors(q: Sequence[float], q_d: Sequence[float]) -> list[ArmError]:
