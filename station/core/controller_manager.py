@@ -98,6 +98,10 @@ class ControllerManager:
         """Names of the controllers that the last interruption of the robot stopped."""
         return self._runner.interrupted
 
+    def forget_interrupted(self) -> None:
+        """Note that nothing is to be started again any more."""
+        self._runner.interrupted = ()
+
     # The control thread
 
     def update(

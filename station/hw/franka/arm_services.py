@@ -14,6 +14,7 @@ from station.core.interfaces.franka_robot_state import RobotMode, RobotState
 from station.core.interfaces.franka_services import (
     ArmRecord,
     CollisionBehavior,
+    FaultKind,
     FrankaServices,
     SimulatedFault,
 )
@@ -32,6 +33,8 @@ TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
 """Range of the Cartesian impedance along the axes [N/m]."""
 ROTATIONAL_STIFFNESS = (1.0, 300.0)
 """Range of the Cartesian impedance about the axes [Nm/rad]."""
+LONGEST_DELAY = 500
+"""Nominal periods by which a cycle can be delayed."""
 _SYMMETRY = 1e-9
 
 
@@ -144,8 +147,13 @@ class ArmServices(FrankaServices):
         self._hw.arm.set_collision_behavior(behavior)
 
     @override
-    def error_recovery(self) -> bool:
+    def check_recovery(self) -> None:
         self._check_connected()
+        self._hw.arm.check_recovery()
+
+    @override
+    def error_recovery(self) -> bool:
+        self.check_recovery()
         arm = self._hw.arm
         had_error = arm.state.robot_mode is RobotMode.REFLEX
         arm.automatic_error_recovery()
@@ -154,6 +162,10 @@ class ArmServices(FrankaServices):
     @override
     def set_user_stop(self, *, pressed: bool) -> None:
         self._simulated().set_user_stop(pressed=pressed)
+
+    @override
+    def set_guiding(self, *, pressed: bool) -> None:
+        self._simulated().set_guiding(pressed=pressed)
 
     @override
     def connect(self) -> None:
@@ -181,12 +193,33 @@ class ArmServices(FrankaServices):
         force: Sequence[float],
         torque: Sequence[float],
         duration: float,
+        *,
+        frame: str = "world",
+        point: Sequence[float] | None = None,
     ) -> None:
-        self._simulated().apply_force(link, force, torque, duration)
+        self._simulated().apply_force(
+            link, force, torque, duration, frame=frame, point=point
+        )
 
     @override
     def inject(self, fault: SimulatedFault) -> None:
-        self._simulated().inject(fault)
+        arm = self._simulated()
+        late = fault.cycles if fault.kind is FaultKind.DELAYED_CYCLE else 0
+        if late > LONGEST_DELAY:
+            raise InvalidCommandError(
+                f"'cycles' of a delayed cycle is {late}",
+                remedy=f"give at most {LONGEST_DELAY}: nothing answers in that time",
+                details={"cycles": late},
+            )
+        arm.inject(fault)
+
+    @override
+    def faults(self) -> list[SimulatedFault]:
+        return self._simulated().faults()
+
+    @override
+    def clear_faults(self) -> None:
+        self._simulated().clear_faults()
 
     def _simulated(self) -> SimulatedArm:
         arm = self._hw.arm

@@ -67,6 +67,15 @@ class CommandSender:
             commands.enforce_limits(period)
         self.send()
 
+    def send_again(self) -> None:
+        """Send the last commands in a cycle of the arm between two of the loop.
+
+        Only with rate limits, within which they go on towards their goal; without, the
+        same command twice would be a step in velocity, and the arm goes on by itself.
+        """
+        if self._settings is not None and self._settings.rate_limiting:
+            self.send()
+
     def send(self) -> None:
         """Filter and send the commands as they are, for one cycle of the arm."""
         arm, commands, state = self._arm, self._commands, self._arm.state

@@ -7,6 +7,8 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
   is sent before a controller's first command.
 - The limits of the commanded kinds are enforced, those of the others are not.
 - A command that is not finite stops the arm's motion instead of the process.
+- A late loop loses packets, as there; with `realtime_config: ignore` the simulated
+  world waits for a loop that is so late that the arm would stop.
 - An unsupported mode is refused with its reason, before anything is stopped.
 """
 
@@ -65,9 +67,6 @@ from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
 
 _logger = logging.getLogger(__name__)
-# Arm cycles that are made up for in one cycle of the loop; as many as libfranka lets a
-# connection miss.
-_MOST_CYCLES_AT_ONCE = 20
 # Up to here franka_control's gains of effort-controlled joints are stable.
 _SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {mode: mode.name.lower() for mode in RobotMode}
@@ -104,6 +103,7 @@ class FrankaHW(RobotHW):
         self._mode = ControlMode.NONE
         self._switch_failed = False
         self._time_due = 0.0
+        self._nominal_cycles = 1  # of the arm, in one of the loop
         self._fingers: FingerJoints | None = None
 
     @override
@@ -181,19 +181,20 @@ class FrankaHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
+        """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
+
+        In the cycles of a nominal period the arm gets the last command again, on its
+        way through filter and limits. What a late loop has missed are lost packets:
+        the arm goes on by itself, and stops after 20 of them.
+        """
         arm = self.arm
         self._time_due += period
         cycles = round(self._time_due / arm.cycle_time)
         self._time_due -= cycles * arm.cycle_time
-        delay = 0
-        if cycles and self.simulation is not None:
-            delay = self.simulation.arms[self._parameters.arm_id].take_delay()
-        for _ in range(delay):
-            arm.read_once()
-        for cycle in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
-            if cycle > 0:
-                self._sender.send()  # the arm wants a command in each of its own cycles
+        late = min(cycles - self._nominal_cycles, self._parameters.most_lost_packets)
+        for cycle in range(min(cycles, self._nominal_cycles + late)):
+            if cycle > max(0, late):
+                self._sender.send_again()
             arm.read_once()
         if self._fingers is not None:
             self._fingers.read()
@@ -231,6 +232,7 @@ class FrankaHW(RobotHW):
                 remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
                 details={"rate": 1.0 / period},
             )
+        self._nominal_cycles = max(1, round(period / cycle_time))
         if period > _SLOWEST_TORQUE_PERIOD:
             _logger.warning(
                 "arm '%s' with a loop of %g Hz: torque controllers need small gains "

@@ -65,8 +65,12 @@ def joint_motion_errors(
         acceleration = (velocity - last_dq[i]) / period
         jerk = (acceleration - last_ddq[i]) / period
         lowest, highest = limits.velocity_range(i, q[i])
+        # Who is outside already may stay, and may come back.
+        goes_out = (q[i] > limits.upper[i] + _AT_LIMIT and velocity > 0.0) or (
+            q[i] < limits.lower[i] - _AT_LIMIT and velocity < 0.0
+        )
         if (
-            limits.lower[i] - _AT_LIMIT <= q[i] <= limits.upper[i] + _AT_LIMIT
+            not goes_out
             and lowest <= velocity <= highest
             and abs(acceleration) <= limits.acceleration[i] * (1.0 + _ROUNDING)
             and abs(jerk) <= limits.jerk[i] * (1.0 + _ROUNDING)
@@ -74,7 +78,7 @@ def joint_motion_errors(
             continue
         bound = limits.upper[i] if q[i] > limits.upper[i] else limits.lower[i]
         speed = highest if velocity > 0.0 else lowest
-        if not limits.lower[i] - _AT_LIMIT <= q[i] <= limits.upper[i] + _AT_LIMIT:
+        if goes_out:
             found.append(ArmError(names[0], _joint(i), q[i], bound, "rad"))
         if not lowest <= velocity <= highest:
             found.append(ArmError(names[1], _joint(i), velocity, speed, "rad/s"))
