@@ -86,8 +86,8 @@ class SimulatedArm(ArmRecovery):
             state.q_d,
             state.dq_d,
             state.ddq_d,
-            lower=self._joints.lower_limits,
-            upper=self._joints.upper_limits,
+            lower=list(limits.lower),
+            upper=list(limits.upper),
             deceleration=list(limits.acceleration),
             period=world.timestep,
         )
