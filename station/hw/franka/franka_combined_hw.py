@@ -17,6 +17,7 @@ from station.core.interfaces.franka_robot_state import RobotMode
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import ControllerInfo, ResourceConflict
+from station.hw.franka.arm_placement import placement_of
 from station.hw.franka.combined_description import combine_descriptions
 from station.hw.franka.control_mode import (
     MODE_OF_INTERFACE,
@@ -24,7 +25,7 @@ from station.hw.franka.control_mode import (
     arm_id_of,
     claims_of,
 )
-from station.hw.franka.franka_hw import FrankaHW, placement_of
+from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import read_parameters
 from station.hw.franka.simulation import simulate
 from station.hw.mujoco.scene import read_scene

@@ -6,7 +6,8 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - At a switch the command buffers are seeded with the present state, so that nothing old
   is sent before a controller's first command.
 - The limits of the commanded kinds are enforced, those of the others are not.
-- A command that is not finite stops the arm's motion instead of the process.
+- A command or a reading that is not finite stops the arm's motion instead of the
+  process.
 - A late loop loses packets, as there; with `realtime_config: ignore` the simulated
   world waits for a loop that is so late that the arm would stop.
 - An unsupported mode is refused with its reason, before anything is stopped.
@@ -39,6 +40,7 @@ from station.core.robot_report import (
 )
 from station.hw.franka.arm_interfaces import model_interface, state_interface
 from station.hw.franka.arm_names import find_prefix, joint_names
+from station.hw.franka.arm_placement import placement_of
 from station.hw.franka.arm_services import ArmServices
 from station.hw.franka.cartesian_commands import CartesianCommands
 from station.hw.franka.command_filter import CommandFilter
@@ -58,10 +60,9 @@ from station.hw.franka.franka_parameters import (
 from station.hw.franka.joint_commands import JointCommands
 from station.hw.franka.joint_limit_warnings import joint_limit_warnings
 from station.hw.franka.rate_limiter import rate_limits_of
-from station.hw.franka.robot_arm import (
-    RobotArm,
-)
-from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
+from station.hw.franka.robot_arm import RobotArm
+from station.hw.franka.sensor_check import blind_sensor
+from station.hw.franka.simulation import Simulation, simulate
 from station.hw.mujoco.scene import SceneObject, read_scene
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
@@ -105,6 +106,7 @@ class FrankaHW(RobotHW):
         self._time_due = 0.0
         self._nominal_cycles = 1  # of the arm, in one of the loop
         self._fingers: FingerJoints | None = None
+        self._blind = ""  # which sensor reads no number
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -196,6 +198,9 @@ class FrankaHW(RobotHW):
             if cycle > max(0, late):
                 self._sender.send_again()
             arm.read_once()
+        self._blind = blind_sensor(arm.state)
+        if self._blind:
+            arm.stop_motion()
         if self._fingers is not None:
             self._fingers.read()
 
@@ -316,6 +321,8 @@ class FrankaHW(RobotHW):
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return ""
         arm = self.arm
+        if self._blind:
+            return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
         causes = "; ".join(error.describe() for error in arm.errors())
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""
@@ -383,19 +390,3 @@ class FrankaHW(RobotHW):
         arm = self.simulation.arms[parameters.arm_id]
         arm.set_collision_behavior(parameters.collision_behavior)
         return arm
-
-
-def placement_of(parameters: FrankaParameters) -> ArmPlacement:
-    """Return the arm that parameters describe.
-
-    Raises:
-        RobotDescriptionError: Its URDF cannot be found.
-    """
-    return ArmPlacement(
-        parameters.arm_id,
-        load_robot_description(parameters.robot_description),
-        parameters.base,
-        parameters.initial_positions,
-        parameters.limits,
-        parameters.thresholds,
-    )

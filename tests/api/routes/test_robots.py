@@ -127,3 +127,60 @@ def test_viewer_may_look_and_not_touch(http):
     assert http.get("/api/v1/robots/panda/state").status_code == 200
     for what in ("error_recovery", "connect", "disconnect"):
         assert http.post(f"/api/v1/robots/panda/{what}").status_code == 403
+
+
+def test_log_of_the_last_motion_is_kept_for_looking_at(client, panda, station):
+    client.switch_controllers(start=["arm"])
+    station.loop.step(100)
+    assert panda.log() == []
+    panda.inject(Fault(kind="collision", cycles=30))
+    station.loop.step(200)
+
+    records = panda.log()
+    assert len(records) == 50
+    assert records[-1].time > records[0].time
+    assert len(records[0].command) == 7
+    client.recover_all()
+    assert panda.log() == records
+
+
+def test_all_arms_are_recovered_at_once(client, panda, station):
+    client.switch_controllers(start=["arm"])
+    panda.inject(Fault(kind="collision", cycles=30))
+    station.loop.step(200)
+
+    answer = client.recover_all("previous")
+
+    assert [(arm.arm_id, arm.robot_mode) for arm in answer.robots] == [
+        ("panda", "move")
+    ]
+    assert answer.restarted == ["arm"]
+    panda.user_stop(pressed=True)
+    with pytest.raises(ApiError, match="user stop is pressed") as caught:
+        client.recover_all()
+    assert caught.value.status == 409
+
+
+def test_faults_are_listed_and_cleared(panda):
+    panda.inject(Fault(kind="stuck_joint", cycles=1000, joint=4))
+    (fault,) = panda.faults()
+    assert (fault.kind, fault.joint) == ("stuck_joint", 4)
+    assert panda.clear_faults() == []
+    with pytest.raises(ApiError, match="at most 500") as caught:
+        panda.inject(Fault(kind="delayed_cycle", cycles=10_000))
+    assert caught.value.status == 422
+
+
+def test_arm_is_guided_by_hand(panda, station):
+    assert panda.guiding(pressed=True).robot_mode == "guiding"
+    push = ExternalForce(
+        link="panda_hand",
+        force=[0, 15, 0],
+        frame="panda_link0",
+        point=[0, 0, 0.05],
+        duration=0.3,
+    )
+    panda.apply_force(push)
+    station.loop.step(300)
+    assert panda.state().O_T_EE[13] > 0.01
+    assert panda.guiding(pressed=False).robot_mode == "idle"

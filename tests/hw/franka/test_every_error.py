@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from math import cos, pi, sin
+from math import cos, pi
 from pathlib import Path
 
 import pytest
@@ -388,29 +388,3 @@ def test_error_is_raised_by_its_cause(cause: Cause, unlimited: str) -> None:
     assert hw.robot_state.current_errors[ERROR_INDEX[cause.name]]
     assert hw.robot_state.last_motion_errors == hw.robot_state.current_errors
     assert cause.name in hw.interruption_of(bench.controller)
-
-
-def test_circle_keeps_clear_of_every_error(unlimited: str) -> None:
-    tree = ParameterTree({
-        "robot": {
-            "arm_id": "panda",
-            "robot_description": unlimited,
-            "rate_limiting": False,
-            "cutoff_frequency": 1000.0,
-        }
-    })
-    hw = FrankaHW()
-    hw.init(Parameters(tree), Parameters(tree, "robot"))
-    bench = Bench(hw)
-    hw.read(0.0, PERIOD)
-    bench.start("cp")
-    rest = bench.pose()
-    for cycle in range(4_000):
-        angle = pi / 4 * (1.0 - cos(pi / 5 * cycle * PERIOD))
-        moved = list(rest)
-        moved[12] -= 0.15 * sin(angle)
-        moved[14] -= 0.15 * (cos(angle) - 1.0)
-        bench.command_pose(moved)
-        hw.write(0.0, PERIOD)
-        hw.read(0.0, PERIOD)
-    assert hw.mode() == "move", hw.arm.errors()

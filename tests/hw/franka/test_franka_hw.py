@@ -189,7 +189,8 @@ def test_commands_far_outside_are_kept_within_the_limits(
         farthest = max(farthest, abs(state.q[0]))
         fastest = max(fastest, abs(state.dq[0]))
     assert abs(state.q[0]) == pytest.approx(2.8973, abs=2e-3)
-    assert degrees(farthest - 2.8973) < 0.5
+    # Full speed up to the limit: the arm springs beyond it, as its stiffness lets it.
+    assert degrees(farthest - 2.8973) < 1.0
     assert fastest < 2.175 * 1.02
     assert sum(limits.clamp_count for limits in hw.commands.limit_interfaces()) > 0
 
