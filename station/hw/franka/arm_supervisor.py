@@ -36,6 +36,7 @@ class SupervisorLimits:
     Attributes:
         position_tolerance: Beyond a position limit [rad]; negative: before it.
         velocity_factor: Of the velocity limits, joints and end effector.
+        torque_factor: Of the torque limits: range of the torque sensors.
         debounce: Cycles that a measured value must be out of its range, >= 1.
         power: Sum over the joints of |tau_J dq| [W].
         self_collision_distance: Least distance between links that are not neighbours
@@ -49,6 +50,7 @@ class SupervisorLimits:
 
     position_tolerance: float = 0.01
     velocity_factor: float = 1.02
+    torque_factor: float = 1.0
     debounce: int = 3
     power: float = inf
     self_collision_distance: float = 0.03
@@ -95,6 +97,7 @@ class ArmSupervisor:
         self._lower = [value - slack for value in limits.lower]
         self._upper = [value + slack for value in limits.upper]
         self._velocity = [v * thresholds.velocity_factor for v in limits.velocity]
+        self._torque = [t * thresholds.torque_factor for t in limits.torque]
         self._speed = limits.translation.velocity * thresholds.velocity_factor
         self._reach = _REACH * period
         # Nothing can be too close before the joints have moved a point this far [m].
@@ -145,7 +148,7 @@ class ArmSupervisor:
             self._lower,
             self._upper,
             self._velocity,
-            self._limits.torque,
+            self._torque,
             state.q_d,
             strict=True,
         ):
@@ -291,8 +294,8 @@ class ArmSupervisor:
                 bound = fastest if velocity > 0.0 else slowest
                 name = "joint_velocity_violation"
                 found.append(ArmError(name, joint, velocity, bound, "rad/s"))
-            if abs(tau) > limits.torque[i]:
-                bound = limits.torque[i]
+            if abs(tau) > self._torque[i]:
+                bound = self._torque[i]
                 found.append(ArmError("tau_j_range_violation", joint, tau, bound, "Nm"))
         return found
 

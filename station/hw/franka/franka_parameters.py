@@ -234,6 +234,7 @@ def _thresholds(params: Parameters) -> SupervisorLimits:
             "position_tolerance", default.position_tolerance
         ),
         velocity_factor=params.get_float("velocity_factor", default.velocity_factor),
+        torque_factor=params.get_float("torque_factor", default.torque_factor),
         debounce=params.get_int("debounce", default.debounce),
         power=params.get_float("power") if params.has("power") else default.power,
         self_collision_distance=params.get_float(
@@ -243,7 +244,7 @@ def _thresholds(params: Parameters) -> SupervisorLimits:
         cartesian_upper=_walls(params, "cartesian_upper", default.cartesian_upper),
         path_deviation=_floats(params, "path_deviation", default.path_deviation),
     )
-    for key in ("velocity_factor", "debounce", "power"):
+    for key in ("velocity_factor", "torque_factor", "debounce", "power"):
         if not getattr(read, key) > 0.0:
             _refuse(params, key, getattr(read, key), "above 0")
     if not min(read.path_deviation) > 0.0:
