@@ -84,7 +84,7 @@ class ArmRecovery(ArmSettings):
             case RobotMode.USER_STOPPED:
                 return "release the user stop"
             case RobotMode.REFLEX:
-                return "remove the cause, then recover: POST error_recovery"
+                return "remove the cause, then recover"
             case RobotMode.GUIDING:
                 return "let go of the guiding buttons"
             case RobotMode.AUTOMATIC_ERROR_RECOVERY:

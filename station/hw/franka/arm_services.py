@@ -79,7 +79,10 @@ class ArmServices(FrankaServices):
     def remedy(self) -> str:
         if not self._hw.is_connected:
             return "connect the arm"
-        return self._hw.arm.remedy()
+        remedy = self._hw.arm.remedy()
+        if self._hw.arm.state.robot_mode is RobotMode.REFLEX:
+            return f"{remedy} (POST /robots/{self.name}/error_recovery)"
+        return remedy
 
     @override
     def is_connected(self) -> bool:

@@ -276,6 +276,11 @@ class FrankaHW(RobotHW):
                 f"Arm '{arm_id}' is not connected.",
                 remedy=f"Connect it: POST /robots/{arm_id}/connect.",
             )
+        if self._control_mode_of(start) and self._blind:
+            raise SwitchRefusedError(
+                f"Arm '{arm_id}' is blind: {self._blind}.",
+                remedy="Wait until the sensor reads numbers again.",
+            )
         if not is_supported(mode):
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' cannot be in mode {mode.describe()}.",

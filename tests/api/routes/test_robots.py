@@ -184,3 +184,18 @@ def test_arm_is_guided_by_hand(panda, station):
     station.loop.step(300)
     assert panda.state().O_T_EE[13] > 0.01
     assert panda.guiding(pressed=False).robot_mode == "idle"
+
+
+def test_blind_sensor_reads_null_and_no_controller_is_started(client, panda, station):
+    panda.inject(Fault(kind="nan_sensor", cycles=1000, joint=2))
+    station.loop.step(10)
+
+    joints = client.joint_states()
+    assert joints.position[joints.name.index("panda_joint2")] is None
+    assert panda.state().q[1] is None
+    with pytest.raises(ApiError, match="joint2 reads nan") as caught:
+        client.switch_controllers(start=["arm"])
+    assert caught.value.status == 409
+    panda.clear_faults()
+    station.loop.step(2)
+    client.switch_controllers(start=["arm"])
