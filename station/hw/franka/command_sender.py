@@ -18,6 +18,9 @@ class CommandSender:
         commands: Joint commands and their limits.
         cartesian: Cartesian commands.
         command_filter: Filter and rate limits of the joint commands.
+
+    Attributes:
+        refusal: Why a command was not sent and the motion ended; empty if none was.
     """
 
     def __init__(
@@ -33,6 +36,7 @@ class CommandSender:
         self._filter = command_filter
         self._settings: CommandSettings | None = None
         self._goals: list[float] = []
+        self.refusal = ""
 
     def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
@@ -42,6 +46,7 @@ class CommandSender:
             settings: How it is passed on.
         """
         self._settings = settings
+        self.refusal = ""
         self._commands.begin(mode)
         self._cartesian.begin(mode)
         self._goals = self._commands.goals()
@@ -60,6 +65,7 @@ class CommandSender:
         if self._arm.state.robot_mode is not RobotMode.MOVE:
             return
         if not (commands.are_finite() and self._cartesian.are_finite()):
+            self.refusal = "a command is no finite number"
             self._arm.stop_motion()
             return
         self._goals = commands.goals()
@@ -93,7 +99,8 @@ class CommandSender:
         if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
             try:
                 self._cartesian.send(self._settings)
-            except InvalidCommandError:
+            except InvalidCommandError as error:
+                self.refusal = error.message
                 arm.stop_motion()
 
 

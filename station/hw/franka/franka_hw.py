@@ -328,7 +328,8 @@ class FrankaHW(RobotHW):
         arm = self.arm
         if self._blind:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
-        causes = "; ".join(error.describe() for error in arm.errors())
+        causes = self._sender.refusal
+        causes = causes or "; ".join(error.describe() for error in arm.errors())
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"

@@ -15,7 +15,7 @@ from station.core.interfaces import (
     FrankaServicesInterface,
     FrankaVelocityCartesianInterface,
 )
-from station.core.interfaces.franka_errors import ERROR_INDEX, ERROR_NAMES
+from station.core.interfaces.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
 from station.core.interfaces.franka_services import SimulatedFault
 from station.core.parameters import Parameters, ParameterTree
 from station.core.robot_hw import ControllerInfo, InterfaceResources
@@ -388,3 +388,18 @@ def test_error_is_raised_by_its_cause(cause: Cause, unlimited: str) -> None:
     assert hw.robot_state.current_errors[ERROR_INDEX[cause.name]]
     assert hw.robot_state.last_motion_errors == hw.robot_state.current_errors
     assert cause.name in hw.interruption_of(bench.controller)
+
+    hw.do_switch([], [bench.controller])  # as the manager does
+    bench.services.clear_faults()
+    for _ in range(300):
+        hw.read(0.0, PERIOD)
+    assert bench.services.error_recovery()
+    for _ in range(500):
+        hw.read(0.0, PERIOD)
+    assert hw.mode() == "idle", hw.arm.errors()
+    assert error_names(hw.robot_state.last_motion_errors)
+    bench.start("jp")
+    for _ in range(200):
+        hw.write(0.0, PERIOD)
+        hw.read(0.0, PERIOD)
+    assert hw.mode() == "move", hw.arm.errors()
