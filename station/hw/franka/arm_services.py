@@ -125,6 +125,7 @@ class ArmServices(FrankaServices):
                 f"a load of {mass} kg at {list(F_x_center_load)} with inertia "
                 f"{list(load_inertia)} is not possible",
                 remedy="give a mass of 0 or more, 3 and 9 finite numbers",
+                details=_field_error("mass", "must be 0 or more, all finite", mass),
             )
         tensor = np.reshape(load_inertia, (3, 3))
         if (
@@ -134,6 +135,11 @@ class ArmServices(FrankaServices):
             raise InvalidCommandError(
                 f"no body has the inertia {list(load_inertia)}",
                 remedy="give a symmetric tensor without negative moments",
+                details=_field_error(
+                    "load_inertia",
+                    "must be symmetric without negative moments",
+                    list(load_inertia),
+                ),
             )
         load = Load(mass, tuple(F_x_center_load), tuple(load_inertia))
         self._hw.arm.set_load(load)
@@ -141,11 +147,13 @@ class ArmServices(FrankaServices):
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
         self._check_connected()
-        problem = collision_behavior_problem(behavior)
+        field, problem = collision_behavior_problem(behavior)
         if problem:
+            value = getattr(behavior, field)
             raise InvalidCommandError(
-                "these collision thresholds are not possible",
+                f"the collision threshold '{field}' {list(value)} is not possible",
                 remedy=f"give {problem}",
+                details=_field_error(field, f"must be {problem}", list(value)),
             )
         self._hw.arm.set_collision_behavior(behavior)
 
@@ -242,13 +250,24 @@ class ArmServices(FrankaServices):
 def _in_range(
     values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
 ) -> list[float]:
-    if len(values) != len(ranges) or any(
-        not low <= value <= high
-        for value, (low, high) in zip(values, ranges, strict=True)
-    ):
+    found = [
+        _field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
+        for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
+        if not low <= value <= high
+    ]
+    if len(values) != len(ranges) or found:
         allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
         raise InvalidCommandError(
             f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers",
             remedy=f"give numbers in these ranges: {allowed}",
+            details={"errors": found},
         )
     return list(values)
+
+
+def _field_error(
+    field: str, message: str, value: object
+) -> dict[str, list[dict[str, str]]]:
+    """Return what the API says about one field of a request."""
+    error = {"field": f"body/{field}", "message": message, "value": str(value)}
+    return {"errors": [error]}

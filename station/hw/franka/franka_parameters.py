@@ -201,27 +201,29 @@ def _collision_behavior(params: Parameters) -> CollisionBehavior:
         default = getattr(DEFAULT_COLLISION_BEHAVIOR, one.name)
         values[one.name] = _floats(params, one.name, default)
     behavior = CollisionBehavior(**values)
-    problem = collision_behavior_problem(behavior)
+    field, problem = collision_behavior_problem(behavior)
     if problem:
-        _refuse(params, "", values, problem)
+        _refuse(params, field, values[field], problem)
     return behavior
 
 
-def collision_behavior_problem(behavior: CollisionBehavior) -> str:
-    """Say what thresholds must be like; empty when they are.
+def collision_behavior_problem(behavior: CollisionBehavior) -> tuple[str, str]:
+    """Return which threshold is wrong and what it must be like; empty when none is.
 
     Args:
         behavior: The thresholds.
     """
-    for kind in ("acceleration", "nominal"):
+    for kind in ("nominal", "acceleration"):
         for what, size in (("torque", _TORQUES), ("force", _FORCES)):
-            lower = getattr(behavior, f"lower_{what}_thresholds_{kind}")
-            upper = getattr(behavior, f"upper_{what}_thresholds_{kind}")
+            name = f"lower_{what}_thresholds_{kind}"
+            lower = getattr(behavior, name)
+            upper = getattr(behavior, name.replace("lower", "upper"))
             if len(lower) != size or len(upper) != size:
-                return f"{size} numbers for each of the {what} thresholds"
+                return name, f"{size} numbers for each of the {what} thresholds"
             if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
-                return f"above 0, no lower {what} threshold above its upper one"
-    return ""
+                wanted = f"above 0, no lower {what} threshold above its upper one"
+                return name, wanted
+    return "", ""
 
 
 def _thresholds(params: Parameters) -> SupervisorLimits:
