@@ -160,7 +160,11 @@ class ArmServices(FrankaServices):
     @override
     def check_recovery(self) -> None:
         self._check_connected()
-        self._hw.arm.check_recovery()
+        try:
+            self._hw.arm.check_recovery()
+        except ArmCommandError as exc:
+            message = f"arm '{self.name}' {exc.message}"
+            raise ArmCommandError(message, remedy=exc.remedy) from exc
 
     @override
     def error_recovery(self) -> bool:
