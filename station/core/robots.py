@@ -174,7 +174,8 @@ class Robots:
     def recover(self, arm_id: str, *, restart: bool = False) -> tuple[str, ...]:
         """Clear an arm's errors; every command from before is void.
 
-        Nothing happens when there is no error. Returns when the arm is at rest.
+        Nothing happens when there is no error. Returns when the arm is at rest, or at
+        once while time is paused.
 
         Args:
             arm_id: The arm.
@@ -238,7 +239,8 @@ class Robots:
 
     def _wait_until_recovered(self, arm: FrankaServices) -> None:
         for _ in range(_LONGEST_RECOVERY):
-            if arm.robot_mode() is not RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            is_done = arm.robot_mode() is not RobotMode.AUTOMATIC_ERROR_RECOVERY
+            if is_done or self._loop.pace.paused:
                 return
             if self._manager.pump is not None:
                 self._manager.pump()
