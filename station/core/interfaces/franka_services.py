@@ -248,7 +248,7 @@ class FrankaServices(ResourceHandle):
 
     @abstractmethod
     def connect(self) -> None:
-        """Connect to the arm.
+        """Connect to the arm; its collision thresholds are the configured ones again.
 
         Raises:
             ArmCommandError: It is connected already.

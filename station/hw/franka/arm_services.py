@@ -189,6 +189,9 @@ class ArmServices(FrankaServices):
                 f"arm '{self.name}' is connected already", remedy="use it"
             )
         self._hw.is_connected = True
+        # Of the settings the thresholds alone are sent again, as franka_hw does.
+        behavior = self._hw.parameters.collision_behavior
+        self._hw.arm.set_collision_behavior(behavior)
 
     @override
     def disconnect(self) -> None:
