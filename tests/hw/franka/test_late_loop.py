@@ -7,7 +7,7 @@ import pytest
 from station.core.interfaces.franka_errors import error_names
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
-from tests.hw.franka.test_every_error import Bench
+from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD, ROBOT
 
 SPEED = 0.2
