@@ -7,6 +7,7 @@ from station.api import schemas
 from station.api.wire_numbers import measured, measured_list
 from station.core.interfaces import (
     ArmError,
+    ArmRecord,
     CollisionBehavior,
     FaultKind,
     RobotState,
@@ -54,6 +55,26 @@ def franka_state(found: RobotState) -> schemas.FrankaState:
         elif isinstance(value, float):
             values[one.name] = value
     return schemas.FrankaState(**values)
+
+
+def arm_record(found: ArmRecord) -> schemas.ArmRecord:
+    """Return one of the last cycles."""
+    return schemas.ArmRecord(
+        time=found.time,
+        q=measured_list(found.q),
+        dq=measured_list(found.dq),
+        tau_J=measured_list(found.tau_J),
+        q_d=measured_list(found.q_d),
+        tau_J_d=measured_list(found.tau_J_d),
+        command=measured_list(found.command),
+    )
+
+
+def active_fault(found: SimulatedFault) -> schemas.ActiveFault:
+    """Return what goes wrong."""
+    return schemas.ActiveFault(
+        kind=found.kind.value, cycles=found.cycles, joint=found.joint
+    )
 
 
 def arm_model(found: ArmModelReport) -> schemas.ArmModel:

@@ -175,9 +175,9 @@ def joint_states(snapshot: Snapshot, names: list[str]) -> schemas.JointStates:
     return schemas.JointStates(
         stamp=snapshot.stamp,
         name=names,
-        position=snapshot.position,
-        velocity=snapshot.velocity,
-        effort=snapshot.effort,
+        position=measured_list(snapshot.position),
+        velocity=measured_list(snapshot.velocity),
+        effort=measured_list(snapshot.effort),
     )
 
 

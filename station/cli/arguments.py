@@ -276,7 +276,7 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
     recover = verbs.add(
         "recover", "motion:recover", "clear the errors of an arm in reflex"
     )
-    recover.add_argument("arm_id", nargs="?", help="default: every arm in reflex")
+    recover.add_argument("arm_id", nargs="?", help="default: all arms")
     recover.add_argument(
         "--restart",
         action="store_true",

@@ -5,12 +5,16 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
 from station.api.schemas import (
+    ActiveFault,
+    ArmLog,
     ArmModel,
+    ArmRecord,
     ArmReport,
     CartesianImpedance,
     EndEffectorFrame,
     ExternalForce,
     Fault,
+    Faults,
     ForceTorqueCollisionBehavior,
     FrameName,
     FrankaState,
@@ -57,6 +61,11 @@ class AsyncRobotClient:
         answer: ArmReport = await self._do(calls.errors(self.arm_id))
         return answer
 
+    async def log(self) -> list[ArmRecord]:
+        """Return the last cycles before the last error, oldest first."""
+        answer: ArmLog = await self._do(calls.log(self.arm_id))
+        return answer.records
+
     async def recover(self, restart: Restart = "none") -> Recovery:
         """Clear the errors; with `previous` start the stopped controllers again."""
         answer: Recovery = await self._do(calls.recover(self.arm_id, restart))
@@ -67,6 +76,11 @@ class AsyncRobotClient:
         answer: ArmReport = await self._do(
             calls.user_stop(self.arm_id, pressed=pressed)
         )
+        return answer
+
+    async def guiding(self, *, pressed: bool) -> ArmReport:
+        """Hold or let go of the guiding buttons; in simulation only."""
+        answer: ArmReport = await self._do(calls.guiding(self.arm_id, pressed=pressed))
         return answer
 
     async def connect(self) -> ArmReport:
@@ -159,3 +173,13 @@ class AsyncRobotClient:
             calls.send("POST", self.arm_id, "faults", fault)
         )
         return answer
+
+    async def faults(self) -> list[ActiveFault]:
+        """Return what was made to go wrong and lasts; in simulation only."""
+        answer: Faults = await self._do(calls.faults(self.arm_id))
+        return answer.faults
+
+    async def clear_faults(self) -> list[ActiveFault]:
+        """End what was made to go wrong, and every push; in simulation only."""
+        answer: Faults = await self._do(calls.clear_faults(self.arm_id))
+        return answer.faults

@@ -23,6 +23,7 @@ from station.api.schemas import (
     JointStates,
     LoopReport,
     Ready,
+    Recoveries,
     SceneObject,
     Session,
     Status,
@@ -37,6 +38,7 @@ from station.client.async_simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
 from station.client.calls import Call, ModelT, Strictness
 from station.client.errors import StationUnreachableError
+from station.client.robot_calls import Restart
 from station.client.stream_options import Rate, StreamOptions, bearer
 
 
@@ -288,6 +290,10 @@ class AsyncStationClient:
     async def robots(self) -> list[ArmReport]:
         """Return all arms, their modes and errors, and what to do."""
         return (await self._do(robot_calls.robots())).robots
+
+    async def recover_all(self, restart: Restart = "none") -> Recoveries:
+        """Clear the errors of all arms; with `previous` start controllers again."""
+        return await self._do(robot_calls.recover_all(restart))
 
     def robot(self, arm_id: str) -> AsyncRobotClient:
         """Return the client of one arm."""

@@ -1,8 +1,10 @@
 """The wire models that the client takes and returns, under the client's name."""
 
 from station.api.schemas import (
+    ActiveFault,
     ArmError,
     ArmModel,
+    ArmRecord,
     ArmReport,
     CartesianImpedance,
     ClaimedResources,
@@ -28,6 +30,7 @@ from station.api.schemas import (
     Load,
     LoopReport,
     Percentiles,
+    Recoveries,
     Recovery,
     Scene,
     SceneObject,
@@ -41,8 +44,10 @@ from station.api.schemas import (
 )
 
 __all__ = [
+    "ActiveFault",
     "ArmError",
     "ArmModel",
+    "ArmRecord",
     "ArmReport",
     "CartesianImpedance",
     "ClaimedResources",
@@ -68,6 +73,7 @@ __all__ = [
     "Load",
     "LoopReport",
     "Percentiles",
+    "Recoveries",
     "Recovery",
     "Scene",
     "SceneObject",

@@ -7,10 +7,14 @@ from urllib.parse import quote
 from pydantic import BaseModel
 
 from station.api.schemas import (
+    ArmLog,
     ArmModel,
     ArmReport,
     Arms,
+    Faults,
     FrankaState,
+    GuidingRequest,
+    Recoveries,
     Recovery,
     RecoveryRequest,
     UserStopRequest,
@@ -46,6 +50,33 @@ def recover(arm_id: str, restart: Restart) -> Call[Recovery]:
     body = RecoveryRequest(restart=restart).model_dump_json().encode()
     path = _path(arm_id, "error_recovery")
     return Call("POST", path, Recovery, body, patience=5.0)
+
+
+def recover_all(restart: Restart) -> Call[Recoveries]:
+    """Ask to clear the errors of all arms."""
+    body = RecoveryRequest(restart=restart).model_dump_json().encode()
+    path = f"{PREFIX}/robots/error_recovery"
+    return Call("POST", path, Recoveries, body, patience=5.0)
+
+
+def log(arm_id: str) -> Call[ArmLog]:
+    """Ask for the last cycles before the last error of an arm."""
+    return Call("GET", _path(arm_id, "log"), ArmLog)
+
+
+def faults(arm_id: str) -> Call[Faults]:
+    """Ask what was made to go wrong."""
+    return Call("GET", _path(arm_id, "faults"), Faults)
+
+
+def clear_faults(arm_id: str) -> Call[Faults]:
+    """Ask to end what was made to go wrong."""
+    return Call("DELETE", _path(arm_id, "faults"), Faults)
+
+
+def guiding(arm_id: str, *, pressed: bool) -> Call[ArmReport]:
+    """Ask to hold or let go of the guiding buttons."""
+    return send("POST", arm_id, "guiding", GuidingRequest(pressed=pressed))
 
 
 def user_stop(arm_id: str, *, pressed: bool) -> Call[ArmReport]:

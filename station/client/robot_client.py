@@ -5,12 +5,16 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from station.api.schemas import (
+    ActiveFault,
+    ArmLog,
     ArmModel,
+    ArmRecord,
     ArmReport,
     CartesianImpedance,
     EndEffectorFrame,
     ExternalForce,
     Fault,
+    Faults,
     ForceTorqueCollisionBehavior,
     FrameName,
     FrankaState,
@@ -57,6 +61,11 @@ class RobotClient:
         answer: ArmReport = self._do(calls.errors(self.arm_id))
         return answer
 
+    def log(self) -> list[ArmRecord]:
+        """Return the last cycles before the last error, oldest first."""
+        answer: ArmLog = self._do(calls.log(self.arm_id))
+        return answer.records
+
     def recover(self, restart: Restart = "none") -> Recovery:
         """Clear the errors; with `previous` start the stopped controllers again."""
         answer: Recovery = self._do(calls.recover(self.arm_id, restart))
@@ -65,6 +74,11 @@ class RobotClient:
     def user_stop(self, *, pressed: bool) -> ArmReport:
         """Press or release the user stop."""
         answer: ArmReport = self._do(calls.user_stop(self.arm_id, pressed=pressed))
+        return answer
+
+    def guiding(self, *, pressed: bool) -> ArmReport:
+        """Hold or let go of the guiding buttons; in simulation only."""
+        answer: ArmReport = self._do(calls.guiding(self.arm_id, pressed=pressed))
         return answer
 
     def connect(self) -> ArmReport:
@@ -153,3 +167,13 @@ class RobotClient:
         """Make something go wrong; in simulation only."""
         answer: ArmReport = self._do(calls.send("POST", self.arm_id, "faults", fault))
         return answer
+
+    def faults(self) -> list[ActiveFault]:
+        """Return what was made to go wrong and lasts; in simulation only."""
+        answer: Faults = self._do(calls.faults(self.arm_id))
+        return answer.faults
+
+    def clear_faults(self) -> list[ActiveFault]:
+        """End what was made to go wrong, and every push; in simulation only."""
+        answer: Faults = self._do(calls.clear_faults(self.arm_id))
+        return answer.faults

@@ -23,6 +23,7 @@ from station.api.schemas import (
     JointStates,
     LoopReport,
     Ready,
+    Recoveries,
     SceneObject,
     Session,
     Status,
@@ -34,6 +35,7 @@ from station.api.schemas import (
 from station.client import calls, robot_calls
 from station.client.calls import Call, ModelT, Strictness
 from station.client.errors import StationUnreachableError
+from station.client.robot_calls import Restart
 from station.client.robot_client import RobotClient
 from station.client.simulation_client import SimulationClient
 from station.client.stream import Stream
@@ -288,6 +290,10 @@ class StationClient:
     def robots(self) -> list[ArmReport]:
         """Return all arms, their modes and errors, and what to do."""
         return (self._do(robot_calls.robots())).robots
+
+    def recover_all(self, restart: Restart = "none") -> Recoveries:
+        """Clear the errors of all arms; with `previous` start controllers again."""
+        return self._do(robot_calls.recover_all(restart))
 
     def robot(self, arm_id: str) -> RobotClient:
         """Return the client of one arm."""

@@ -75,6 +75,7 @@ class ControlLoop:
         self._thread: threading.Thread | None = None
         self._stopping = False
         self._restart = False
+        self._late_cycles = 0
         self._state = LoopState.STOPPED
         self._failure = ""
         self._scheduler = ""
@@ -141,7 +142,10 @@ class ControlLoop:
                 remedy="Stop the loop first.",
             )
         for _ in range(cycles):
-            self._cycle(self.period)
+            late = self._take_late_cycles()
+            if late:
+                self._meter.woke(late * self.period / self.pace.real_time_factor, late)
+            self._cycle((1 + late) * self.period)
 
     def run_in_cycle(self, action: Callable[[], T], timeout: float = 1.0) -> T:
         """Run `action` in the control thread between two cycles; return its result.
@@ -198,6 +202,18 @@ class ControlLoop:
     def begin_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""
         self._meter.reset()
+
+    def delay_next_cycle(self, cycles: int) -> None:
+        """Let the next cycle begin late, as if something had kept the thread.
+
+        Args:
+            cycles: By how many nominal periods, >= 0. They are skipped and counted.
+        """
+        self._late_cycles = cycles
+
+    def _take_late_cycles(self) -> int:
+        late, self._late_cycles = self._late_cycles, 0
+        return late
 
     def next_epoch(self, reason: str) -> int:
         """Make everything commanded so far void; control thread or between cycles.
@@ -261,8 +277,9 @@ class ControlLoop:
         pace = self.pace
         deadline = self.clock.now() + self.period / pace.real_time_factor
         while not self._stopping:
-            self.clock.sleep_until(deadline)
             wall_period = self.period / pace.real_time_factor
+            late = 0 if pace.paused else self._take_late_cycles()
+            self.clock.sleep_until(deadline + late * wall_period)
             lateness = self.clock.now() - deadline
             skipped = int(lateness / wall_period)
             if not pace.passes():

@@ -61,8 +61,6 @@ class ControllerManager:
 
     Attributes:
         pump: Runs one cycle; called by a waiting caller when no thread runs the loop.
-        start_gate: Called in the control thread before anything is started; raises a
-            StationError when nothing may be started.
     """
 
     def __init__(
@@ -81,7 +79,7 @@ class ControllerManager:
 
     @property
     def start_gate(self) -> Callable[[], None] | None:
-        """What must not raise when a controller is started; None when nothing."""
+        """Called before a start, in the control thread; raises when none may be."""
         return self._runner.start_gate
 
     @start_gate.setter
@@ -98,7 +96,9 @@ class ControllerManager:
         """Names of the controllers that the last interruption of the robot stopped."""
         return self._runner.interrupted
 
-    # The control thread
+    def forget_interrupted(self) -> None:
+        """Note that nothing is to be started again any more."""
+        self._runner.interrupted = ()
 
     def update(
         self,

@@ -211,7 +211,15 @@ class ControllerRunner(ControllerLifecycle):
         if finished:
             if pending.expired:
                 self._release(pending)
+            if pending.request.zero_period:
+                self._update_started(pending, time)
             self._finish(pending)
+
+    def _update_started(self, pending: PendingSwitch, time: float) -> None:
+        """Update what was started, without any time having passed."""
+        for one in dict.fromkeys(pending.start):
+            if one.controller.state is _RUNNING and one.fresh:
+                self._update_one(one, time, 0.0)
 
     def _release(self, pending: PendingSwitch) -> None:
         """Take controllers off the hardware that were given up after their caller."""

@@ -11,11 +11,12 @@ from typing import TypeVar
 
 from station.core.control_loop import ControlLoop
 from station.core.controller_manager import ControllerManager
-from station.core.errors import ArmNotFoundError
+from station.core.errors import ArmCommandError, ArmNotFoundError
 from station.core.interfaces import (
     ArmError,
     ArmRecord,
     CollisionBehavior,
+    FaultKind,
     Frame,
     FrankaServices,
     FrankaServicesInterface,
@@ -26,6 +27,8 @@ from station.core.interfaces import (
 from station.core.switching import SwitchRequest
 
 T = TypeVar("T")
+_LONGEST_RECOVERY = 2_000
+"""Cycles after which an arm that recovers is at rest for sure."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,10 +174,13 @@ class Robots:
     def recover(self, arm_id: str, *, restart: bool = False) -> tuple[str, ...]:
         """Clear an arm's errors; every command from before is void.
 
+        Nothing happens when there is no error. Returns when the arm is at rest, or at
+        once while time is paused.
+
         Args:
             arm_id: The arm.
-            restart: Start the controllers again that the interruption stopped;
-                otherwise they stay stopped.
+            restart: Start the controllers again that the interruption stopped, with an
+                update whose period is zero first; otherwise they stay stopped.
 
         Returns:
             Names of the controllers that were started again.
@@ -185,19 +191,64 @@ class Robots:
             StoppedError: The station is stopped and controllers were to be started.
             SwitchRefusedError: The controllers cannot be started; the arm recovered.
         """
+        return self._recover([self._find(arm_id)], restart=restart)
+
+    def recover_all(self, *, restart: bool = False) -> tuple[str, ...]:
+        """Clear the errors of all arms, or of none if one of them cannot recover.
+
+        Args:
+            restart: As for `recover`.
+
+        Returns:
+            Names of the controllers that were started again.
+
+        Raises:
+            ArmCommandError: An arm cannot recover itself now.
+            StoppedError: The station is stopped and controllers were to be started.
+            SwitchRefusedError: The controllers cannot be started; the arms recovered.
+        """
+        return self._recover(list(self._arms.values()), restart=restart)
+
+    def _recover(
+        self, arms: Sequence[FrankaServices], *, restart: bool
+    ) -> tuple[str, ...]:
         if restart:
             self._loop.stop_latch.check()
 
-        def clear(arm: FrankaServices) -> bool:
-            had_error = arm.error_recovery()
-            self._loop.next_epoch(f"Arm '{arm_id}' was recovered.")
-            return had_error
+        def clear() -> bool:
+            for arm in arms:
+                arm.check_recovery()
+            recovered = [arm.name for arm in arms if arm.error_recovery()]
+            if recovered:
+                names = "' and '".join(recovered)
+                did = "was" if len(recovered) == 1 else "were"
+                self._loop.next_epoch(f"Arm '{names}' {did} recovered.")
+            return bool(recovered)
 
-        had_error = self._ask(arm_id, clear)
-        names = self._manager.interrupted if restart and had_error else ()
+        if not self._loop.run_in_cycle(clear):
+            return ()
+        for arm in arms:
+            self._wait_until_recovered(arm)
+        names = self._manager.interrupted if restart else ()
         if names:
-            return self._manager.switch_controller(SwitchRequest(names, ())).started
-        return ()
+            request = SwitchRequest(names, (), zero_period=True)
+            names = self._manager.switch_controller(request).started
+        if restart or all(not arm.remedy() for arm in self._arms.values()):
+            self._manager.forget_interrupted()
+        return names
+
+    def _wait_until_recovered(self, arm: FrankaServices) -> None:
+        for _ in range(_LONGEST_RECOVERY):
+            is_done = arm.robot_mode() is not RobotMode.AUTOMATIC_ERROR_RECOVERY
+            if is_done or self._loop.pace.paused:
+                return
+            if self._manager.pump is not None:
+                self._manager.pump()
+            else:
+                self._loop.run_in_cycle(lambda: None)
+        raise ArmCommandError(
+            f"arm '{arm.name}' did not come to rest", remedy="recover once more"
+        )
 
     def set_user_stop(self, arm_id: str, *, pressed: bool) -> None:
         """Press or release the user stop of an arm; see `FrankaServices`."""
@@ -206,8 +257,11 @@ class Robots:
             arm.set_user_stop(pressed=pressed)
             did = "pressed" if pressed else "released"
             self._loop.next_epoch(f"The user stop of arm '{arm_id}' was {did}.")
+            if not pressed:
+                self._manager.forget_interrupted()
 
         self._ask(arm_id, press)
+        self._wait_until_recovered(self._find(arm_id))
 
     def connect(self, arm_id: str) -> None:
         """Connect to an arm; see `FrankaServices`."""
@@ -217,6 +271,10 @@ class Robots:
         """Give an arm up; see `FrankaServices`."""
         self._ask(arm_id, lambda arm: arm.disconnect())
 
+    def set_guiding(self, arm_id: str, *, pressed: bool) -> None:
+        """Hold or let go of an arm's guiding buttons; see `FrankaServices`."""
+        self._ask(arm_id, lambda arm: arm.set_guiding(pressed=pressed))
+
     def apply_force(
         self,
         arm_id: str,
@@ -224,13 +282,35 @@ class Robots:
         force: Sequence[float],
         torque: Sequence[float],
         duration: float,
+        *,
+        frame: str = "world",
+        point: Sequence[float] | None = None,
     ) -> None:
         """Push a link of a simulated arm; see `FrankaServices`."""
-        self._ask(arm_id, lambda arm: arm.apply_force(link, force, torque, duration))
+        self._ask(
+            arm_id,
+            lambda arm: arm.apply_force(
+                link, force, torque, duration, frame=frame, point=point
+            ),
+        )
+
+    def faults(self, arm_id: str) -> list[SimulatedFault]:
+        """Return what goes wrong with a simulated arm; see `FrankaServices`."""
+        return self._ask(arm_id, lambda arm: arm.faults())
 
     def inject(self, arm_id: str, fault: SimulatedFault) -> None:
         """Make something go wrong with a simulated arm; see `FrankaServices`."""
-        self._ask(arm_id, lambda arm: arm.inject(fault))
+
+        def begin(arm: FrankaServices) -> None:
+            arm.inject(fault)
+            if fault.kind is FaultKind.DELAYED_CYCLE:
+                self._loop.delay_next_cycle(fault.cycles)
+
+        self._ask(arm_id, begin)
+
+    def clear_faults(self, arm_id: str) -> None:
+        """End what was made to go wrong with a simulated arm, and every push."""
+        self._ask(arm_id, lambda arm: arm.clear_faults())
 
     def _ask(self, arm_id: str, action: Callable[[FrankaServices], T]) -> T:
         arm = self._find(arm_id)

@@ -44,6 +44,8 @@ class SwitchRequest:
         timeout: How long the hardware may take [s station time]; 0 for the manager's
             bound. The manager gives up in wall time, too.
         dry_run: Only say what would happen.
+        zero_period: Update each started controller once with a period of zero, in the
+            cycle in which it is started, as after a recovery.
     """
 
     start: Sequence[str] = ()
@@ -52,6 +54,7 @@ class SwitchRequest:
     start_asap: bool = False
     timeout: float = 0.0
     dry_run: bool = False
+    zero_period: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.operate_panel import OperatePanel
+from station.ui.panels.recovery_panel import RecoveryPanel
 from station.ui.panels.simulation_panel import SimulationPanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
@@ -62,6 +63,7 @@ class Dashboard:
         self._objects = SceneObjects(server)
         self._scene = None if urdf is None else RobotScene(server, urdf)
         _set_theme(server)
+        recovery = RecoveryPanel(server.gui, self._link, self._reporter)
         tabs = server.gui.add_tab_group()
         with tabs.add_tab("Operate"):
             limits = {} if urdf is None else joint_limits(urdf)
@@ -73,6 +75,7 @@ class Dashboard:
         with tabs.add_tab("Simulation"):
             simulation = SimulationPanel(server.gui, self._link, self._reporter)
         self._panels: list[Panel] = [
+            recovery,
             self._operate,
             controllers,
             self._tune,

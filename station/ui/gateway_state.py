@@ -64,7 +64,8 @@ def _mode(status: Status) -> str:
     for arm in status.robots:
         if arm.remedy:
             names = ", ".join(dict.fromkeys(error.name for error in arm.errors))
-            wrong.append(f"{arm.arm_id}: {names or arm.robot_mode}: {arm.remedy}")
+            remedy = arm.remedy.partition(" (")[0]  # here is a button instead
+            wrong.append(f"{arm.arm_id}: {names or arm.robot_mode}: {remedy}")
     paused = status.simulation is not None and status.simulation.paused
     mode = f"{status.robot_mode}, paused" if paused else status.robot_mode
     return " · ".join([mode, *wrong])

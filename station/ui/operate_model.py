@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from station.client.models import CommandElement
+from station.ui.recovery_model import choose_rescue
 from station.ui.station_view import StationView
 
 HOLD = 1.0
@@ -40,6 +41,9 @@ def choose_operated(view: StationView) -> Operated:
             return Operated(controller.name, tuple(elements), view.blocked())
     if view.blocked():
         return Operated(reason=view.blocked())
+    trouble = choose_rescue(view).trouble
+    if trouble:
+        return Operated(reason="An arm has stopped by itself. See above what to do.")
     running = [c.name for c in view.controllers if c.state == "running"]
     what = f"Only {', '.join(running)} runs" if running else "No controller runs"
     return Operated(

@@ -179,7 +179,11 @@ class StationLink:
         async for frame in self._frames("joint_states", JOINT_RATE):
             joints = _joint_states(frame)
             if joints is not None:
-                self._positions = dict(zip(joints.name, joints.position, strict=True))
+                self._positions = {
+                    name: position
+                    for name, position in zip(joints.name, joints.position, strict=True)
+                    if position is not None
+                }
                 self._heard()
 
     async def _follow_sample(self, name: str) -> None:

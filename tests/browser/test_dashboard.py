@@ -4,6 +4,7 @@ import time
 
 import pytest
 
+from station.api.schemas import Fault
 from tests.browser.conftest import keep_screenshot
 
 pytestmark = pytest.mark.slow
@@ -128,6 +129,22 @@ def test_stop_stops_and_is_released_in_two_steps(page, viser_page, idle, way):
     page.get_by_role("button", name="Allow motion").click()
     assert _wait_until(lambda: idle.status().stop_state == "armed")
     assert _state(idle, CONTROLLER) != "running"
+
+
+def test_an_arm_that_stopped_itself_is_recovered_by_clicking(page, viser_page, idle):
+    grey = viser_page.frame.get_by_role("button", name="Recover", exact=True)
+    grey.wait_for()
+    assert grey.is_disabled()
+    panda = idle.robot("panda")
+    panda.inject(Fault(kind="collision", cycles=30))
+    viser_page.frame.get_by_text("panda stopped itself: ").wait_for()
+    keep_screenshot(page, "dashboard_reflex.png")
+    viser_page.click("Recover panda")
+    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
+    viser_page.frame.get_by_text("Nothing to recover").wait_for()
+    panda.user_stop(pressed=True)
+    viser_page.click("Release the user stop of panda")
+    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
 
 
 def test_typing_a_space_does_not_stop(page, viser_page, idle):

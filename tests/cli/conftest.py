@@ -5,6 +5,7 @@ from argparse import Namespace
 import pytest
 
 from station.api.schemas import (
+    ArmReport,
     CommandAccepted,
     ControllerState,
     ControllerType,
@@ -13,6 +14,7 @@ from station.api.schemas import (
     GainsChange,
     Goal,
     Percentiles,
+    Recoveries,
     Recovery,
     Simulation,
     StopState,
@@ -162,10 +164,11 @@ class FakeStation:
         self._record("release", arm)
         return self._stop_state("armed" if arm else "released")
 
-    def robots(self):
-        """Return two arms, one of them in reflex."""
-        self._record("robots")
-        return [_arm("left", "reflex"), _arm("right", "idle")]
+    def recover_all(self, restart):
+        """Recover two arms."""
+        self._record("recover_all", restart)
+        robots = [_report("left"), _report("right")]
+        return Recoveries(robots=robots, restarted=["arm"] if restart != "none" else [])
 
     def robot(self, arm_id):
         """Return the client of an arm."""
@@ -179,14 +182,9 @@ class FakeStation:
         return _FakeStream(self.frames)
 
 
-def _arm(arm_id, mode):
-    return Recovery(
-        arm_id=arm_id,
-        robot_mode=mode,
-        connected=True,
-        errors=[],
-        remedy="",
-        restarted=["arm"] if arm_id == "right" else [],
+def _report(arm_id):
+    return ArmReport(
+        arm_id=arm_id, robot_mode="idle", connected=True, errors=[], remedy=""
     )
 
 
@@ -197,7 +195,8 @@ class _FakeArm:
     def recover(self, restart):
         """Recover."""
         self.station.calls.append(("recover", self.arm_id, restart))
-        return _arm(self.arm_id, "idle")
+        restarted = ["arm"] if restart != "none" else []
+        return Recovery(**dict(_report(self.arm_id)), restarted=restarted)
 
 
 class _FakeStream(list):

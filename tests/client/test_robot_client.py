@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.api.schemas import ExternalForce, Fault, Load
+from station.api.schemas import ArmLog, ExternalForce, Fault, Faults, Load
 from station.client.robot_client import RobotClient
 
 CALLS = [
@@ -10,6 +10,9 @@ CALLS = [
     ("model", ("flange",), "GET", "model?frame=flange"),
     ("errors", (), "GET", "errors"),
     ("recover", (), "POST", "error_recovery"),
+    ("log", (), "GET", "log"),
+    ("faults", (), "GET", "faults"),
+    ("clear_faults", (), "DELETE", "faults"),
     ("connect", (), "POST", "connect"),
     ("disconnect", (), "POST", "disconnect"),
     ("set_joint_impedance", ([1.0] * 7,), "PUT", "joint_impedance"),
@@ -30,8 +33,11 @@ CALLS = [
 @pytest.mark.parametrize(("name", "arguments", "method", "rest"), CALLS)
 def test_method_asks_its_route(name, arguments, method, rest):
     sent = []
+    answer = ArmLog(records=[]) if name == "log" else Faults(faults=[])
 
-    getattr(RobotClient(sent.append, "panda"), name)(*arguments)
+    getattr(RobotClient(lambda call: sent.append(call) or answer, "panda"), name)(
+        *arguments
+    )
 
     assert [(call.method, call.path) for call in sent] == [
         (method, f"/api/v1/robots/panda/{rest}")

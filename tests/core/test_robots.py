@@ -18,7 +18,7 @@ from station.core.interfaces.franka_services import FaultKind, SimulatedFault
 from station.core.parameters import Parameters
 from station.core.station import Station
 from station.core.switching import SwitchRequest
-from tests.franka_station import make_franka_station
+from tests.franka_station import JOINTS, make_franka_station
 
 HIT = SimulatedFault(FaultKind.COLLISION, 30)
 
@@ -190,13 +190,128 @@ def test_push_shows_in_the_wrench(station):
     assert station.robots.log("panda") == []
 
 
-def test_late_cycle_is_made_up_for_without_an_error(moving):
+def test_late_cycle_is_longer_and_counted_and_no_error(moving):
+    moving.loop.reset_statistics()
     moving.robots.inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 10))
     before = moving.robots.state("panda").time
     moving.loop.step(5)
 
     state = moving.robots.state("panda")
 
+    assert moving.loop.report().skipped == 10
+    periods = [one.period for one in moving.snapshots.read_since(0)[0]][-5:]
+    assert periods == pytest.approx([0.011, 0.001, 0.001, 0.001, 0.001])
+
     assert state.time == pytest.approx(before + 0.015)
     assert state.robot_mode is RobotMode.MOVE
     assert state.control_command_success_rate == pytest.approx(0.9)
+
+
+def test_delay_of_twenty_cycles_stops_the_arm(moving):
+    moving.robots.inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 20))
+    moving.loop.step(2)
+
+    (error,) = moving.robots.report("panda").errors
+
+    assert error.name == "communication_constraints_violation"
+    assert "communication_constraints_violation" in moving.controller("arm").fault
+
+
+def test_delay_of_seconds_is_refused(moving):
+    with pytest.raises(InvalidCommandError, match="delayed cycle is 501"):
+        moving.robots.inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 501))
+
+
+def test_recovery_without_an_error_disturbs_nobody(moving):
+    epoch = moving.epoch
+
+    assert moving.robots.recover("panda", restart=True) == ()
+    assert moving.robots.recover_all() == ()
+
+    moving.loop.step()
+    assert moving.epoch == epoch
+    assert moving.controller("arm").state is ControllerState.RUNNING
+
+
+def test_restart_begins_with_a_period_of_zero(moving, monkeypatch):
+    controller = moving.loop.manager.get_controller("arm")
+    periods = []
+    update = controller.update
+
+    def watched(time, period):
+        periods.append(period)
+        update(time, period)
+
+    monkeypatch.setattr(controller, "update", watched)
+    moving.robots.inject("panda", HIT)
+    moving.loop.step(200)
+    periods.clear()
+    moving.robots.recover("panda", restart=True)
+    moving.loop.step(2)
+
+    assert periods == [0.0, 0.001, 0.001]
+
+
+def test_what_an_earlier_error_stopped_is_not_started_by_a_later_recovery(moving):
+    moving.robots.inject("panda", HIT)
+    moving.loop.step(200)
+    moving.robots.recover("panda")
+    moving.robots.inject("panda", HIT)  # while nothing runs
+    moving.loop.step(200)
+    assert moving.latest().mode == "reflex"
+
+    assert moving.robots.recover("panda", restart=True) == ()
+
+
+def test_recovery_of_a_moving_arm_returns_when_it_is_at_rest(station):
+    group = "velocity_controllers/JointGroupVelocityController"
+    station.load_controller("speed", group, {"joints": JOINTS})
+    station.switch_controllers(SwitchRequest(("speed",), ()))
+    station.set_command("speed", [0.3] * 7)
+    station.loop.step(300)
+    station.robots.set_user_stop("panda", pressed=True)
+    station.loop.step()
+    station.robots.set_user_stop("panda", pressed=False)
+
+    assert station.robots.report("panda").mode is RobotMode.IDLE
+    station.switch_controllers(SwitchRequest(("arm",), ()))
+
+
+def test_guided_arm_takes_no_controllers(station):
+    station.robots.set_guiding("panda", pressed=True)
+    with pytest.raises(SwitchRefusedError, match="mode guiding"):
+        station.switch_controllers(SwitchRequest(("arm",), ()))
+    station.robots.set_guiding("panda", pressed=False)
+    station.switch_controllers(SwitchRequest(("arm",), ()))
+
+
+@pytest.mark.parametrize("kind", [FaultKind.STUCK_JOINT, FaultKind.NAN_SENSOR])
+def test_faults_are_listed_and_cleared(station, kind):
+    station.robots.inject("panda", SimulatedFault(kind, 1_000, joint=3))
+    station.loop.step(10)
+    (fault,) = station.robots.faults("panda")
+    assert (fault.kind, fault.joint, 980 < fault.cycles < 1_000) == (kind, 3, True)
+    station.robots.clear_faults("panda")
+    station.loop.step()
+    assert station.robots.faults("panda") == []
+    assert all(q == q for q in station.robots.state("panda").q)
+
+
+def test_blind_sensor_ends_what_uses_it_and_nothing_else(station):
+    group = "effort_controllers/JointGroupPositionController"
+    gains = {joint: {"pid": {"p": 100.0, "d": 5.0}} for joint in JOINTS}
+    station.load_controller("torques", group, {"joints": JOINTS, **gains})
+    station.switch_controllers(SwitchRequest(("torques",), ()))
+    station.loop.step(100)
+    station.robots.inject("panda", SimulatedFault(FaultKind.NAN_SENSOR, 20, joint=2))
+    station.loop.step(100)
+
+    status = station.controller("torques")
+
+    assert status.state is ControllerState.STOPPED
+    assert "blind: the position of joint2 reads nan" in status.fault
+    assert station.latest().mode == "idle"
+    assert station.ready() != ""  # nobody runs the loop here, and it has not died
+    station.switch_controllers(SwitchRequest(("torques",), ()))
+    station.loop.step(10)
+    assert station.latest().mode == "move"

@@ -33,7 +33,7 @@ ROBOT = {
     "arm_id": "panda",
     "robot_description": "example-robot-data:panda",
     # A step in torque control swings above the velocity limits for a moment.
-    "supervisor": {"velocity_factor": 5.0},
+    "supervisor": {"velocity_factor": 1.5},
 }
 
 

@@ -24,6 +24,7 @@ def bench(shared_bench):
     station.requests.clear()
     station.stop_state = "armed"
     station.simulation = dict(SIMULATION)
+    station.arms = {}
     assert shared_bench.wait(lambda: _is_empty(shared_bench))
     return shared_bench
 

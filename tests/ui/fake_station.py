@@ -62,6 +62,7 @@ class FakeStation:
         self.desired = list(START)
         self.controllers = {}
         self.stop_state = "armed"
+        self.arms = {}  # arm_id to mode
         self.epoch = 1
         self.simulation = dict(SIMULATION)
         self.objects = []
@@ -103,6 +104,8 @@ class FakeStation:
             ("POST", "/simulation/step"): self._step_simulation,
             ("POST", "/simulation/reset"): self._reset_simulation,
             ("GET", "/hardware"): self._hardware,
+            ("POST", "/robots/error_recovery"): self._recover,
+            ("POST", "/robots/{name}/user_stop"): self._user_stop,
             ("POST", "/stop"): self._stop,
             ("POST", "/stop/release"): self._release,
         }
@@ -160,7 +163,39 @@ class FakeStation:
             "loop": loop,
             "simulation": self.simulation,
             "versions": {},
+            "robots": [self._arm(arm_id) for arm_id in self.arms],
         })
+
+    def _arm(self, arm_id):
+        mode = self.arms[arm_id]
+        error = {
+            "name": "cartesian_reflex",
+            "where": "z",
+            "value": -30.0,
+            "limit": 20.0,
+            "unit": "N",
+            "cycle": 7,
+            "description": "cartesian_reflex at z: -30 N, allowed is 20 N (cycle 7)",
+        }
+        return {
+            "arm_id": arm_id,
+            "robot_mode": mode,
+            "connected": True,
+            "errors": [error] if mode == "reflex" else [],
+            "remedy": "" if mode == "idle" else "do something",
+        }
+
+    def _recover(self, *_):
+        self.arms = {
+            arm_id: "idle" if mode == "reflex" else mode
+            for arm_id, mode in self.arms.items()
+        }
+        robots = [self._arm(arm_id) for arm_id in self.arms]
+        return JSONResponse({"robots": robots, "restarted": []})
+
+    def _user_stop(self, name, body, _token):
+        self.arms[name] = "user_stopped" if body["pressed"] else "idle"
+        return JSONResponse(self._arm(name))
 
     def _list(self, *_):
         return JSONResponse({

@@ -1,6 +1,7 @@
 """Station views to try the models with."""
 
 from station.client.models import (
+    ArmReport,
     ClaimedResources,
     CommandElement,
     ControllerSample,
@@ -31,7 +32,18 @@ LOOP = LoopReport(
 )
 
 
-def status(stop_state="armed", epoch=1):
+def arm(arm_id, mode, remedy="", errors=()):
+    """Return an arm."""
+    return ArmReport(
+        arm_id=arm_id,
+        robot_mode=mode,
+        connected=True,
+        errors=list(errors),
+        remedy=remedy,
+    )
+
+
+def status(stop_state="armed", epoch=1, robots=()):
     """Return a status."""
     return Status(
         boot_id="boot",
@@ -44,6 +56,7 @@ def status(stop_state="armed", epoch=1):
         stop_reason="",
         loop=LOOP,
         versions={},
+        robots=list(robots),
     )
 
 

@@ -27,6 +27,26 @@ def list_robots(station: StationDep) -> schemas.Arms:
     return schemas.Arms(robots=[wire.arm_report(r) for r in station.robots.reports()])
 
 
+@router.post(
+    "/error_recovery",
+    dependencies=[Operator],
+    responses=problems(409, 413, 422, 423, 503, 504),
+)
+def recover_all(
+    station: StationDep, request: schemas.RecoveryRequest | None = None
+) -> schemas.Recoveries:
+    """Clear the errors of all arms, or of none if one of them cannot recover.
+
+    Nothing happens when no arm has an error.
+    """
+    restart = request is not None and request.restart == "previous"
+    restarted = station.robots.recover_all(restart=restart)
+    return schemas.Recoveries(
+        robots=[wire.arm_report(r) for r in station.robots.reports()],
+        restarted=list(restarted),
+    )
+
+
 @router.get("/{arm_id}/state", responses=_READ)
 def get_state(arm_id: str, station: StationDep) -> schemas.FrankaState:
     """Return the arm's whole state."""
@@ -45,6 +65,13 @@ def get_model(
 def get_errors(arm_id: str, station: StationDep) -> schemas.ArmReport:
     """Return the arm's mode and errors, and what to do."""
     return _report(station, arm_id)
+
+
+@router.get("/{arm_id}/log", responses=_READ)
+def get_log(arm_id: str, station: StationDep) -> schemas.ArmLog:
+    """Return the last cycles of the motion before the last error."""
+    records = station.robots.log(arm_id)
+    return schemas.ArmLog(records=[wire.arm_record(record) for record in records])
 
 
 @router.put("/{arm_id}/joint_impedance", dependencies=[Operator], responses=_WRITE)
@@ -130,7 +157,7 @@ def error_recovery(
 ) -> schemas.Recovery:
     """Clear the errors; controllers stay stopped unless asked for.
 
-    Every command and goal from before is void.
+    Every command and goal from before is void. Nothing happens when there is no error.
     """
     restart = request is not None and request.restart == "previous"
     restarted = station.robots.recover(arm_id, restart=restart)
@@ -144,6 +171,15 @@ def user_stop(
 ) -> schemas.ArmReport:
     """Press or release the user stop of a simulated arm."""
     station.robots.set_user_stop(arm_id, pressed=request.pressed)
+    return _report(station, arm_id)
+
+
+@router.post("/{arm_id}/guiding", dependencies=[Operator], responses=_WRITE)
+def guiding(
+    arm_id: str, request: schemas.GuidingRequest, station: StationDep
+) -> schemas.ArmReport:
+    """Hold or let go of the guiding buttons of a simulated arm that is idle."""
+    station.robots.set_guiding(arm_id, pressed=request.pressed)
     return _report(station, arm_id)
 
 
@@ -167,7 +203,13 @@ def external_force(
 ) -> schemas.ArmReport:
     """Push a link, as a human would; in simulation only."""
     station.robots.apply_force(
-        arm_id, request.link, request.force, request.torque, request.duration
+        arm_id,
+        request.link,
+        request.force,
+        request.torque,
+        request.duration,
+        frame=request.frame,
+        point=request.point,
     )
     return _report(station, arm_id)
 
@@ -179,3 +221,23 @@ def inject_fault(
     """Make something go wrong; in simulation only."""
     station.robots.inject(arm_id, wire.fault(request))
     return _report(station, arm_id)
+
+
+@router.get("/{arm_id}/faults", responses=problems(404, 409, 503))
+def get_faults(arm_id: str, station: StationDep) -> schemas.Faults:
+    """Return what was made to go wrong and lasts; in simulation only."""
+    return _faults(station, arm_id)
+
+
+@router.delete(
+    "/{arm_id}/faults", dependencies=[Operator], responses=problems(404, 409, 503)
+)
+def clear_faults(arm_id: str, station: StationDep) -> schemas.Faults:
+    """End what was made to go wrong, and every push; in simulation only."""
+    station.robots.clear_faults(arm_id)
+    return _faults(station, arm_id)
+
+
+def _faults(station: Station, arm_id: str) -> schemas.Faults:
+    found = station.robots.faults(arm_id)
+    return schemas.Faults(faults=[wire.active_fault(one) for one in found])

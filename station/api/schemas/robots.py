@@ -102,10 +102,54 @@ class Recovery(ArmReport):
     restarted: list[str]
 
 
+class Recoveries(Arms):
+    """All arms after the recovery of all.
+
+    Attributes:
+        restarted: Controllers that were started again.
+    """
+
+    restarted: list[str]
+
+
 class UserStopRequest(RequestModel):
     """Press or release the user stop."""
 
     pressed: bool
+
+
+class GuidingRequest(RequestModel):
+    """Hold or let go of the guiding buttons."""
+
+    pressed: bool
+
+
+class ArmRecord(ResponseModel):
+    """One of the last cycles before an error.
+
+    Attributes:
+        time: Time of the arm [s].
+        q: Measured positions [rad].
+        dq: Measured velocities [rad/s].
+        tau_J: Measured torques [Nm].
+        q_d: Desired positions [rad].
+        tau_J_d: Desired torques [Nm].
+        command: What the arm was sent, in the unit of its kind.
+    """
+
+    time: float
+    q: list[Measured]
+    dq: list[Measured]
+    tau_J: list[Measured]
+    q_d: list[Measured]
+    tau_J_d: list[Measured]
+    command: list[Measured]
+
+
+class ArmLog(ResponseModel):
+    """The last cycles of the motion before the last error, oldest first, up to 50."""
+
+    records: list[ArmRecord]
 
 
 class JointImpedance(RequestModel):
@@ -168,19 +212,29 @@ class FullCollisionBehavior(ForceTorqueCollisionBehavior):
 
 
 class ExternalForce(RequestModel):
-    """A push of a link at its centre of mass, in simulation only.
+    """A push of a link, in simulation only.
 
     Attributes:
         link: Name of the link or object.
-        force: Axes of the world [N].
-        torque: Axes of the world [Nm].
+        force: [N].
+        torque: [Nm].
         duration: How long [s].
+        frame: Axes of force and torque: `world`, or a link with which they turn.
+        point: Where the force acts, in the link's frame [m]; its centre of mass if
+            there is none.
     """
 
     link: str = Field(min_length=1, max_length=128)
     force: Vector3 = Field(default_factory=lambda: [0.0, 0.0, 0.0])
     torque: Vector3 = Field(default_factory=lambda: [0.0, 0.0, 0.0])
     duration: float = Field(default=0.1, gt=0.0, le=3600.0)
+    frame: str = Field(default="world", min_length=1, max_length=128)
+    point: Vector3 | None = None
+
+
+FaultName = Literal[
+    "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"
+]
 
 
 class Fault(RequestModel):
@@ -188,17 +242,36 @@ class Fault(RequestModel):
 
     Attributes:
         kind: What.
-        cycles: For how many cycles of the arm.
+        cycles: For how many cycles of the arm; of a delayed cycle, up to 500: by how
+            many of the loop's.
         joint: Number of the joint, 1 to 7, where the kind needs one.
         force: Force of a collision, axes of the world [N].
     """
 
-    kind: Literal[
-        "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"
-    ]
+    kind: FaultName
     cycles: int = Field(default=20, ge=1, le=1_000_000)
     joint: int = Field(default=1, ge=1, le=7)
     force: Vector3 = Field(default_factory=lambda: [0.0, 0.0, -100.0])
+
+
+class ActiveFault(ResponseModel):
+    """What goes wrong at present.
+
+    Attributes:
+        kind: What.
+        cycles: For how many more cycles of the arm.
+        joint: Number of the joint, where the kind has one.
+    """
+
+    kind: FaultName
+    cycles: int
+    joint: int
+
+
+class Faults(ResponseModel):
+    """What was made to go wrong and lasts."""
+
+    faults: list[ActiveFault]
 
 
 class ArmModel(ResponseModel):

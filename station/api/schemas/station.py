@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from station.api.schemas.base import RequestModel, ResponseModel
+from station.api.schemas.base import Measured, RequestModel, ResponseModel
 from station.api.schemas.controllers import Percentiles
 from station.api.schemas.hardware import Clamp
 from station.api.schemas.robots import ArmReport
@@ -146,7 +146,7 @@ class JointStates(ResponseModel):
     Attributes:
         stamp: Station time [s].
         name: Joint names.
-        position: Positions [rad] or [m].
+        position: Positions [rad] or [m]; null where a sensor reads no number.
         velocity: Velocities [rad/s] or [m/s].
         effort: Efforts [Nm] or [N].
     """
@@ -167,9 +167,9 @@ class JointStates(ResponseModel):
 
     stamp: float
     name: list[str]
-    position: list[float]
-    velocity: list[float]
-    effort: list[float]
+    position: list[Measured]
+    velocity: list[Measured]
+    effort: list[Measured]
 
 
 class LoginRequest(RequestModel):

@@ -8,7 +8,7 @@ from station.cli.output import say, say_model
 from station.cli.verbs.switching import stop_running
 
 if TYPE_CHECKING:
-    from station.api.schemas import StopState
+    from station.api.schemas import ArmReport, Recoveries, Recovery, StopState
     from station.client import StationClient
     from station.client.robot_calls import Restart
 
@@ -58,22 +58,21 @@ def release(options: Namespace) -> int:
 def recover(options: Namespace) -> int:
     """Clear the errors of an arm, or of all of them."""
     with open_client(options) as client:
-        arms = [options.arm_id] if options.arm_id else _arms_to_recover(client)
         restart: Restart = "previous" if options.restart else "none"
-        for arm_id in arms:
-            recovered = client.robot(arm_id).recover(restart)
-            if options.json:
-                say_model(recovered)
-            else:
-                started = ", ".join(recovered.restarted) or "nothing"
-                say(f"{arm_id} is {recovered.robot_mode}. Started again: {started}.")
-    if not arms and not options.json:
-        say("No arm has an error.")
+        recovered: Recovery | Recoveries
+        if options.arm_id:
+            recovered = client.robot(options.arm_id).recover(restart)
+            arms: list[ArmReport] = [recovered]
+        else:
+            recovered = client.recover_all(restart)
+            arms = recovered.robots
+    if options.json:
+        say_model(recovered)
+        return 0
+    for arm in arms:
+        say(f"{arm.arm_id} is {arm.robot_mode}.")
+    say(f"Started again: {', '.join(recovered.restarted) or 'nothing'}.")
     return 0
-
-
-def _arms_to_recover(client: "StationClient") -> list[str]:
-    return [arm.arm_id for arm in client.robots() if arm.robot_mode == "reflex"]
 
 
 _MEANING = {

@@ -68,7 +68,7 @@ class FaultKind(Enum):
     LOST_PACKETS = "lost_packets"
     """Commands do not reach the arm."""
     DELAYED_CYCLE = "delayed_cycle"
-    """The loop's next cycle begins late: the arm makes several cycles in one."""
+    """The loop's next cycle begins late: its period is longer, packets are lost."""
     NAN_SENSOR = "nan_sensor"
     """A joint's measured position is no number."""
     STUCK_JOINT = "stuck_joint"
@@ -210,8 +210,18 @@ class FrankaServices(ResourceHandle):
         """
 
     @abstractmethod
+    def check_recovery(self) -> None:
+        """Refuse when the arm cannot recover itself now; an arm without errors can.
+
+        Raises:
+            ArmCommandError: It cannot: the user stop is pressed, say.
+        """
+
+    @abstractmethod
     def error_recovery(self) -> bool:
         """Clear the errors and return to Idle; nothing moves by itself.
+
+        The arm is in AutomaticErrorRecovery until it is at rest.
 
         Returns:
             Whether there was an error.
@@ -229,8 +239,16 @@ class FrankaServices(ResourceHandle):
         """
 
     @abstractmethod
+    def set_guiding(self, *, pressed: bool) -> None:
+        """Hold or let go of the guiding buttons; held, the arm gives way to pushes.
+
+        Raises:
+            ArmCommandError: The arm is not idle, or its buttons are not here.
+        """
+
+    @abstractmethod
     def connect(self) -> None:
-        """Connect to the arm.
+        """Connect to the arm; its collision thresholds are the configured ones again.
 
         Raises:
             ArmCommandError: It is connected already.
@@ -251,14 +269,20 @@ class FrankaServices(ResourceHandle):
         force: Sequence[float],
         torque: Sequence[float],
         duration: float,
+        *,
+        frame: str = "world",
+        point: Sequence[float] | None = None,
     ) -> None:
-        """Push a link at its centre of mass, as a human would; simulation only.
+        """Push a link, as a human would; simulation only.
 
         Args:
             link: Name of the link or object.
-            force: In the axes of the world [N], shape (3,).
-            torque: In the axes of the world [Nm], shape (3,).
+            force: [N], shape (3,).
+            torque: [Nm], shape (3,).
             duration: How long [s], > 0.
+            frame: Axes of both: `world`, or a link with which they turn.
+            point: Where the force acts, in the link's frame [m], shape (3,); None for
+                its centre of mass.
 
         Raises:
             HardwareInterfaceError: There is no such link.
@@ -268,6 +292,25 @@ class FrankaServices(ResourceHandle):
     @abstractmethod
     def inject(self, fault: SimulatedFault) -> None:
         """Make something go wrong; simulation only.
+
+        A delayed cycle is for the loop to carry out.
+
+        Raises:
+            InvalidCommandError: The fault lasts too long.
+            ArmCommandError: The arm is not simulated.
+        """
+
+    @abstractmethod
+    def faults(self) -> list[SimulatedFault]:
+        """Return what goes wrong at present, with the cycles that are left.
+
+        Raises:
+            ArmCommandError: The arm is not simulated.
+        """
+
+    @abstractmethod
+    def clear_faults(self) -> None:
+        """End what was made to go wrong, and every push.
 
         Raises:
             ArmCommandError: The arm is not simulated.

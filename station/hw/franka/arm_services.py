@@ -14,6 +14,7 @@ from station.core.interfaces.franka_robot_state import RobotMode, RobotState
 from station.core.interfaces.franka_services import (
     ArmRecord,
     CollisionBehavior,
+    FaultKind,
     FrankaServices,
     SimulatedFault,
 )
@@ -32,6 +33,8 @@ TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
 """Range of the Cartesian impedance along the axes [N/m]."""
 ROTATIONAL_STIFFNESS = (1.0, 300.0)
 """Range of the Cartesian impedance about the axes [Nm/rad]."""
+LONGEST_DELAY = 500
+"""Nominal periods by which a cycle can be delayed."""
 _SYMMETRY = 1e-9
 
 
@@ -76,7 +79,10 @@ class ArmServices(FrankaServices):
     def remedy(self) -> str:
         if not self._hw.is_connected:
             return "connect the arm"
-        return self._hw.arm.remedy()
+        remedy = self._hw.arm.remedy()
+        if self._hw.arm.state.robot_mode is RobotMode.REFLEX:
+            return f"{remedy} (POST /robots/{self.name}/error_recovery)"
+        return remedy
 
     @override
     def is_connected(self) -> bool:
@@ -119,6 +125,7 @@ class ArmServices(FrankaServices):
                 f"a load of {mass} kg at {list(F_x_center_load)} with inertia "
                 f"{list(load_inertia)} is not possible",
                 remedy="give a mass of 0 or more, 3 and 9 finite numbers",
+                details=_field_error("mass", "must be 0 or more, all finite", mass),
             )
         tensor = np.reshape(load_inertia, (3, 3))
         if (
@@ -128,6 +135,11 @@ class ArmServices(FrankaServices):
             raise InvalidCommandError(
                 f"no body has the inertia {list(load_inertia)}",
                 remedy="give a symmetric tensor without negative moments",
+                details=_field_error(
+                    "load_inertia",
+                    "must be symmetric without negative moments",
+                    list(load_inertia),
+                ),
             )
         load = Load(mass, tuple(F_x_center_load), tuple(load_inertia))
         self._hw.arm.set_load(load)
@@ -135,17 +147,28 @@ class ArmServices(FrankaServices):
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
         self._check_connected()
-        problem = collision_behavior_problem(behavior)
+        field, problem = collision_behavior_problem(behavior)
         if problem:
+            value = getattr(behavior, field)
             raise InvalidCommandError(
-                "these collision thresholds are not possible",
+                f"the collision threshold '{field}' {list(value)} is not possible",
                 remedy=f"give {problem}",
+                details=_field_error(field, f"must be {problem}", list(value)),
             )
         self._hw.arm.set_collision_behavior(behavior)
 
     @override
-    def error_recovery(self) -> bool:
+    def check_recovery(self) -> None:
         self._check_connected()
+        try:
+            self._hw.arm.check_recovery()
+        except ArmCommandError as exc:
+            message = f"arm '{self.name}' {exc.message}"
+            raise ArmCommandError(message, remedy=exc.remedy) from exc
+
+    @override
+    def error_recovery(self) -> bool:
+        self.check_recovery()
         arm = self._hw.arm
         had_error = arm.state.robot_mode is RobotMode.REFLEX
         arm.automatic_error_recovery()
@@ -156,12 +179,19 @@ class ArmServices(FrankaServices):
         self._simulated().set_user_stop(pressed=pressed)
 
     @override
+    def set_guiding(self, *, pressed: bool) -> None:
+        self._simulated().set_guiding(pressed=pressed)
+
+    @override
     def connect(self) -> None:
         if self._hw.is_connected:
             raise ArmCommandError(
                 f"arm '{self.name}' is connected already", remedy="use it"
             )
         self._hw.is_connected = True
+        # Of the settings the thresholds alone are sent again, as franka_hw does.
+        behavior = self._hw.parameters.collision_behavior
+        self._hw.arm.set_collision_behavior(behavior)
 
     @override
     def disconnect(self) -> None:
@@ -181,12 +211,33 @@ class ArmServices(FrankaServices):
         force: Sequence[float],
         torque: Sequence[float],
         duration: float,
+        *,
+        frame: str = "world",
+        point: Sequence[float] | None = None,
     ) -> None:
-        self._simulated().apply_force(link, force, torque, duration)
+        self._simulated().apply_force(
+            link, force, torque, duration, frame=frame, point=point
+        )
 
     @override
     def inject(self, fault: SimulatedFault) -> None:
-        self._simulated().inject(fault)
+        arm = self._simulated()
+        late = fault.cycles if fault.kind is FaultKind.DELAYED_CYCLE else 0
+        if late > LONGEST_DELAY:
+            raise InvalidCommandError(
+                f"'cycles' of a delayed cycle is {late}",
+                remedy=f"give at most {LONGEST_DELAY}: nothing answers in that time",
+                details={"cycles": late},
+            )
+        arm.inject(fault)
+
+    @override
+    def faults(self) -> list[SimulatedFault]:
+        return self._simulated().faults()
+
+    @override
+    def clear_faults(self) -> None:
+        self._simulated().clear_faults()
 
     def _simulated(self) -> SimulatedArm:
         arm = self._hw.arm
@@ -206,13 +257,24 @@ class ArmServices(FrankaServices):
 def _in_range(
     values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
 ) -> list[float]:
-    if len(values) != len(ranges) or any(
-        not low <= value <= high
-        for value, (low, high) in zip(values, ranges, strict=True)
-    ):
+    found = [
+        _field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
+        for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
+        if not low <= value <= high
+    ]
+    if len(values) != len(ranges) or found:
         allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
         raise InvalidCommandError(
             f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers",
             remedy=f"give numbers in these ranges: {allowed}",
+            details={"errors": found},
         )
     return list(values)
+
+
+def _field_error(
+    field: str, message: str, value: object
+) -> dict[str, list[dict[str, str]]]:
+    """Return what the API says about one field of a request."""
+    error = {"field": f"body/{field}", "message": message, "value": str(value)}
+    return {"errors": [error]}

@@ -18,6 +18,9 @@ class CommandSender:
         commands: Joint commands and their limits.
         cartesian: Cartesian commands.
         command_filter: Filter and rate limits of the joint commands.
+
+    Attributes:
+        refusal: Why a command was not sent and the motion ended; empty if none was.
     """
 
     def __init__(
@@ -33,6 +36,7 @@ class CommandSender:
         self._filter = command_filter
         self._settings: CommandSettings | None = None
         self._goals: list[float] = []
+        self.refusal = ""
 
     def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
@@ -42,6 +46,7 @@ class CommandSender:
             settings: How it is passed on.
         """
         self._settings = settings
+        self.refusal = ""
         self._commands.begin(mode)
         self._cartesian.begin(mode)
         self._goals = self._commands.goals()
@@ -60,6 +65,7 @@ class CommandSender:
         if self._arm.state.robot_mode is not RobotMode.MOVE:
             return
         if not (commands.are_finite() and self._cartesian.are_finite()):
+            self.refusal = "a command is no finite number"
             self._arm.stop_motion()
             return
         if commands.has_positions:
@@ -67,6 +73,15 @@ class CommandSender:
         if period > 0.0:
             commands.enforce_limits(period)
         self.send()
+
+    def send_again(self) -> None:
+        """Send the last commands in a cycle of the arm between two of the loop.
+
+        Only with rate limits, within which they go on towards their goal; without, the
+        same command twice would be a step in velocity, and the arm goes on by itself.
+        """
+        if self._settings is not None and self._settings.rate_limiting:
+            self.send()
 
     def send(self) -> None:
         """Filter and send the commands as they are, for one cycle of the arm."""
@@ -85,7 +100,8 @@ class CommandSender:
         if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
             try:
                 self._cartesian.send(self._settings)
-            except InvalidCommandError:
+            except InvalidCommandError as error:
+                self.refusal = error.message
                 arm.stop_motion()
 
 

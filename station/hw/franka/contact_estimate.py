@@ -70,8 +70,9 @@ class ContactEstimate:
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
         self._is_quiet = True
-        # Above the threshold at the last recovery: no new collision until below it.
-        self._known = [False] * 13
+        # How far above its threshold each signal may be without a new collision: as
+        # far as it was when it was found or recovered from, and a threshold more.
+        self._known = [0.0] * 13
 
     def update(self) -> list[ArmError]:
         """Take in the forces of the last step; return the new collisions."""
@@ -95,7 +96,7 @@ class ContactEstimate:
     def recover(self) -> None:
         """Forget the collisions; those that last are no new ones until they end."""
         state = self._state
-        self._known = [bool(one) for one in self._collisions()]
+        self._known = self._collisions()
         state.joint_collision[:] = _ZEROS
         state.cartesian_collision[:] = [0.0] * 6
 
@@ -103,7 +104,7 @@ class ContactEstimate:
         """Begin anew, with nothing touching the arm."""
         self._state.tau_ext_hat_filtered[:] = _ZEROS
         self._is_quiet = True
-        self._known = [False] * 13
+        self._known = [0.0] * 13
         self._update_wrench()
         self._update_levels()
 
@@ -185,14 +186,15 @@ class ContactEstimate:
         values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
         found: list[ArmError] = []
         for i, bound in enumerate((*torques, *forces)):
-            is_above = abs(values[i]) > bound
-            if is_above and not self._known[i]:
+            excess = max(0.0, abs(values[i]) - bound)
+            if excess > self._known[i] + (bound if self._known[i] else 0.0):
                 found.append(_collision(i, values[i], bound))
                 if i < 7:
                     state.joint_collision[i] = 1.0
                 else:
                     state.cartesian_collision[i - 7] = 1.0
-            self._known[i] = is_above
+                self._known[i] = excess
+            self._known[i] = min(self._known[i], excess)
         return found
 
 

@@ -17,6 +17,7 @@ from station.core.interfaces.franka_robot_state import RobotMode
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import ControllerInfo, ResourceConflict
+from station.hw.franka.arm_placement import placement_of
 from station.hw.franka.combined_description import combine_descriptions
 from station.hw.franka.control_mode import (
     MODE_OF_INTERFACE,
@@ -24,7 +25,7 @@ from station.hw.franka.control_mode import (
     arm_id_of,
     claims_of,
 )
-from station.hw.franka.franka_hw import FrankaHW, placement_of
+from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import read_parameters
 from station.hw.franka.simulation import simulate
 from station.hw.mujoco.scene import read_scene
@@ -117,12 +118,12 @@ class FrankaCombinedHW(CombinedRobotHW):
             self.arms.append(robot)
             self.add_robot(name, robot)
 
-    def erroneous_arm(self) -> str:
-        """Return the arm_id of the first arm that cannot move; empty if all can."""
+    def erroneous_arm(self) -> FrankaCombinableHW | None:
+        """Return the first arm that cannot move; None if all can."""
         for robot in self.arms:
             if robot.robot_state.robot_mode in _ERRONEOUS:
-                return robot.parameters.arm_id
-        return ""
+                return robot
+        return None
 
     @override
     def check_for_conflict(
@@ -144,12 +145,12 @@ class FrankaCombinedHW(CombinedRobotHW):
         Raises:
             SwitchRefusedError: An arm has an error, or refuses by itself.
         """
-        arm_id = self.erroneous_arm()
-        if arm_id and claims_of(start):
+        robot = self.erroneous_arm()
+        if robot is not None and claims_of(start):
             raise SwitchRefusedError(
-                f"Arm '{arm_id}' has an error, which stops all arms.",
-                remedy=f"Recover it: POST /robots/{arm_id}/error_recovery.",
-                details={"arm_id": arm_id},
+                f"{_why_stopped(robot)}: {robot.arm.remedy()}.",
+                remedy="Recover all arms: POST /robots/error_recovery.",
+                details={"arm_id": robot.parameters.arm_id},
             )
         super().prepare_switch(start, stop)
 
@@ -157,12 +158,17 @@ class FrankaCombinedHW(CombinedRobotHW):
     def is_interrupted(self) -> bool:
         if not any(robot.control_mode for robot in self.arms):
             return False
-        return bool(self.erroneous_arm()) or super().is_interrupted()
+        return self.erroneous_arm() is not None or super().is_interrupted()
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str:
         own = super().interruption_of(controller)
-        arm_id = self.erroneous_arm()
-        if own or not arm_id or not claims_of([controller]):
+        robot = self.erroneous_arm()
+        if own or robot is None or not claims_of([controller]):
             return own
-        return f"arm '{arm_id}' has an error, which stops all arms"
+        return _why_stopped(robot)
+
+
+def _why_stopped(robot: FrankaCombinableHW) -> str:
+    mode = robot.robot_state.robot_mode.name.lower()
+    return f"arm '{robot.parameters.arm_id}' is in mode {mode}, which stops all arms"

@@ -6,7 +6,10 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - At a switch the command buffers are seeded with the present state, so that nothing old
   is sent before a controller's first command.
 - The limits of the commanded kinds are enforced, those of the others are not.
-- A command that is not finite stops the arm's motion instead of the process.
+- A command or a reading that is not finite stops the arm's motion instead of the
+  process.
+- A late loop loses packets, as there; with `realtime_config: ignore` the simulated
+  world waits for a loop that is so late that the arm would stop.
 - An unsupported mode is refused with its reason, before anything is stopped.
 """
 
@@ -35,9 +38,9 @@ from station.core.robot_report import (
     JointLimitsReport,
     SceneObjectReport,
 )
-from station.hw.franka.arm_description import load_arm_description
 from station.hw.franka.arm_interfaces import model_interface, state_interface
 from station.hw.franka.arm_names import find_prefix, joint_names
+from station.hw.franka.arm_placement import placement_of
 from station.hw.franka.arm_services import ArmServices
 from station.hw.franka.cartesian_commands import CartesianCommands
 from station.hw.franka.command_filter import CommandFilter
@@ -58,14 +61,12 @@ from station.hw.franka.joint_commands import JointCommands
 from station.hw.franka.joint_limit_warnings import joint_limit_warnings
 from station.hw.franka.rate_limiter import rate_limits_of
 from station.hw.franka.robot_arm import RobotArm
+from station.hw.franka.sensor_check import blind_sensor
 from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
 from station.hw.mujoco.scene import SceneObject, read_scene
 from station.hw.urdf_parser import parse_urdf
 
 _logger = logging.getLogger(__name__)
-# Arm cycles that are made up for in one cycle of the loop; as many as libfranka lets a
-# connection miss.
-_MOST_CYCLES_AT_ONCE = 20
 # Up to here franka_control's gains of effort-controlled joints are stable.
 _SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {mode: mode.name.lower() for mode in RobotMode}
@@ -102,7 +103,9 @@ class FrankaHW(RobotHW):
         self._mode = ControlMode.NONE
         self._switch_failed = False
         self._time_due = 0.0
+        self._nominal_cycles = 1  # of the arm, in one of the loop
         self._fingers: FingerJoints | None = None
+        self._blind = ""  # which sensor reads no number
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -178,20 +181,24 @@ class FrankaHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
+        """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
+
+        In the cycles of a nominal period the arm gets the last command again, on its
+        way through filter and limits. What a late loop has missed are lost packets:
+        the arm goes on by itself, and stops after 20 of them.
+        """
         arm = self.arm
         self._time_due += period
         cycles = round(self._time_due / arm.cycle_time)
         self._time_due -= cycles * arm.cycle_time
-        delay = 0
-        if cycles and self.simulation is not None:
-            delay = self.simulation.arms[self._parameters.arm_id].take_delay()
-        for _ in range(delay):
+        late = min(cycles - self._nominal_cycles, self._parameters.most_lost_packets)
+        for cycle in range(min(cycles, self._nominal_cycles + late)):
+            if cycle > max(0, late):
+                self._sender.send_again()
             arm.read_once()
-        for cycle in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
-            if cycle > 0:
-                self._sender.send()  # the arm wants a command in each of its own cycles
-            arm.read_once()
+        self._blind = blind_sensor(arm.state)
+        if self._blind:
+            arm.stop_motion()
         if self._fingers is not None:
             self._fingers.read()
 
@@ -228,6 +235,7 @@ class FrankaHW(RobotHW):
                 remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
                 details={"rate": 1.0 / period},
             )
+        self._nominal_cycles = max(1, round(period / cycle_time))
         if period > _SLOWEST_TORQUE_PERIOD:
             _logger.warning(
                 "arm '%s' with a loop of %g Hz: torque controllers need small gains "
@@ -265,6 +273,11 @@ class FrankaHW(RobotHW):
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' is not connected.",
                 remedy=f"Connect it: POST /robots/{arm_id}/connect.",
+            )
+        if self._control_mode_of(start) and self._blind:
+            raise SwitchRefusedError(
+                f"Arm '{arm_id}' is blind: {self._blind}.",
+                remedy="Wait until the sensor reads numbers again.",
             )
         if not is_supported(mode):
             raise SwitchRefusedError(
@@ -311,7 +324,10 @@ class FrankaHW(RobotHW):
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return ""
         arm = self.arm
-        causes = "; ".join(error.describe() for error in arm.errors())
+        if self._blind:
+            return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
+        causes = self._sender.refusal
+        causes = causes or "; ".join(error.describe() for error in arm.errors())
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
@@ -380,19 +396,3 @@ class FrankaHW(RobotHW):
         arm = self.simulation.arms[parameters.arm_id]
         arm.set_collision_behavior(parameters.collision_behavior)
         return arm
-
-
-def placement_of(parameters: FrankaParameters) -> ArmPlacement:
-    """Return the arm that parameters describe.
-
-    Raises:
-        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
-    """
-    return ArmPlacement(
-        parameters.arm_id,
-        load_arm_description(parameters.robot_description, parameters.limits),
-        parameters.base,
-        parameters.initial_positions,
-        parameters.limits,
-        parameters.thresholds,
-    )

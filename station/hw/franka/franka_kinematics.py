@@ -63,7 +63,7 @@ def frame_pose(
         F_T_EE: End effector in the flange frame, 16 numbers.
         EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
     """
-    return _pose_of(frame, _link_poses(q), F_T_EE, EE_T_K)
+    return _pose_of(frame, link_poses(q), F_T_EE, EE_T_K)
 
 
 def zero_jacobian(
@@ -80,7 +80,7 @@ def zero_jacobian(
         F_T_EE: End effector in the flange frame, 16 numbers.
         EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
     """
-    poses = _link_poses(q)
+    poses = link_poses(q)
     return _jacobian(frame, poses, _pose_of(frame, poses, F_T_EE, EE_T_K))
 
 
@@ -98,7 +98,7 @@ def body_jacobian(
         F_T_EE: End effector in the flange frame, 16 numbers.
         EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
     """
-    poses = _link_poses(q)
+    poses = link_poses(q)
     pose = _pose_of(frame, poses, F_T_EE, EE_T_K)
     jacobian = _jacobian(frame, poses, pose)
     result = []
@@ -111,7 +111,7 @@ def body_jacobian(
     return result
 
 
-def _link_poses(q: Sequence[float]) -> list[list[float]]:
+def link_poses(q: Sequence[float]) -> list[list[float]]:
     """Return the poses of the links 1 to 7 and the flange in the base frame.
 
     Written out by elements, because this runs in every cycle of a Cartesian controller.

@@ -19,6 +19,7 @@ from station.hw.franka.arm_limits import LIMITS_OF_ARM, ArmLimits
 from station.hw.franka.arm_names import joint_names
 from station.hw.franka.arm_supervisor import SupervisorLimits
 from station.hw.franka.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.motion_follower import MOST_LOST_PACKETS
 from station.hw.franka.robot_arm import ControllerMode
 from station.hw.franka.simulation import INITIAL_POSITIONS
 from station.hw.urdf import Pose
@@ -79,6 +80,8 @@ class FrankaParameters:
         base: The base's pose in the world.
         limits: What this kind of arm (`arm_type`) can do.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
+        most_lost_packets: As many cycles as the arm is made to miss when the loop is
+            late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
         collision_behavior: Thresholds at the start (`collision_config`).
         thresholds: Those that Franka does not publish (`supervisor`).
     """
@@ -91,6 +94,7 @@ class FrankaParameters:
     base: Pose
     limits: ArmLimits
     gravity: tuple[float, float, float]
+    most_lost_packets: int
     collision_behavior: CollisionBehavior
     thresholds: SupervisorLimits
 
@@ -133,6 +137,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         base=_base(params),
         limits=_limits(params, arm_id),
         gravity=_gravity(params),
+        most_lost_packets=_most_lost_packets(params),
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
         thresholds=_thresholds(params.namespace("supervisor")),
     )
@@ -183,45 +188,82 @@ def _gravity(params: Parameters) -> tuple[float, float, float]:
     return x, y, z
 
 
+def _most_lost_packets(params: Parameters) -> int:
+    config = params.get_str("realtime_config", "enforce")
+    if config not in {"enforce", "ignore"}:
+        _refuse(params, "realtime_config", config, "enforce or ignore")
+    return MOST_LOST_PACKETS if config == "enforce" else MOST_LOST_PACKETS - 1
+
+
 def _collision_behavior(params: Parameters) -> CollisionBehavior:
     values: dict[str, tuple[float, ...]] = {}
     for one in fields(CollisionBehavior):
         default = getattr(DEFAULT_COLLISION_BEHAVIOR, one.name)
         values[one.name] = _floats(params, one.name, default)
     behavior = CollisionBehavior(**values)
-    problem = collision_behavior_problem(behavior)
+    field, problem = collision_behavior_problem(behavior)
     if problem:
-        _refuse(params, "", values, problem)
+        _refuse(params, field, values[field], problem)
     return behavior
 
 
-def collision_behavior_problem(behavior: CollisionBehavior) -> str:
-    """Say what thresholds must be like; empty when they are.
+def collision_behavior_problem(behavior: CollisionBehavior) -> tuple[str, str]:
+    """Return which threshold is wrong and what it must be like; empty when none is.
 
     Args:
         behavior: The thresholds.
     """
-    for kind in ("acceleration", "nominal"):
+    for kind in ("nominal", "acceleration"):
         for what, size in (("torque", _TORQUES), ("force", _FORCES)):
-            lower = getattr(behavior, f"lower_{what}_thresholds_{kind}")
-            upper = getattr(behavior, f"upper_{what}_thresholds_{kind}")
+            name = f"lower_{what}_thresholds_{kind}"
+            lower = getattr(behavior, name)
+            upper = getattr(behavior, name.replace("lower", "upper"))
             if len(lower) != size or len(upper) != size:
-                return f"{size} numbers for each of the {what} thresholds"
+                return name, f"{size} numbers for each of the {what} thresholds"
             if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
-                return f"above 0, no lower {what} threshold above its upper one"
-    return ""
+                wanted = f"above 0, no lower {what} threshold above its upper one"
+                return name, wanted
+    return "", ""
 
 
 def _thresholds(params: Parameters) -> SupervisorLimits:
     default = SupervisorLimits()
-    return SupervisorLimits(
+    known = {one.name for one in fields(SupervisorLimits)}
+    for key in sorted(set(params.keys()) - known):
+        _refuse(params, key, params.get(key), f"one of {', '.join(sorted(known))}")
+    read = SupervisorLimits(
         position_tolerance=params.get_float(
             "position_tolerance", default.position_tolerance
         ),
         velocity_factor=params.get_float("velocity_factor", default.velocity_factor),
+        torque_factor=params.get_float("torque_factor", default.torque_factor),
         debounce=params.get_int("debounce", default.debounce),
         power=params.get_float("power") if params.has("power") else default.power,
+        self_collision_distance=params.get_float(
+            "self_collision_distance", default.self_collision_distance
+        ),
+        cartesian_lower=_walls(params, "cartesian_lower", default.cartesian_lower),
+        cartesian_upper=_walls(params, "cartesian_upper", default.cartesian_upper),
+        path_deviation=_floats(params, "path_deviation", default.path_deviation),
     )
+    for key in ("velocity_factor", "torque_factor", "debounce", "power"):
+        if not getattr(read, key) > 0.0:
+            _refuse(params, key, getattr(read, key), "above 0")
+    if not min(read.path_deviation) > 0.0:
+        _refuse(params, "path_deviation", read.path_deviation, "above 0")
+    if any(
+        low >= high
+        for low, high in zip(read.cartesian_lower, read.cartesian_upper, strict=True)
+    ):
+        wanted = "below cartesian_upper"
+        _refuse(params, "cartesian_lower", read.cartesian_lower, wanted)
+    return read
+
+
+def _walls(
+    params: Parameters, key: str, default: tuple[float, ...]
+) -> tuple[float, ...]:
+    return _floats(params, key, default) if params.has(key) else default
 
 
 def _floats(

@@ -50,6 +50,11 @@ def check_transform(pose: Sequence[float], what: str) -> list[float]:
         raise InvalidCommandError(
             f"{what} {list(pose)} is no transform: {problem}",
             remedy="give a homogeneous transform, column by column",
+            details={
+                "errors": [
+                    {"field": f"body/{what}", "message": problem, "value": str(pose)}
+                ]
+            },
         )
     return list(pose)
 

@@ -230,8 +230,19 @@ class RobotArm(ABC):
         """
 
     @abstractmethod
+    def check_recovery(self) -> None:
+        """Refuse when the arm cannot recover itself now; without errors it can.
+
+        Raises:
+            ArmCommandError: It cannot, e.g. because the user stop is pressed.
+        """
+
+    @abstractmethod
     def automatic_error_recovery(self) -> None:
         """Return from Reflex to Idle and forget the errors; no motion starts.
+
+        The arm is in AutomaticErrorRecovery until it is at rest. Nothing happens when
+        it is not in Reflex.
 
         Raises:
             ArmCommandError: The arm is in a state from which it cannot recover itself.

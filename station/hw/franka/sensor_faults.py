@@ -2,6 +2,7 @@
 
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.interfaces.franka_services import FaultKind, SimulatedFault
+from station.hw.mujoco.push import Push
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints
 
@@ -26,10 +27,11 @@ class SensorFaults:
         self._lost = 0
         self._stuck: dict[int, int] = {}
         self._blind: dict[int, int] = {}
-        self._late = 0
 
     def inject(self, fault: SimulatedFault) -> None:
         """Begin with a fault; another of its kind ends.
+
+        A delayed cycle is one of the loop: nothing happens here.
 
         Raises:
             HardwareInterfaceError: There is nothing for a collision to hit.
@@ -38,23 +40,38 @@ class SensorFaults:
         match fault.kind:
             case FaultKind.LOST_PACKETS:
                 self._lost = fault.cycles
-            case FaultKind.DELAYED_CYCLE:
-                self._late = fault.cycles
             case FaultKind.NAN_SENSOR:
                 self._blind[index] = fault.cycles
             case FaultKind.STUCK_JOINT:
                 self._stuck[index] = fault.cycles
                 self._joints.set_extra_damping(index, _STUCK_DAMPING)
             case FaultKind.COLLISION:
-                none = (0.0, 0.0, 0.0)
-                self._world.push(self._hand, fault.force, none, fault.cycles)
+                self._world.push(Push(self._hand, fault.force), fault.cycles)
+            case FaultKind.DELAYED_CYCLE:
+                pass
 
     def clear(self) -> None:
-        """End every fault."""
-        self._lost = self._late = 0
+        """End every fault and every push."""
+        self._lost = 0
         self._blind.clear()
+        self._world.end_pushes()
         for index in list(self._stuck):
             self._free(index)
+
+    def active(self) -> list[SimulatedFault]:
+        """Return the faults that last, with the cycles that are left."""
+        found = []
+        if self._lost:
+            found.append(SimulatedFault(FaultKind.LOST_PACKETS, self._lost))
+        for kind, joints in (
+            (FaultKind.NAN_SENSOR, self._blind),
+            (FaultKind.STUCK_JOINT, self._stuck),
+        ):
+            found += [
+                SimulatedFault(kind, max(1, left), index + 1)
+                for index, left in joints.items()
+            ]
+        return found
 
     def before_step(self) -> None:
         """Count the cycles of stuck joints down."""
@@ -70,11 +87,6 @@ class SensorFaults:
             return False
         self._lost -= 1
         return True
-
-    def take_delay(self) -> int:
-        """Return how many cycles the arm goes on before the client answers."""
-        late, self._late = self._late, 0
-        return late
 
     def disturb(self, state: RobotState) -> None:
         """Falsify what the sensors report."""

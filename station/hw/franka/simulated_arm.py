@@ -8,31 +8,39 @@ from station.core.errors import ArmCommandError
 from station.core.interfaces.franka_errors import ArmError
 from station.core.interfaces.franka_model import GRAVITY_EARTH
 from station.core.interfaces.franka_robot_state import RobotMode, RobotState
-from station.core.interfaces.franka_services import (
-    ArmRecord,
-    SimulatedFault,
-)
+from station.core.interfaces.franka_services import SimulatedFault
 from station.hw.franka.arm_frames import ArmFrames
 from station.hw.franka.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm_load import ArmLoad
 from station.hw.franka.arm_motors import ArmMotors
-from station.hw.franka.arm_settings import ArmSettings
+from station.hw.franka.arm_recovery import HALTED, ArmRecovery
 from station.hw.franka.arm_supervisor import ArmSupervisor, SupervisorLimits
 from station.hw.franka.contact_estimate import ContactEstimate
 from station.hw.franka.desired_motion import DesiredMotion
 from station.hw.franka.motion_follower import CARTESIAN_GENERATORS, MotionFollower
 from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.sensor_faults import SensorFaults
+from station.hw.mujoco.push import WORLD, as_push
 from station.hw.mujoco.world import World
 
 # Torque control begins below this speed [rad/s], or after this long at rest [s].
 _REST_VELOCITY = 2e-4
 _LONGEST_SETTLING = 0.5
+# What a hand that guides the arm feels [Nm s/rad].
+_GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
 _ZEROS = [0.0] * 7
-_HALTED = (RobotMode.REFLEX, RobotMode.USER_STOPPED, RobotMode.OTHER)
+_INTERNAL_CONTROLLERS = (
+    ControllerMode.JOINT_IMPEDANCE,
+    ControllerMode.CARTESIAN_IMPEDANCE,
+)
+_SUPERVISED = (
+    RobotMode.IDLE,
+    RobotMode.MOVE,
+    RobotMode.AUTOMATIC_ERROR_RECOVERY,
+)
 
 
-class SimulatedArm(ArmSettings):
+class SimulatedArm(ArmRecovery):
     """An arm in a `World`; several arms may share one.
 
     The world makes a step when the first of its arms asks for a state that it has not
@@ -78,8 +86,8 @@ class SimulatedArm(ArmSettings):
             state.q_d,
             state.dq_d,
             state.ddq_d,
-            lower=self._joints.lower_limits,
-            upper=self._joints.upper_limits,
+            lower=list(limits.lower),
+            upper=list(limits.upper),
             deceleration=list(limits.acceleration),
             period=world.timestep,
         )
@@ -87,7 +95,10 @@ class SimulatedArm(ArmSettings):
         self.motors = ArmMotors(self._joints, state, damping_ratio)
         self.load = load
         self.frames = ArmFrames(state)
-        self.supervisor = ArmSupervisor(state, limits, thresholds or SupervisorLimits())
+        self.supervisor = ArmSupervisor(
+            state, limits, thresholds or SupervisorLimits(), world.timestep
+        )
+        self.supervisor.has_hand = hand.endswith("_hand")
         self.contact = ContactEstimate(self._joints, state, limits, self._load_torques)
         self._faults = SensorFaults(world, self._joints, hand)
         self._controller: ControllerMode | None = None
@@ -124,7 +135,7 @@ class SimulatedArm(ArmSettings):
         mode = self.state.robot_mode
         if self._world.diverged_because:
             return self._world.diverged_because
-        if mode in _HALTED:
+        if mode in HALTED:
             return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
         is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
         if motion_generator_mode is MotionGeneratorMode.NONE and not is_external:
@@ -195,55 +206,17 @@ class SimulatedArm(ArmSettings):
             raise self._not_commandable("a Cartesian velocity")
         self._follower.command_cartesian(twist, elbow, 6)
 
-    @override
-    def automatic_error_recovery(self) -> None:
-        if self._world.diverged_because:
-            raise ArmCommandError(
-                self._world.diverged_because, remedy="reset the simulation"
-            )
-        if self.state.robot_mode is RobotMode.USER_STOPPED:
-            raise ArmCommandError(
-                "cannot recover: the user stop is pressed", remedy=self.remedy()
-            )
-        self.supervisor.clear()
-        self.contact.recover()
-        if self.state.robot_mode is RobotMode.REFLEX:
-            self.state.robot_mode = RobotMode.IDLE
-
-    @override
-    def errors(self) -> list[ArmError]:
-        return list(self.supervisor.errors or self.supervisor.last_motion_errors)
-
-    @override
-    def log(self) -> list[ArmRecord]:
-        return list(self.supervisor.log)
-
-    @override
-    def remedy(self) -> str:
-        if self._world.diverged_because:
-            return "reset the simulation"
-        if self.state.robot_mode is RobotMode.USER_STOPPED:
-            return "release the user stop"
-        if self.state.robot_mode is RobotMode.REFLEX:
-            return "remove the cause, then recover: POST error_recovery"
-        return ""
-
-    def set_user_stop(self, *, pressed: bool) -> None:
-        """Press or release the user stop; releasing it clears the errors."""
-        mode = self.state.robot_mode
-        if pressed and mode is not RobotMode.OTHER:
-            self._end_motion(RobotMode.USER_STOPPED)
-        elif not pressed and mode is RobotMode.USER_STOPPED:
-            self.state.robot_mode = RobotMode.IDLE
-            self.automatic_error_recovery()
-
     def inject(self, fault: SimulatedFault) -> None:
         """Make something go wrong from the next cycle on."""
         self._faults.inject(fault)
 
-    def take_delay(self) -> int:
-        """Return how many cycles late the client's next cycle begins, once."""
-        return self._faults.take_delay()
+    def faults(self) -> list[SimulatedFault]:
+        """Return what goes wrong at present, with the cycles that are left."""
+        return self._faults.active()
+
+    def clear_faults(self) -> None:
+        """End everything that was made to go wrong."""
+        self._faults.clear()
 
     def apply_force(
         self,
@@ -251,19 +224,17 @@ class SimulatedArm(ArmSettings):
         force: Sequence[float],
         torque: Sequence[float],
         duration: float,
+        *,
+        frame: str = WORLD,
+        point: Sequence[float] | None = None,
     ) -> None:
-        """Push a link or an object at its centre of mass.
-
-        Args:
-            link: Its name.
-            force: In the axes of the world [N], shape (3,).
-            torque: In the axes of the world [Nm], shape (3,).
-            duration: How long [s], > 0.
+        """Push a link or an object; see `FrankaServices.apply_force`.
 
         Raises:
             HardwareInterfaceError: There is no such link.
         """
-        self._world.push(link, force, torque, max(1, round(duration / self.cycle_time)))
+        push = as_push(link, force, torque, frame=frame, point=point)
+        self._world.push(push, max(1, round(duration / self.cycle_time)))
 
     def before_step(self) -> None:
         """Take the commands, advance the desired motion, set the motors' controls."""
@@ -274,8 +245,18 @@ class SimulatedArm(ArmSettings):
         if self.load.load.mass:
             motors.load_weight = self.load.weight(self.state.theta)
         self._faults.before_step()
-        if self.state.robot_mode is not RobotMode.MOVE:
+        mode = self.state.robot_mode
+        if mode is RobotMode.GUIDING:
+            self._motion.seed(self.state.theta, self.state.dtheta)
+            motors.apply_torques([
+                -d * dq
+                for d, dq in zip(_GUIDING_DAMPING, self.state.dtheta, strict=True)
+            ])
+            return
+        if mode is not RobotMode.MOVE:
             self._motion.hold()
+            if mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+                self._finish_recovery()
         elif wants_torques is not motors.torques_act:
             self._follower.ignore()
         else:
@@ -299,10 +280,11 @@ class SimulatedArm(ArmSettings):
             self.motors.engage_cartesian_impedance()
         self._faults.clear()
         self.contact.reset()
+        self.supervisor.look_again()
         self._follower.begin(self._generator)
         self._update_state()
         self.frames.invalidate()
-        if state.robot_mode is RobotMode.OTHER:
+        if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
     def _follow(self) -> None:
@@ -322,6 +304,7 @@ class SimulatedArm(ArmSettings):
         self.supervisor.set_errors(errors, self._world.step_count)
         self._end_motion(RobotMode.REFLEX)
 
+    @override
     def _end_motion(self, mode: RobotMode) -> None:
         state = self.state
         was_moving = state.robot_mode is RobotMode.MOVE
@@ -361,11 +344,16 @@ class SimulatedArm(ArmSettings):
 
     def _supervise(self) -> None:
         errors = self.contact.update()
-        mode = self.state.robot_mode
-        if mode is RobotMode.MOVE or mode is RobotMode.IDLE:
-            errors = errors + self.supervisor.measured_errors(self.state.theta)
+        if self.state.robot_mode in _SUPERVISED:
+            errors = errors + self.supervisor.measured_errors(
+                self.state.theta, is_following=self._is_following()
+            )
             if errors:
                 self._reflex(errors)
+
+    def _is_following(self) -> bool:
+        """Tell whether the arm itself follows a desired motion."""
+        return self._controller in _INTERNAL_CONTROLLERS
 
     def _load_torques(self) -> list[float] | None:
         if not self.load.load.mass:

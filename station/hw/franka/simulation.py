@@ -33,6 +33,9 @@ INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
 """Pose in which an arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
 examples/generate_joint_velocity_motion.cpp, q_goal."""
 
+STOP_DISTANCE = 0.05
+"""How far the mechanical stops are beyond the position limits [rad]; not published."""
+
 
 @dataclass(frozen=True, slots=True)
 class ArmPlacement:
@@ -108,6 +111,9 @@ def simulate(
             RobotOptions(base=placement.base, disabled_collisions=tuple(pairs)),
         )
         urdfs[placement.arm_id] = urdf
+        for name in joint_names(placement.arm_id):
+            low, high = spec.joint(name).range
+            spec.joint(name).range = [low - STOP_DISTANCE, high + STOP_DISTANCE]
     for one in objects:
         add_object(spec, one)
     world = World(compile_world(spec), objects)

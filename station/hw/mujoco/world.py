@@ -6,8 +6,8 @@ from typing import Protocol
 
 import mujoco
 
-from station.core.errors import HardwareInterfaceError
 from station.core.robot_report import SceneObjectReport
+from station.hw.mujoco.push import AppliedPush, Push
 from station.hw.mujoco.scene import SceneObject
 from station.hw.mujoco.stepper import make_stepper
 from station.hw.mujoco.world_joints import WorldJoints, joint_position_address
@@ -60,7 +60,7 @@ class World:
         self._initial_qpos: list[float] = self.data.qpos.tolist()
         self._step_count = 0
         self._diverged_because = ""
-        self._pushes: dict[int, int] = {}  # body to the steps that are left
+        self._pushes: dict[int, AppliedPush] = {}  # by body
         mujoco.set_mju_user_warning(_warnings.append)
         mujoco.mj_forward(model, self.data)
 
@@ -96,30 +96,24 @@ class World:
         """Return the things in the world, where they are."""
         return [_report(thing, self.data) for thing in self._objects]
 
-    def push(
-        self, body: str, force: Sequence[float], torque: Sequence[float], steps: int
-    ) -> None:
-        """Push a body at its centre of mass; a new push of a body ends its last one.
+    def push(self, push: Push, steps: int) -> None:
+        """Push a body; a new push of a body ends its last one.
 
         Args:
-            body: Name of a link that has mass, or of an object.
-            force: In the axes of the world [N], shape (3,).
-            torque: In the axes of the world [Nm], shape (3,).
+            push: Which body, and how.
             steps: For how many steps; 0 ends a push.
 
         Raises:
             HardwareInterfaceError: There is no such body.
         """
-        number: int = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, body)
-        if number <= 0:
-            known = [self.model.body(i).name for i in range(1, self.model.nbody)]
-            raise HardwareInterfaceError(
-                f"the simulated world has no body {body!r}",
-                remedy=f"choose among {', '.join(known) or 'none'}",
-                details={"body": body},
-            )
-        self.data.xfrc_applied[number] = [*force, *torque]
-        self._pushes[number] = steps
+        applied = AppliedPush(self.model, self.data, push, steps)
+        self._pushes[applied.body] = applied
+
+    def end_pushes(self) -> None:
+        """End every push."""
+        for applied in self._pushes.values():
+            applied.end()
+        self._pushes.clear()
 
     def step(self) -> None:
         """Let every actor act, then advance by one time step.
@@ -165,12 +159,9 @@ class World:
             actor.after_reset()
 
     def _count_pushes(self) -> None:
-        for body, left in list(self._pushes.items()):
-            if left > 0:
-                self._pushes[body] = left - 1
-            else:
+        for body, applied in list(self._pushes.items()):
+            if applied.is_over():
                 del self._pushes[body]
-                self.data.xfrc_applied[body] = 0.0
 
     def _return_to_start(self) -> None:
         self._pushes.clear()

@@ -127,3 +127,150 @@ def test_viewer_may_look_and_not_touch(http):
     assert http.get("/api/v1/robots/panda/state").status_code == 200
     for what in ("error_recovery", "connect", "disconnect"):
         assert http.post(f"/api/v1/robots/panda/{what}").status_code == 403
+
+
+def test_log_of_the_last_motion_is_kept_for_looking_at(client, panda, station):
+    client.switch_controllers(start=["arm"])
+    station.loop.step(100)
+    assert panda.log() == []
+    panda.inject(Fault(kind="collision", cycles=30))
+    station.loop.step(200)
+
+    records = panda.log()
+    assert len(records) == 50
+    assert records[-1].time > records[0].time
+    assert len(records[0].command) == 7
+    client.recover_all()
+    assert panda.log() == records
+
+
+def test_all_arms_are_recovered_at_once(client, panda, station):
+    client.switch_controllers(start=["arm"])
+    panda.inject(Fault(kind="collision", cycles=30))
+    station.loop.step(200)
+
+    answer = client.recover_all("previous")
+
+    assert [(arm.arm_id, arm.robot_mode) for arm in answer.robots] == [
+        ("panda", "move")
+    ]
+    assert answer.restarted == ["arm"]
+    panda.user_stop(pressed=True)
+    with pytest.raises(ApiError, match="user stop is pressed") as caught:
+        client.recover_all()
+    assert caught.value.status == 409
+
+
+def test_faults_are_listed_and_cleared(panda):
+    panda.inject(Fault(kind="stuck_joint", cycles=1000, joint=4))
+    (fault,) = panda.faults()
+    assert (fault.kind, fault.joint) == ("stuck_joint", 4)
+    assert panda.clear_faults() == []
+    with pytest.raises(ApiError, match="at most 500") as caught:
+        panda.inject(Fault(kind="delayed_cycle", cycles=10_000))
+    assert caught.value.status == 422
+
+
+def test_arm_is_guided_by_hand(panda, station):
+    assert panda.guiding(pressed=True).robot_mode == "guiding"
+    push = ExternalForce(
+        link="panda_hand",
+        force=[0, 15, 0],
+        frame="panda_link0",
+        point=[0, 0, 0.05],
+        duration=0.3,
+    )
+    panda.apply_force(push)
+    station.loop.step(300)
+    assert panda.state().O_T_EE[13] > 0.01
+    assert panda.guiding(pressed=False).robot_mode == "idle"
+
+
+def test_blind_sensor_reads_null_and_no_controller_is_started(client, panda, station):
+    panda.inject(Fault(kind="nan_sensor", cycles=1000, joint=2))
+    station.loop.step(10)
+
+    joints = client.joint_states()
+    assert joints.position[joints.name.index("panda_joint2")] is None
+    assert panda.state().q[1] is None
+    with pytest.raises(ApiError, match="joint2 reads nan") as caught:
+        client.switch_controllers(start=["arm"])
+    assert caught.value.status == 409
+    panda.clear_faults()
+    station.loop.step(2)
+    client.switch_controllers(start=["arm"])
+
+
+@pytest.mark.parametrize(
+    ("route", "body", "fields"),
+    [
+        (
+            "joint_impedance",
+            {"joint_stiffness": [100.0, -1.0, 100.0, 100.0, 100.0, 100.0, 2e4]},
+            ["body/joint_stiffness/1", "body/joint_stiffness/6"],
+        ),
+        (
+            "cartesian_impedance",
+            {"cartesian_stiffness": [2000.0] * 6},
+            [f"body/cartesian_stiffness/{axis}" for axis in (3, 4, 5)],
+        ),
+        ("ee_frame", {"NE_T_EE": [1.0] * 16}, ["body/NE_T_EE"]),
+        ("k_frame", {"EE_T_K": [0.0] * 16}, ["body/EE_T_K"]),
+        (
+            "load",
+            {"mass": -1.0, "F_x_center_load": [0.0] * 3, "load_inertia": [0.0] * 9},
+            ["body/mass"],
+        ),
+        (
+            "load",
+            {
+                "mass": 1.0,
+                "F_x_center_load": [0.0] * 3,
+                "load_inertia": [-1.0] + [0.0] * 8,
+            },
+            ["body/load_inertia"],
+        ),
+        (
+            "force_torque_collision_behavior",
+            {**NOMINAL, "lower_force_thresholds_nominal": [50.0] * 6},
+            ["body/lower_force_thresholds_nominal"],
+        ),
+        ("joint_impedance", {"joint_stiffness": [1.0] * 6}, ["body/joint_stiffness"]),
+    ],
+)
+def test_refused_setting_names_its_fields(operator, route, body, fields):
+    answer = operator.put(f"/api/v1/robots/panda/{route}", json=body)
+    assert answer.status_code == 422
+    assert [error["field"] for error in answer.json()["errors"]] == fields
+
+
+def test_thresholds_of_the_phase_decide(client, panda, station):
+    strict = {**NOMINAL}
+    loose = {
+        key.replace("nominal", "acceleration"): [90.0] * len(v)
+        for key, v in NOMINAL.items()
+    }
+    for key in strict:
+        if key.startswith("lower"):
+            strict[key] = [5.0] * len(strict[key])
+        else:
+            strict[key] = [10.0] * len(strict[key])
+    panda.set_full_collision_behavior(FullCollisionBehavior(**strict, **loose))
+    # At rest the nominal ones hold: 15 N are too much.
+    panda.apply_force(ExternalForce(link="panda_hand", force=[0, 15, 0], duration=0.2))
+    station.loop.step(100)
+    assert panda.errors().robot_mode == "reflex"
+    panda.clear_faults()
+    panda.recover()
+    kind = "velocity_controllers/JointGroupVelocityController"
+    joints = [f"panda_joint{number}" for number in range(1, 8)]
+    client.load_controller("speed", kind, {"joints": joints})
+    client.switch_controllers(start=["speed"])
+    # While the desired motion accelerates the others do: the same push is no collision.
+    for cycle in range(150):
+        client.command("speed", [0.003 * cycle, *[0.0] * 6])
+        if cycle == 50:
+            push = ExternalForce(link="panda_hand", force=[0, 15, 0], duration=0.05)
+            panda.apply_force(push)
+        station.loop.step()
+    assert panda.errors().robot_mode == "move"

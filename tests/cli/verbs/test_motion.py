@@ -59,11 +59,22 @@ def test_stop_state_can_be_json(run):
     assert json.loads(run("stop --json").out)["state"] == "stopped"
 
 
-def test_recover_takes_every_arm_in_reflex(run, station):
+def test_recover_takes_all_arms_at_once(run, station):
     outcome = run("recover")
 
-    assert station.calls == [("robots",), ("recover", "left", "none")]
-    assert "left is idle. Started again: nothing." in outcome.out
+    assert station.calls == [("recover_all", "none")]
+    assert outcome.out.splitlines() == [
+        "left is idle.",
+        "right is idle.",
+        "Started again: nothing.",
+    ]
+
+
+def test_recover_of_all_arms_can_start_controllers_again(run, station):
+    outcome = run("recover --restart")
+
+    assert station.calls == [("recover_all", "previous")]
+    assert "Started again: arm." in outcome.out
 
 
 def test_recover_can_start_controllers_again(run, station):

@@ -8,6 +8,7 @@ from station.core.errors import ArmCommandError
 from station.core.interfaces import FaultKind, RobotMode
 from station.core.interfaces.franka_errors import error_names
 from station.core.interfaces.franka_services import SimulatedFault
+from station.hw.franka.arm_supervisor import SupervisorLimits
 from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.simulated_arm import SimulatedArm
 from station.hw.franka.simulation import INITIAL_POSITIONS, ArmPlacement, simulate
@@ -175,7 +176,9 @@ def test_impossible_elbow_is_named(
 
 def test_twist_into_a_joint_limit_is_named() -> None:
     start = (0.0, -pi / 4, 0.0, -3.0, 0.0, pi / 2, pi / 4)
-    placement = ArmPlacement("panda", DESCRIPTION, positions=start)
+    # Its hand comes close to its shoulder, too.
+    close = SupervisorLimits(self_collision_distance=-1.0)
+    placement = ArmPlacement("panda", DESCRIPTION, positions=start, thresholds=close)
     arm = simulate([placement]).arms["panda"]
     arm.start_motion(IMPEDANCE, TWIST)
     for cycle in range(3_000):

@@ -8,8 +8,8 @@ from station.core.control_loop import ControlLoop
 from station.core.controller import ControllerState
 from station.core.controller_loader import TableLoader
 from station.core.controller_manager import ControllerManager
-from station.core.errors import ParameterError, SwitchRefusedError
-from station.core.interfaces import FaultKind, FrankaServicesInterface
+from station.core.errors import ArmCommandError, ParameterError, SwitchRefusedError
+from station.core.interfaces import FaultKind, FrankaServicesInterface, RobotMode
 from station.core.interfaces.franka_services import SimulatedFault
 from station.core.parameters import Parameters
 from station.core.robot_hw import ControllerInfo, InterfaceResources
@@ -60,8 +60,8 @@ def test_error_of_one_arm_stops_both_until_it_is_recovered(station):
     states = {name: station.controller(name) for name in ARMS}
     assert {one.state for one in states.values()} == {ControllerState.STOPPED}
     assert "left' went to reflex" in states["left"].fault
-    assert "arm 'left' has an error" in states["right"].fault
-    with pytest.raises(SwitchRefusedError, match="'left' has an error"):
+    assert "arm 'left' is in mode reflex" in states["right"].fault
+    with pytest.raises(SwitchRefusedError, match="'left' is in mode reflex"):
         station.switch_controllers(SwitchRequest(("right",), ()))
     assert set(station.robots.recover("left", restart=True)) == set(ARMS)
     station.loop.step(10)
@@ -95,3 +95,28 @@ def test_arms_need_names_of_their_own():
 def test_services_of_every_arm_are_found(station):
     found = station.loop.hw.get(FrankaServicesInterface)
     assert found.get_names() == list(ARMS)
+
+
+def test_errors_of_several_arms_are_recovered_together(station):
+    for name in ARMS:
+        station.robots.inject(name, SimulatedFault(FaultKind.COLLISION, 30))
+    station.loop.step(200)
+    with pytest.raises(SwitchRefusedError, match="'right' is in mode reflex"):
+        station.robots.recover("left", restart=True)
+
+    assert set(station.robots.recover_all(restart=True)) == set(ARMS)
+
+    station.loop.step(10)
+    assert station.latest().mode == "move"
+
+
+def test_recovery_of_all_is_one_of_none_while_a_user_stop_is_pressed(station):
+    station.robots.inject("left", SimulatedFault(FaultKind.COLLISION, 30))
+    station.loop.step(200)
+    station.robots.set_user_stop("right", pressed=True)
+    with pytest.raises(ArmCommandError, match="'right' cannot recover: the user stop"):
+        station.robots.recover_all()
+    assert station.robots.report("left").mode is RobotMode.REFLEX
+    station.robots.set_user_stop("right", pressed=False)
+    station.robots.recover_all()
+    assert station.robots.report("left").mode is RobotMode.IDLE

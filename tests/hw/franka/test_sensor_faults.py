@@ -27,9 +27,18 @@ def test_packets_are_lost_for_as_long_as_asked(faults):
     assert [faults.loses_packet() for _ in range(5)] == [True] * 3 + [False] * 2
 
 
-def test_delay_happens_once(faults):
-    faults.inject(SimulatedFault(FaultKind.DELAYED_CYCLE, 4))
-    assert [faults.take_delay() for _ in range(2)] == [4, 0]
+def test_what_lasts_is_listed_until_it_is_cleared(faults):
+    faults.inject(SimulatedFault(FaultKind.LOST_PACKETS, 3))
+    faults.inject(SimulatedFault(FaultKind.NAN_SENSOR, 5, joint=4))
+    faults.inject(SimulatedFault(FaultKind.STUCK_JOINT, 7, joint=2))
+    kinds = {(one.kind, one.joint, one.cycles) for one in faults.active()}
+    assert kinds == {
+        (FaultKind.LOST_PACKETS, 1, 3),
+        (FaultKind.NAN_SENSOR, 4, 5),
+        (FaultKind.STUCK_JOINT, 2, 7),
+    }
+    faults.clear()
+    assert faults.active() == []
 
 
 def test_sensor_is_blind_for_as_long_as_asked(faults):

@@ -186,6 +186,7 @@ def test_zero_torque_lets_the_arm_drift_by_less_than_five_mrad(hw: FrankaHW) -> 
 @pytest.mark.parametrize("rate", [0.002, 0.005, 0.01])
 def test_slower_loops_follow_positions_without_an_error(rate: float) -> None:
     hw = make()
+    hw.check_period(rate)
     switch(hw, "jp")
     goal = [q + 0.1 for q in INITIAL_POSITIONS]
     for _ in range(round(4.0 / rate)):

@@ -1,0 +1,109 @@
+"""A push of one body of the simulated world from outside."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from station.core.errors import HardwareInterfaceError
+
+WORLD = "world"
+"""Name of the world's own axes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Push:
+    """A force and a torque on a body.
+
+    Attributes:
+        body: Name of a link that has mass, or of an object.
+        force: [N], shape (3,).
+        torque: [Nm], shape (3,).
+        frame: Whose axes force and torque are given in: the world's, or those of a
+            body, with which they turn.
+        point: Where the force acts, in the pushed body's frame [m], shape (3,); None
+            for its centre of mass.
+    """
+
+    body: str
+    force: tuple[float, ...]
+    torque: tuple[float, ...] = (0.0, 0.0, 0.0)
+    frame: str = WORLD
+    point: tuple[float, ...] | None = None
+
+
+class AppliedPush:
+    """A push that lasts for some steps. For the thread that steps the world.
+
+    Args:
+        model: The world's model.
+        data: The world's data.
+        push: The push.
+        steps: For how many steps, >= 0.
+
+    Raises:
+        HardwareInterfaceError: There is no such body.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, push: Push, steps: int
+    ) -> None:
+        self.body = _find_body(model, push.body)
+        self._frame = 0 if push.frame == WORLD else _find_body(model, push.frame)
+        self._data = data
+        self._force, self._torque = np.array(push.force), np.array(push.torque)
+        self._point = None if push.point is None else np.array(push.point)
+        self._left = steps
+        # Only what turns or moves with a body has to be computed in every step.
+        self._is_constant = not self._frame and self._point is None
+        self._apply()
+
+    def is_over(self) -> bool:
+        """Count a step; tell whether the push has ended, which takes it off."""
+        if self._left <= 0:
+            self.end()
+            return True
+        self._left -= 1
+        if not self._is_constant:
+            self._apply()
+        return False
+
+    def end(self) -> None:
+        """Take the push off its body."""
+        self._data.xfrc_applied[self.body] = 0.0
+
+    def _apply(self) -> None:
+        data = self._data
+        axes = data.xmat[self._frame].reshape(3, 3)
+        force, torque = axes @ self._force, axes @ self._torque
+        if self._point is not None:
+            turned = data.xmat[self.body].reshape(3, 3) @ self._point
+            arm = data.xpos[self.body] + turned - data.xipos[self.body]
+            torque = torque + np.cross(arm, force)
+        data.xfrc_applied[self.body] = [*force, *torque]
+
+
+def as_push(
+    body: str,
+    force: Sequence[float],
+    torque: Sequence[float],
+    *,
+    frame: str = WORLD,
+    point: Sequence[float] | None = None,
+) -> Push:
+    """Return a push, its numbers copied."""
+    at = None if point is None else tuple(point)
+    return Push(body, tuple(force), tuple(torque), frame, at)
+
+
+def _find_body(model: mujoco.MjModel, name: str) -> int:
+    number: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+    if number <= 0:
+        known = [model.body(i).name for i in range(1, model.nbody)]
+        raise HardwareInterfaceError(
+            f"the simulated world has no body {name!r}",
+            remedy=f"choose among {', '.join(known) or 'none'}",
+            details={"body": name},
+        )
+    return number

@@ -1,0 +1,81 @@
+"""What brings the arms back after an error or a user stop, without a screen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from station.client.models import ArmReport
+from station.ui.station_view import StationView
+
+_NOTHING_MOVES = "Nothing moves by itself; controllers stay stopped."
+_MOST_ERRORS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Rescue:
+    """What the one button does now.
+
+    Attributes:
+        action: `recover` all arms, `release` the user stops of `arms`, or nothing.
+        label: What the button says.
+        arms: The arms that are concerned.
+        trouble: What is wrong; empty when nothing is.
+        reason: What the button will do, or why it is greyed.
+    """
+
+    action: Literal["recover", "release", ""] = ""
+    label: str = "Recover"
+    arms: tuple[str, ...] = ()
+    trouble: str = ""
+    reason: str = "Nothing to recover: no arm has an error."
+
+
+def choose_rescue(view: StationView) -> Rescue:
+    """Return what can be done about the arms of a station, if anything has to be."""
+    if view.link != "live" or view.status is None:
+        return Rescue(reason=view.blocked())
+    arms = view.status.robots
+    stopped = _in_mode(arms, "user_stopped")
+    if stopped:
+        names = _names(stopped)
+        return Rescue(
+            "release",
+            f"Release the user stop of {names}",
+            tuple(arm.arm_id for arm in stopped),
+            f"The user stop of {names} is pressed.",
+            f"Releases it and clears the errors. {_NOTHING_MOVES}",
+        )
+    erroneous = _in_mode(arms, "reflex")
+    if erroneous:
+        names = _names(erroneous)
+        return Rescue(
+            "recover",
+            f"Recover {names}",
+            tuple(arm.arm_id for arm in erroneous),
+            "; ".join(_trouble(arm) for arm in erroneous),
+            f"Remove the cause first. Clears the errors; {names} goes to idle and "
+            f"holds its pose. {_NOTHING_MOVES}",
+        )
+    helpless = [arm for arm in arms if arm.remedy]
+    if helpless:
+        reason = "; ".join(f"{arm.arm_id}: {arm.remedy}" for arm in helpless)
+        modes = [f"{arm.arm_id} is in mode {arm.robot_mode}." for arm in helpless]
+        reason = f"No recovery from here: {reason}."
+        return Rescue(trouble=" ".join(modes), reason=reason)
+    return Rescue()
+
+
+def _in_mode(arms: Sequence[ArmReport], mode: str) -> list[ArmReport]:
+    return [arm for arm in arms if arm.robot_mode == mode]
+
+
+def _names(arms: Sequence[ArmReport]) -> str:
+    return " and ".join(arm.arm_id for arm in arms)
+
+
+def _trouble(arm: ArmReport) -> str:
+    told = [error.description for error in arm.errors[:_MOST_ERRORS]]
+    more = len(arm.errors) - len(told)
+    if more > 0:
+        told.append(f"{more} more")
+    return f"{arm.arm_id} stopped itself: {', '.join(told) or 'an error'}"

@@ -1,0 +1,45 @@
+"""The recovery button, used as a person does."""
+
+import pytest
+
+from station.ui.panels.recovery_panel import RecoveryPanel
+
+
+@pytest.fixture
+def panel(bench):
+    return bench.panel(RecoveryPanel)
+
+
+def test_button_is_there_for_arms_alone_and_grey_without_an_error(bench, panel):
+    assert bench.wait(lambda: not panel._button.visible)
+    bench.station.arms = {"panda": "idle"}
+    assert bench.wait(lambda: panel._button.visible)
+    assert panel._button.disabled
+    assert "Nothing to recover" in panel._reason.content
+
+
+def test_arm_in_reflex_is_recovered_by_clicking(bench, panel):
+    bench.station.arms = {"panda": "reflex"}
+    assert bench.wait(lambda: not panel._button.disabled)
+    assert panel._button.label == "Recover panda"
+    assert "cartesian_reflex at z: -30 N" in panel._trouble.content
+    bench.click(panel._button)
+    assert bench.wait(lambda: bench.station.arms["panda"] == "idle")
+    assert bench.wait(lambda: panel._button.disabled)
+    assert not panel._trouble.visible
+
+
+def test_user_stop_is_released_by_clicking(bench, panel):
+    bench.station.arms = {"panda": "user_stopped"}
+    assert bench.wait(lambda: "Release the user stop" in panel._button.label)
+    bench.click(panel._button)
+    assert bench.wait(lambda: bench.station.arms["panda"] == "idle")
+
+
+def test_click_on_the_grey_button_is_answered_and_not_sent(bench, panel):
+    bench.station.arms = {"panda": "idle"}
+    assert bench.wait(lambda: panel._button.visible)
+    bench.click(panel._button)
+    reporter = bench.dashboard._reporter
+    assert bench.wait(lambda: "Nothing to recover" in reporter.message)
+    assert all(request[0] == "GET" for request in bench.station.requests)

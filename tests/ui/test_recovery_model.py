@@ -1,0 +1,58 @@
+"""What the recovery button offers, and why."""
+
+import pytest
+
+from station.client.models import ArmError
+from station.ui.recovery_model import choose_rescue
+from station.ui.station_view import StationView
+from tests.ui.views import arm, status
+
+HIT = ArmError(
+    name="cartesian_reflex",
+    where="z",
+    value=-30.0,
+    limit=20.0,
+    unit="N",
+    cycle=7,
+    description="cartesian_reflex at z: -30 N",
+)
+
+
+def view(*arms, age=0.0):
+    return StationView(now=10.0, heard_at=10.0 - age, status=status(robots=arms))
+
+
+@pytest.mark.parametrize("mode", ["idle", "move"])
+def test_without_an_error_there_is_nothing_to_do(mode):
+    rescue = choose_rescue(view(arm("panda", mode)))
+    assert (rescue.action, rescue.trouble) == ("", "")
+    assert rescue.reason == "Nothing to recover: no arm has an error."
+
+
+def test_arm_in_reflex_can_be_recovered_and_says_why_it_stopped():
+    reflex = arm("left", "reflex", "recover", [HIT, HIT, HIT, HIT])
+    rescue = choose_rescue(view(reflex, arm("right", "idle")))
+    assert (rescue.action, rescue.label) == ("recover", "Recover left")
+    assert rescue.trouble.startswith("left stopped itself: cartesian_reflex at z: -30")
+    assert rescue.trouble.endswith("1 more")
+    assert "Nothing moves by itself" in rescue.reason
+
+
+def test_user_stop_is_released_before_anything_is_recovered():
+    rescue = choose_rescue(
+        view(arm("left", "user_stopped", "release"), arm("right", "reflex", "recover"))
+    )
+    assert (rescue.action, rescue.arms) == ("release", ("left",))
+    assert rescue.label == "Release the user stop of left"
+
+
+def test_what_cannot_be_recovered_from_here_says_so():
+    rescue = choose_rescue(view(arm("panda", "other", "reset the simulation")))
+    assert rescue.action == ""
+    assert rescue.trouble == "panda is in mode other."
+    assert "panda: reset the simulation" in rescue.reason
+
+
+def test_old_data_offers_nothing():
+    rescue = choose_rescue(view(arm("panda", "reflex", "recover"), age=1.0))
+    assert (rescue.action, rescue.reason) == ("", "The link to the station is stale.")
