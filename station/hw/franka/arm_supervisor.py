@@ -30,13 +30,15 @@ class SupervisorLimits:
 
     Attributes:
         position_tolerance: Beyond a position limit [rad].
-        velocity_factor: Of the velocity limits, joints and end effector.
+        velocity_factor: Of the velocity limits, joints and end effector. A joint of the
+            simulation is never faster than `OVERSPEED` times its limit: above that only
+            the end effector can be too fast.
         debounce: Cycles that a measured value must be out of its range, >= 1.
         power: Sum over the joints of |tau_J dq| [W].
     """
 
     position_tolerance: float = 0.01
-    velocity_factor: float = 1.02
+    velocity_factor: float = 1.01
     debounce: int = 3
     power: float = inf
 

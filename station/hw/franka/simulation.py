@@ -91,6 +91,7 @@ def simulate(
     spec = new_world(timestep)
     spec.option.gravity = gravity
     urdfs = {}
+    limits: dict[str, float] = {}
     for placement in placements:
         old, new = find_prefix(placement.description), f"{placement.arm_id}_"
         urdf = parse_urdf(placement.description.with_prefix(old, new))
@@ -104,9 +105,11 @@ def simulate(
             RobotOptions(base=placement.base, disabled_collisions=tuple(pairs)),
         )
         urdfs[placement.arm_id] = urdf
+        limits |= _velocity_limits(placement, urdf)
     for one in objects:
         add_object(spec, one)
     world = World(compile_world(spec), objects)
+    world.limit_velocities(limits)
     world.reset(_start_positions(placements, urdfs))
     arms = {p.arm_id: _make_arm(world, p, urdfs[p.arm_id], gravity) for p in placements}
     grippers = {
@@ -144,6 +147,16 @@ def _make_arm(
         end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
     )
     return arm
+
+
+def _velocity_limits(placement: ArmPlacement, urdf: Urdf) -> dict[str, float]:
+    names = joint_names(placement.arm_id)
+    limits = dict(zip(names, placement.limits.velocity, strict=True))
+    for number in (1, 2):
+        finger = urdf.joints.get(f"{placement.arm_id}_finger_joint{number}")
+        if finger is not None and finger.limit is not None:
+            limits[finger.name] = finger.limit.velocity
+    return limits
 
 
 def _start_positions(

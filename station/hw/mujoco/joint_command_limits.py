@@ -115,6 +115,15 @@ class JointCommandLimits:
         for handle in self._active:
             handle.enforce_limits(period)
 
+    def velocities(self) -> dict[str, float]:
+        """Return the velocity limit of each joint added [rad/s or m/s]; inf for none.
+
+        A limit of 0 would hold its joint for good; commands alone obey it.
+        """
+        return {
+            report.joint: report.limits.max_velocity or inf for report in self.reports
+        }
+
     def clamps(self) -> list[ClampReport]:
         """Return which commands were cut off. Any thread."""
         return report_clamps({

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from station.core.errors import SwitchRefusedError
+from station.core.errors import HardwareInterfaceError, SwitchRefusedError
 from station.core.interfaces import (
     ActuatorStateInterface,
     EffortJointInterface,
@@ -242,6 +242,31 @@ def test_period_sets_how_many_steps_the_world_makes():
     hw.write(0.0, 0.1)
     assert hw.world.step_count == 23
     assert hw.lost_steps == 80
+
+
+def test_loop_faster_than_the_simulation_is_refused():
+    hw = make(timestep=0.002)
+    with pytest.raises(
+        HardwareInterfaceError, match=r"1000 Hz.*only 500 steps"
+    ) as info:
+        hw.check_period(0.001)
+    assert "robot.timestep to 0.001" in info.value.remedy
+    hw.check_period(0.002)
+
+
+def test_loop_that_steps_unevenly_is_told(caplog: pytest.LogCaptureFixture):
+    hw = make()
+    hw.check_period(0.004)
+    assert not caplog.records
+    hw.check_period(0.0025)
+    assert "a timestep of 0.000833333 s would fit" in caplog.text
+
+
+def test_slow_loop_loses_no_steps():
+    hw = make()
+    hw.check_period(0.1)
+    hw.write(0.0, 0.1)
+    assert (hw.world.step_count, hw.lost_steps) == (100, 0)
 
 
 def test_reset_keeps_a_running_controller():
