@@ -129,8 +129,8 @@ class ArmMotors:
     def read_torques(self, last_dq: Sequence[float], period: float) -> None:
         """Derive the link-side torques of the last step.
 
-        A torque sensor behind the gears feels motor and brake less what accelerates the rotor
-        and rubs in the joint. The damping of the impedance acts implicitly: it takes
+        A torque sensor behind the gears feels motor and brake less what accelerates the
+        rotor and rubs in the joint. The damping of the impedance acts implicitly: it takes
         the velocity at the end of the step, the motor's reading that at its beginning.
 
         Args:

@@ -87,6 +87,7 @@ class MujocoRobotHW(RobotHW):
 
     Attributes:
         world: The simulated world; control thread only, from `init` on.
+        transmission_maps: The maps between actuators and joints; from `init` on.
         lost_steps: Steps of the world that were left out because cycles were late.
     """
 
@@ -275,22 +276,24 @@ class MujocoRobotHW(RobotHW):
         actuators = [actuator.name for info in infos for actuator in info.actuators]
         self._motors = SimulatedMotors(actuators, self._names, targets)
         self._motors.register(self)
-        self._transmissions = RobotTransmissions()
-        loader = TransmissionInterfaceLoader(self, self._transmissions)
+        self.transmission_maps = RobotTransmissions()
+        loader = TransmissionInterfaceLoader(self, self.transmission_maps)
         for info in infos:
             self._load(loader, info, description)
         self._joints = loader.raw_joint_data
         self._state_interface = interface_of(
-            self._transmissions, ActuatorToJointStateInterface
+            self.transmission_maps, ActuatorToJointStateInterface
         )
         self._to_actuators: dict[str, _ToActuators] = {
             "position": interface_of(
-                self._transmissions, JointToActuatorPositionInterface
+                self.transmission_maps, JointToActuatorPositionInterface
             ),
             "velocity": interface_of(
-                self._transmissions, JointToActuatorVelocityInterface
+                self.transmission_maps, JointToActuatorVelocityInterface
             ),
-            "effort": interface_of(self._transmissions, JointToActuatorEffortInterface),
+            "effort": interface_of(
+                self.transmission_maps, JointToActuatorEffortInterface
+            ),
         }
 
     def _load(
