@@ -130,8 +130,8 @@ class ArmMotors:
         """Derive the link-side torques of the last step.
 
         A torque sensor behind the gears feels motor and brake less what accelerates the
-        rotor and rubs in the joint. The damping of the impedance acts implicitly: it takes
-        the velocity at the end of the step, the motor's reading that at its beginning.
+        rotor and rubs in the joint. The damping of the impedance acts implicitly: it
+        takes the velocity at the step's end, the motor's reading that at its beginning.
 
         Args:
             last_dq: Velocities at the beginning of the step [rad/s], shape (7,).
