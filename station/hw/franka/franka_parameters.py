@@ -14,6 +14,7 @@ from typing import NoReturn
 from station.core.errors import ParameterError
 from station.core.interfaces.franka_model import GRAVITY_EARTH
 from station.core.interfaces.franka_services import CollisionBehavior
+from station.core.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.franka.arm_limits import LIMITS_OF_ARM, ArmLimits
 from station.hw.franka.arm_names import joint_names
@@ -46,6 +47,7 @@ _KEYS = frozenset({
     "realtime_config",
     "collision_config",
     "supervisor",
+    "limit_mode",
 })
 _TORQUES, _FORCES = 7, 6
 
@@ -80,6 +82,7 @@ class FrankaParameters:
         limits: What this kind of arm (`arm_type`) can do.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
         collision_behavior: Thresholds at the start (`collision_config`).
+        limit_mode: How joint commands are limited.
         thresholds: Those that Franka does not publish (`supervisor`).
     """
 
@@ -92,6 +95,7 @@ class FrankaParameters:
     limits: ArmLimits
     gravity: tuple[float, float, float]
     collision_behavior: CollisionBehavior
+    limit_mode: LimitMode
     thresholds: SupervisorLimits
 
 
@@ -134,6 +138,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         limits=_limits(params, arm_id),
         gravity=_gravity(params),
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
+        limit_mode=LimitMode.from_parameters(params),
         thresholds=_thresholds(params.namespace("supervisor")),
     )
 

@@ -26,6 +26,7 @@ from station.core.interfaces import (
     JointStateHandle,
     JointStateInterface,
 )
+from station.core.limits import LimitMode
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import ControllerInfo, RobotHW
@@ -50,7 +51,7 @@ from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
 from station.hw.mujoco.joint_pids import read_joint_pids
-from station.hw.mujoco.mujoco_robot_parameters import LimitMode, read_parameters
+from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
 from station.hw.mujoco.scene import read_scene

@@ -67,6 +67,28 @@ def test_nor_does_a_single_one(joint: int, factor: float) -> None:
     check_far_commands("jt", factor, [float(i == joint) for i in range(7)])
 
 
+@pytest.mark.parametrize("joint", [0, 3, 6])
+@pytest.mark.parametrize("kind", ["jp", "jv"])
+def test_joint_limited_by_rate_comes_to_rest_at_the_end_of_its_range(
+    kind: str, joint: int
+) -> None:
+    hw = make(limit_mode="rate")
+    switch(hw, kind)
+    state, end = hw.robot_state, hw.arm.limits.upper[joint]
+    goals = list(state.q_d) if kind == "jp" else [0.0] * 7
+    goals[joint] = 1e4
+    for _ in range(2500):
+        hw.read(0.0, PERIOD)
+        command(hw, INTERFACES[kind], goals)
+        hw.write(0.0, PERIOD)
+    # Upstream's soft limits let the desired motion run into the arm's own check here.
+    assert hw.mode() == "move", hw.arm.errors()
+    assert state.q[joint] == pytest.approx(end - 2e-3, abs=1e-3)
+    assert abs(state.dq[joint]) < 1e-3
+    (clamp,) = hw.clamps()
+    assert clamp.last.joint == hw.parameters.joint_names[joint]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("factor", VELOCITY_FACTORS)
 @pytest.mark.parametrize("seed", range(3, 6))
