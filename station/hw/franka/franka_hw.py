@@ -56,9 +56,7 @@ from station.hw.franka.franka_parameters import (
 from station.hw.franka.joint_commands import JointCommands
 from station.hw.franka.joint_limit_warnings import joint_limit_warnings
 from station.hw.franka.rate_limiter import rate_limits_of
-from station.hw.franka.robot_arm import (
-    RobotArm,
-)
+from station.hw.franka.robot_arm import RobotArm
 from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
 from station.hw.mujoco.scene import SceneObject, read_scene
 from station.hw.robot_description import load_robot_description
