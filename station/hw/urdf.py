@@ -6,7 +6,7 @@ the browser. `station.hw.urdf_parser` reads the files.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from math import asin, atan2, cos, sin
 from pathlib import Path
@@ -220,7 +220,21 @@ class Urdf:
     links: Mapping[str, Link]
     joints: Mapping[str, Joint]
     root: str
+    _below: dict[str, list[Joint]] = field(init=False, repr=False, compare=False)
+    _above: dict[str, Joint] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        below: dict[str, list[Joint]] = {}
+        for joint in self.joints.values():
+            below.setdefault(joint.parent, []).append(joint)
+        object.__setattr__(self, "_below", below)
+        above = {joint.child: joint for joint in self.joints.values()}
+        object.__setattr__(self, "_above", above)
 
     def joints_below(self, link: str) -> list[Joint]:
         """Return the joints whose parent is `link`, in the order of the file."""
-        return [joint for joint in self.joints.values() if joint.parent == link]
+        return list(self._below.get(link, ()))
+
+    def joint_above(self, link: str) -> Joint | None:
+        """Return the joint whose child is `link`; None for the root."""
+        return self._above.get(link)

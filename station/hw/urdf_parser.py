@@ -1,13 +1,18 @@
 """Read and check a URDF: every refusal names the file, the element and the reason."""
 
 import math
+from pathlib import Path
 from types import MappingProxyType
 from typing import TypeVar
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from station.core.errors import RobotDescriptionError
-from station.core.limits import joint_limits_from_urdf, soft_joint_limits_from_urdf
+from station.core.limits import (
+    JointLimitsError,
+    joint_limits_from_urdf,
+    soft_joint_limits_from_urdf,
+)
 from station.hw.robot_description import RobotDescription
 from station.hw.urdf import (
     Inertial,
@@ -23,6 +28,7 @@ from station.hw.urdf import (
     Vector3,
 )
 
+_MOST_JOINTS_IN_A_ROW = 256
 _Item = TypeVar("_Item", Link, Joint)
 
 
@@ -110,13 +116,19 @@ class _Parser:
     def _check_connected(
         self, root: str, links: dict[str, Link], joints: dict[str, Joint]
     ) -> None:
+        children_of: dict[str, list[str]] = {}
+        for joint in joints.values():
+            children_of.setdefault(joint.parent, []).append(joint.child)
         reached = {root}
         frontier = [root]
-        while frontier:
-            parent = frontier.pop()
-            children = [j.child for j in joints.values() if j.parent == parent]
-            reached.update(children)
-            frontier.extend(children)
+        for _ in range(_MOST_JOINTS_IN_A_ROW):
+            frontier = [c for link in frontier for c in children_of.get(link, ())]
+            reached.update(frontier)
+        if frontier:
+            raise self._error(
+                f"link {frontier[0]!r}",
+                f"hangs on more than {_MOST_JOINTS_IN_A_ROW - 1} joints in a row",
+            )
         for name in links:
             if name not in reached:
                 raise self._error(f"link {name!r}", "is part of a loop of joints")
@@ -151,9 +163,7 @@ class _Parser:
         for shape in geometry:
             match shape.tag:
                 case "mesh":
-                    file = self._description.resolve_mesh(
-                        self._attribute(shape, "filename", what)
-                    )
+                    file = self._mesh(what, shape)
                     scale = self._vector(shape, "scale", what, (1.0, 1.0, 1.0))
                     return Shape("mesh", origin, scale, file)
                 case "box":
@@ -171,6 +181,16 @@ class _Parser:
                 case other:
                     raise self._error(what, f"has the unknown geometry <{other}>")
         raise self._error(what, "has an empty <geometry>")
+
+    def _mesh(self, what: str, element: Element) -> Path:
+        uri = self._attribute(element, "filename", what)
+        try:
+            return self._description.resolve_mesh(uri)
+        except RobotDescriptionError as exc:
+            reason = exc.message.removeprefix(f"{self._description.urdf_path}: ")
+            raise RobotDescriptionError(
+                f"{self._description.urdf_path}: {what}: {reason}", remedy=exc.remedy
+            ) from exc
 
     def _joint(self, element: Element) -> Joint:
         name = self._name(element)
@@ -210,7 +230,11 @@ class _Parser:
         what = f"{what} <limit>"
         lower, upper = limits.min_position, limits.max_position
         if lower is not None and upper is not None and lower >= upper:
-            raise self._error(what, f"lower {lower} is not below upper {upper}")
+            raise RobotDescriptionError(
+                f"{self._description.urdf_path}: {what}: lower {lower} is not below "
+                f"upper {upper}",
+                remedy="give the joint a range, or make it continuous or fixed",
+            )
         velocity, effort = limits.max_velocity or 0.0, limits.max_effort or 0.0
         if effort < 0.0 or velocity < 0.0:
             raise self._error(what, "effort and velocity must not be negative")
@@ -229,10 +253,13 @@ class _Parser:
     def _safety(self, element: Element) -> SafetyController | None:
         try:
             soft = soft_joint_limits_from_urdf(element)
+            if soft is None:
+                return None
+            soft.validate(element.get("name", ""))
         except RobotDescriptionError as exc:
             raise self._located(exc) from exc
-        if soft is None:
-            return None
+        except JointLimitsError as exc:
+            raise self._error("<safety_controller>", exc.message) from exc
         return SafetyController(
             soft.min_position, soft.max_position, soft.k_position, soft.k_velocity
         )

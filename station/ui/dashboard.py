@@ -15,13 +15,14 @@ import yourdfpy
 
 from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
+from station.ui.markup import warning
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.operate_panel import OperatePanel
 from station.ui.panels.recovery_panel import RecoveryPanel
 from station.ui.panels.simulation_panel import SimulationPanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
-from station.ui.robot_model import joint_limits
+from station.ui.robot_model import RobotModelError, joint_limits
 from station.ui.scene import RobotScene
 from station.ui.scene_objects import SceneObjects
 from station.ui.station_link import StationLink
@@ -47,6 +48,7 @@ class Dashboard:
         server: Where it is shown.
         client: The station; used from Viser's event loop only.
         urdf: The robot, with its visual meshes loaded; None shows no robot.
+        not_drawn: Why there is none; empty when none was asked for.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class Dashboard:
         server: viser.ViserServer,
         client: AsyncStationClient,
         urdf: yourdfpy.URDF | None,
+        not_drawn: str = "",
     ) -> None:
         self._server = server
         self._client = client
@@ -61,9 +64,17 @@ class Dashboard:
         self._reporter = Reporter(self._link.now)
         self._failures = 0
         self._objects = SceneObjects(server)
-        self._scene = None if urdf is None else RobotScene(server, urdf)
+        self._scene = None
+        if urdf is not None:
+            try:
+                self._scene = RobotScene(server, urdf)
+            except RobotModelError as error:
+                _logger.warning("%s", error)
+                not_drawn = str(error)
         _set_theme(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)
+        if not_drawn:
+            server.gui.add_html(warning(f"There is no picture. {not_drawn}"))
         tabs = server.gui.add_tab_group()
         with tabs.add_tab("Operate"):
             limits = {} if urdf is None else joint_limits(urdf)

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import logging
 import os
 import signal
 import socket
@@ -9,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import uvicorn
+import yourdfpy
 from starlette.applications import Starlette
 from typing_extensions import override
 
@@ -16,11 +18,12 @@ from station.client import ApiError, AsyncStationClient
 from station.ui.dashboard import Dashboard
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
-from station.ui.robot_model import load_robot
+from station.ui.robot_model import RobotModelError, load_robot
 from station.ui.sessions import Role, Sessions
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
 
+_logger = logging.getLogger(__name__)
 _PARENT_PERIOD = 0.2
 _CLOSING_TIME = 1
 _REQUEST_TIMEOUT = 2.0
@@ -59,6 +62,8 @@ def run_dashboard(
 ) -> int:
     """Run the dashboard until SIGINT, SIGTERM or, when asked to, its parent's end.
 
+    A robot that cannot be drawn leaves a dashboard that says so.
+
     Args:
         config: What it needs to know.
         on_ready: Called with the dashboard's address once it answers.
@@ -68,7 +73,6 @@ def run_dashboard(
 
     Raises:
         OSError: The port cannot be had.
-        RobotModelError: The robot cannot be drawn.
     """
     parent = os.getppid()
     with _listen(config) as listener:
@@ -97,9 +101,7 @@ async def _serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    urdf = None
-    if config.robot_description:
-        urdf = load_robot(config.robot_description, config.arm_id, config.base)
+    urdf, not_drawn = _load(config)
     guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)
@@ -107,6 +109,7 @@ async def _serve(
         guarded.server,
         AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT),
         urdf,
+        not_drawn,
     )
     server = _Server(_gateway(config, api, dashboard, relay))
     dashboard.start()
@@ -121,6 +124,17 @@ async def _serve(
         guarded.stop()
         await relay.close()
         await api.close()
+
+
+def _load(config: DashboardConfig) -> tuple[yourdfpy.URDF | None, str]:
+    """Return the robot, or None and why it cannot be drawn."""
+    if not config.robot_description:
+        return None, ""
+    try:
+        return load_robot(config.robot_description, config.arm_id, config.base), ""
+    except RobotModelError as error:
+        _logger.warning("%s", error)
+        return None, str(error)
 
 
 async def _wait_for_end(

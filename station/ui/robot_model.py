@@ -16,6 +16,19 @@ from station.ui.joint_frames import JointFrame, Mimic, Motion, Quaternion
 _SCHEME = "example-robot-data:"
 _DISTRIBUTION = "example-robot-data"
 _DATA_DIRECTORY = "cmeel.prefix/share/example-robot-data"
+# What the libraries that read URDFs and meshes stumble over.
+LIBRARY_FAILURES = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    ImportError,
+    LookupError,
+    OSError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+)
 
 
 class RobotModelError(Exception):
@@ -49,10 +62,10 @@ def load_robot(
             load_collision_meshes=False,
             force_collision_mesh=False,
         )
-    except (OSError, ValueError, ElementTree.ParseError) as exc:
+    except LIBRARY_FAILURES as exc:
         raise RobotModelError(
-            f"The robot {reference!r} cannot be drawn: {exc}. Give the path of a URDF "
-            "whose meshes are at hand."
+            f"The robot {reference!r} cannot be drawn: {_described(exc)}. Give the "
+            "path of a URDF whose meshes are at hand and in a known format."
         ) from exc
 
 
@@ -67,12 +80,26 @@ def joint_limits(urdf: yourdfpy.URDF) -> dict[str, tuple[float, float]]:
     for joint in urdf.joint_map.values():
         if Motion.of_urdf_type(joint.type) is Motion.FIXED or joint.mimic is not None:
             continue
-        low, high = -math.pi, math.pi
+        # A continuous joint may have turned once.
+        low, high = -2.0 * math.pi, 2.0 * math.pi
         if joint.type != "continuous" and joint.limit is not None:
             low = joint.limit.lower if joint.limit.lower is not None else low
             high = joint.limit.upper if joint.limit.upper is not None else high
         limits[joint.name] = (float(low), float(high))
     return limits
+
+
+def base_position(urdf: yourdfpy.URDF) -> tuple[float, float, float]:
+    """Return where the root link stands, x, y, z [m]."""
+    for joint in urdf.joint_map.values():
+        if joint.parent == urdf.base_link and joint.origin is not None:
+            x, y, z = (float(value) for value in joint.origin[:3, 3])
+            return x, y, z
+    return 0.0, 0.0, 0.0
+
+
+def _described(error: BaseException) -> str:
+    return str(error) or type(error).__name__
 
 
 def _joint_frame(joint: yourdfpy.Joint) -> JointFrame:

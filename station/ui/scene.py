@@ -10,10 +10,22 @@ from numpy.typing import NDArray
 from trimesh.scene.transforms import SceneGraph
 
 from station.ui.joint_frames import JointFrame, Motion
-from station.ui.robot_model import joint_frames
+from station.ui.robot_model import (
+    LIBRARY_FAILURES,
+    RobotModelError,
+    base_position,
+    joint_frames,
+)
 
 _ROOT = "/robot"
+_STAND = "/stand"
 _SMALLEST_STEP = 1e-4
+_FIELD_OF_VIEW = 0.7  # [rad], vertical
+# Where the camera is, seen from the robot's middle: to its right, in front and above.
+_FROM = np.array([0.76, -0.58, 0.293])
+# Distance of the camera, as a share of what just shows the ball around the robot.
+_ROOM_AROUND = 1.1
+_LEAST_STAND = 0.05  # [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,17 +37,29 @@ class _MovingFrame:
 class RobotScene:
     """A robot in a Viser scene. To be used from Viser's event loop only.
 
+    The camera looks at the robot where `show` puts it first.
+
     Args:
         server: The scene's server.
         urdf: The robot, with its visual meshes loaded.
+
+    Raises:
+        RobotModelError: Something in its meshes cannot be drawn.
     """
 
     def __init__(self, server: viser.ViserServer, urdf: yourdfpy.URDF) -> None:
         self._server = server
         self._shown: dict[str, float] = {}
-        bounds = urdf.scene.bounds  # (2, 3); None for a robot without meshes
-        _prepare_room(server, 0.56 if bounds is None else float(bounds[:, 2].mean()))
-        self._moving = _draw(server, urdf)
+        self._urdf: yourdfpy.URDF | None = urdf  # until it has a pose
+        _prepare_room(server)
+        try:
+            self._moving = _draw(server, urdf)
+            self._look_at({})
+        except LIBRARY_FAILURES as exc:
+            raise RobotModelError(
+                f"The robot cannot be drawn: {type(exc).__name__}: {exc}. Its meshes "
+                "must be surfaces of triangles."
+            ) from exc
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the robot's joints.
@@ -44,6 +68,9 @@ class RobotScene:
             positions: Joint positions by name [rad] or [m]; joints that are not
                 named stay, names that the robot does not have are skipped.
         """
+        if positions and self._urdf is not None:
+            self._look_at(positions)
+            self._urdf = None
         with self._server.atomic():
             for frame in self._moving:
                 q = frame.joint.position_among(positions)
@@ -56,14 +83,28 @@ class RobotScene:
                 else:
                     frame.handle.position = frame.joint.position_at(q)
 
+    def _look_at(self, positions: Mapping[str, float]) -> None:
+        """Let the camera see the whole robot, and put a stand under its base."""
+        if self._urdf is None:
+            return
+        movable = self._urdf.actuated_joint_names
+        self._urdf.update_cfg({n: q for n, q in positions.items() if n in movable})
+        bounds = self._urdf.scene.bounds  # (2, 3); None for a robot without meshes
+        if bounds is None:
+            return
+        camera = self._server.initial_camera
+        centre = bounds.mean(axis=0)
+        distance = _ROOM_AROUND * float(np.linalg.norm(bounds[1] - bounds[0])) / 2.0
+        distance /= np.sin(_FIELD_OF_VIEW / 2.0)
+        camera.position = tuple((centre + distance * _FROM).tolist())
+        camera.look_at = tuple(centre.tolist())
+        if positions:
+            base = base_position(self._urdf)
+            _draw_stand(self._server, base, float(bounds[0, 2]))
 
-def _prepare_room(server: viser.ViserServer, middle: float) -> None:
-    """Set the floor, the light and a camera that sees the whole arm.
 
-    Args:
-        server: The scene's server.
-        middle: Height of the robot's middle above the floor [m].
-    """
+def _prepare_room(server: viser.ViserServer) -> None:
+    """Set the floor, the light and the camera's lens."""
     server.scene.add_grid(
         "/floor",
         width=6.0,
@@ -83,11 +124,34 @@ def _prepare_room(server: viser.ViserServer, middle: float) -> None:
     # the station's own machine must leave the control loop its time.
     server.scene.configure_default_lights(cast_shadow=False)
     server.scene.set_background_image(_backdrop(), format="png")
-    # Arms bend forwards and down from where they are straight.
-    height = middle - 0.14
-    server.initial_camera.position = (1.55, -1.05, height + 0.53)
-    server.initial_camera.look_at = (0.18, 0.0, height)
-    server.initial_camera.fov = 0.7
+    server.initial_camera.fov = _FIELD_OF_VIEW
+
+
+def _draw_stand(
+    server: viser.ViserServer, base: tuple[float, float, float], lowest: float
+) -> None:
+    """Draw a column under a raised base, unless the robot hangs down from there.
+
+    Args:
+        server: The scene's server.
+        base: Where the root link stands, x, y, z [m].
+        lowest: The robot's lowest point above the floor [m].
+    """
+    x, y, height = base
+    if height < _LEAST_STAND or lowest < height - _LEAST_STAND:
+        return
+    for name, radius, thickness, middle in (
+        ("column", 0.05, height - 0.02, height / 2.0),
+        ("foot", 0.16, 0.02, 0.01),
+        ("top", 0.1, 0.02, height - 0.01),
+    ):
+        server.scene.add_cylinder(
+            f"{_STAND}/{name}",
+            radius=radius,
+            height=thickness,
+            color=(128, 138, 150),
+            position=(x, y, middle),
+        )
 
 
 def _backdrop() -> NDArray[np.uint8]:

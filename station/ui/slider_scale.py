@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 GAIN_REACH = 100.0
 """Where the slider of a gain that is zero ends."""
-_DEFAULT_SPAN = {"rad": math.pi, "m": 1.0, "rad/s": 1.0, "m/s": 0.5, "Nm": 10.0}
+# A continuous joint may have turned once.
+_DEFAULT_SPAN = {"rad": 2.0 * math.pi, "m": 1.0, "rad/s": 1.0, "m/s": 0.5, "Nm": 10.0}
 
 
 @dataclass(frozen=True, slots=True)

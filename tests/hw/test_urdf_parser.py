@@ -129,3 +129,15 @@ def test_loop_of_joints_is_refused() -> None:
     )
     with pytest.raises(RobotDescriptionError, match="link 'a': is part of a loop"):
         parse(loop)
+
+
+def test_links_in_an_endless_row_are_refused(tmp_path):
+    joints = "".join(
+        f'<link name="l{i + 1}"/><joint name="j{i}" type="fixed">'
+        f'<parent link="l{i}"/><child link="l{i + 1}"/></joint>'
+        for i in range(300)
+    )
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<robot name="r"><link name="l0"/>{joints}</robot>')
+    with pytest.raises(RobotDescriptionError, match="more than 255 joints in a row"):
+        parse_urdf(load_robot_description(str(path)))

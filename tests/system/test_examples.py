@@ -10,6 +10,12 @@ from station.core.limits import ClampReason
 from station.core.switching import SwitchRequest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+# Half a degree is 0.0087 rad.
+FAR = (
+    "position_group_controller",
+    "velocity_group_controller",
+    "effort_group_effort_controller",
+)
 ROBOTS = sorted(path.stem for path in EXAMPLES.glob("*.yaml"))
 
 
@@ -51,6 +57,41 @@ def test_effort_controller_takes_over_without_a_jump(robot):
 
     assert station.latest().position == pytest.approx(before, abs=2e-3)
     assert station.controller(name).fault == ""
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_far_commands_leave_no_joint_out_of_its_bounds(robot):
+    station = run(robot).station
+    hw = station.loop.hw
+    limits = {report.joint: report for report in station.hardware().limits}
+    assert all(limits[j].soft_limits for j in limits if j != "gripper_left_joint")
+    names = [name for name in FAR if name in {c.name for c in station.controllers()}]
+    running = []
+    for name in names:
+        station.switch_controllers(SwitchRequest(start=[name], stop=running))
+        running = [name]
+        elements = station.set_point(name).elements
+        for far in ([e.maximum for e in elements], [e.minimum for e in elements]):
+            # Beyond these the station refuses a command.
+            station.set_command(name, [max(-100.0, min(100.0, end)) for end in far])
+            for _ in range(500):
+                station.loop.step(1)
+                check_bounds(station, limits)
+    assert len(station.status().clamps) >= len(names)
+    assert hw.mode() == "running"
+
+
+def check_bounds(station, limits):
+    latest = station.latest()
+    for name, position, velocity in zip(
+        station.joint_names, latest.position, latest.velocity, strict=True
+    ):
+        if name not in limits:  # a joint without a motor
+            continue
+        limit = limits[name].limits
+        assert abs(velocity) < 1.02 * limit.max_velocity, name
+        if limit.min_position is not None:
+            assert limit.min_position - 0.0087 < position < limit.max_position + 0.0087
 
 
 def test_command_that_is_cut_off_shows_in_hardware_and_status():

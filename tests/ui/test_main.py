@@ -64,3 +64,20 @@ def test_a_signal_ends_it_at_once_and_cleanly(fake_station, number):
     assert "Traceback" not in errors
     # One second is promised; a busy machine gets a little more.
     assert time.monotonic() - began < 2.5
+
+
+@pytest.mark.slow
+def test_a_robot_that_cannot_be_drawn_leaves_the_panels(fake_station):
+    program = PROGRAM.replace('robot_description=""', 'robot_description="gone.urdf"')
+    with subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", program, fake_station.url],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout.readline().startswith("http://127.0.0.1:")
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert "gone.urdf" in errors
+    assert "Traceback" not in errors

@@ -4,6 +4,7 @@ import pytest
 
 from station.ui.robot_model import (
     RobotModelError,
+    base_position,
     joint_frames,
     joint_limits,
     load_robot,
@@ -57,3 +58,20 @@ def test_the_robot_stands_on_its_base():
     robot = load_robot("example-robot-data:ur5", base=(0.0, 0.1, 0.5, 0.0, 0.0, 0.0))
     placed = robot.get_transform("base_link", robot.base_link)
     assert placed[:3, 3] == pytest.approx([0.0, 0.1, 0.5])
+
+
+def test_a_mesh_in_an_unknown_format_is_refused_with_the_reason(tmp_path):
+    (tmp_path / "thing.wavefront").write_bytes(b"not a mesh")
+    path = tmp_path / "robot.urdf"
+    path.write_text(
+        '<robot name="r"><link name="l"><visual><geometry>'
+        '<mesh filename="thing.wavefront"/></geometry></visual></link></robot>'
+    )
+    with pytest.raises(RobotModelError, match="cannot be drawn"):
+        load_robot(str(path))
+
+
+def test_the_base_is_where_the_root_link_stands():
+    base = (0.1, 0.2, 0.5, 0.0, 0.0, 0.0)
+    robot = load_robot("example-robot-data:ur5", base=base)
+    assert base_position(robot) == pytest.approx((0.1, 0.2, 0.5))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.ui.robot_model import load_robot
+from station.ui.robot_model import RobotModelError, load_robot
 from station.ui.scene import RobotScene
 
 
@@ -46,8 +46,45 @@ def test_a_pose_shown_already_is_not_sent_again(scene, monkeypatch):
 
 
 @pytest.mark.parametrize("height", [0.0, 1.5])
-def test_the_camera_looks_at_the_robot(shared_bench, height):
+def test_the_camera_looks_at_the_robot_where_it_is_first(shared_bench, height):
     server = shared_bench.guarded.server
     base = (0.0, 0.0, height, 0.0, 0.0, 0.0)
-    RobotScene(server, load_robot("example-robot-data:panda", base=base))
-    assert server.initial_camera.look_at[2] == pytest.approx(height + 0.42, abs=0.02)
+    robot = RobotScene(server, load_robot("example-robot-data:panda", base=base))
+    straight = server.initial_camera.look_at[2]
+    robot.show({"panda_joint4": -2.0, "panda_joint6": 2.0})
+    bent = server.initial_camera.look_at
+    # Middle of 0 to 0.75 m; the arm is 1.1 m when it is straight.
+    assert bent[2] == pytest.approx(height + 0.375, abs=0.02)
+    assert straight == pytest.approx(height + 0.557, abs=0.02)
+    robot.show({"panda_joint4": -1.0})
+    assert server.initial_camera.look_at == pytest.approx(bent)
+
+
+@pytest.mark.parametrize(
+    ("robot", "height", "stands"),
+    [("panda", 0.5, True), ("panda", 0.0, False), ("talos_left_arm", 1.2, False)],
+)
+def test_a_raised_robot_stands_on_something_unless_it_hangs(
+    shared_bench, monkeypatch, robot, height, stands
+):
+    server = shared_bench.guarded.server
+    drawn = []
+    monkeypatch.setattr(
+        server.scene, "add_cylinder", lambda name, **_: drawn.append(name)
+    )
+    base = (0.0, 0.0, height, 0.0, 0.0, 0.0)
+    scene = RobotScene(server, load_robot(f"example-robot-data:{robot}", base=base))
+    scene.show({"panda_joint4": -2.0, "arm_left_4_joint": -1.2})
+    assert bool(drawn) is stands
+
+
+def test_meshes_that_are_no_surfaces_are_refused(shared_bench, monkeypatch):
+    server = shared_bench.guarded.server
+    robot = load_robot("example-robot-data:panda")
+
+    def fail(*_, **__):
+        raise AssertionError("no triangles")
+
+    monkeypatch.setattr(server.scene, "add_mesh_trimesh", fail)
+    with pytest.raises(RobotModelError, match="no triangles"):
+        RobotScene(server, robot)

@@ -7,7 +7,7 @@ from argparse import Namespace
 from station.app.access import host_names
 from station.app.ui_process import PortTakenError
 from station.cli.connection import locate
-from station.cli.errors import NoStationError, UsageError
+from station.cli.errors import NoStationError
 from station.cli.output import say, say_json
 
 
@@ -17,7 +17,6 @@ def ui(options: Namespace) -> int:
     Raises:
         NoStationError: No station, or no token for it, is known.
         PortTakenError: The dashboard cannot listen at its port.
-        UsageError: The robot cannot be drawn.
     """
     url, token = locate(options.connect or options.url, options.token)
     if token is None:
@@ -29,7 +28,6 @@ def ui(options: Namespace) -> int:
         return 0  # the station that wanted a dashboard is gone already
     # Imported late: Viser and the meshes take seconds.
     from station.ui.main import DashboardConfig, run_dashboard
-    from station.ui.robot_model import RobotModelError
 
     config = DashboardConfig(
         url,
@@ -45,11 +43,6 @@ def ui(options: Namespace) -> int:
     tell = _quiet if options.parent_pid else _say_json if options.json else _say
     try:
         return run_dashboard(config, tell)
-    except RobotModelError as error:
-        raise UsageError(
-            f"The robot '{options.robot_description}' cannot be drawn: {error}",
-            remedy="Correct --robot-description; an empty one draws none.",
-        ) from error
     except OSError as error:
         raise PortTakenError(options.host, options.port, error) from error
 

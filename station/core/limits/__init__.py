@@ -27,6 +27,7 @@ from station.core.limits.joint_limits_interface import (
     VelocityJointSaturationInterface,
     VelocityJointSoftLimitsInterface,
 )
+from station.core.limits.limit_mode import LimitMode, make_limits_handle
 from station.core.limits.parameters import (
     joint_limits_from_parameters,
     soft_joint_limits_from_parameters,
@@ -61,6 +62,7 @@ __all__ = [
     "JointLimitsError",
     "JointLimitsHandle",
     "JointLimitsInterface",
+    "LimitMode",
     "PositionJointRateLimitsHandle",
     "PositionJointRateLimitsInterface",
     "PositionJointSaturationHandle",
@@ -76,6 +78,7 @@ __all__ = [
     "VelocityJointSoftLimitsInterface",
     "joint_limits_from_parameters",
     "joint_limits_from_urdf",
+    "make_limits_handle",
     "soft_joint_limits_from_parameters",
     "soft_joint_limits_from_urdf",
 ]

@@ -129,9 +129,9 @@ class ArmMotors:
     def read_torques(self, last_dq: Sequence[float], period: float) -> None:
         """Derive the link-side torques of the last step.
 
-        A torque sensor behind the gears feels the motor less what accelerates the rotor
-        and rubs in the joint. The damping of the impedance acts implicitly: it takes
-        the velocity at the end of the step, the motor's reading that at its beginning.
+        A torque sensor behind the gears feels motor and brake less what accelerates the
+        rotor and rubs in the joint. The damping of the impedance acts implicitly: it
+        takes the velocity at the step's end, the motor's reading that at its beginning.
 
         Args:
             last_dq: Velocities at the beginning of the step [rad/s], shape (7,).
@@ -141,9 +141,10 @@ class ArmMotors:
         dq = joints.read_velocities()
         forces = joints.read_motor_forces()
         weight = joints.read_compensation()
+        brakes = joints.read_brake_forces()
         for i, velocity in enumerate(dq):
             change = velocity - last_dq[i]
-            tau = forces[i] + weight[i] - joints.damping[i] * velocity
+            tau = forces[i] + brakes[i] + weight[i] - joints.damping[i] * velocity
             tau -= joints.armature[i] * change / period
             if self._damping[i] and abs(forces[i]) < self._limits[i]:
                 tau -= self._damping[i] * change

@@ -38,7 +38,9 @@ class SupervisorLimits:
 
     Attributes:
         position_tolerance: Beyond a position limit [rad]; negative: before it.
-        velocity_factor: Of the velocity limits, joints and end effector.
+        velocity_factor: Of the velocity limits, joints and end effector. A joint of the
+            simulation is never faster than `OVERSPEED` times its limit: above that only
+            the end effector can be too fast.
         torque_factor: Of the torque limits: range of the torque sensors.
         debounce: Cycles that a measured value must be out of its range, >= 1.
         power: Sum over the joints of |tau_J dq| [W].
@@ -51,8 +53,8 @@ class SupervisorLimits:
             src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
     """
 
-    position_tolerance: float = 0.01
-    velocity_factor: float = 1.02
+    position_tolerance: float = 0.003
+    velocity_factor: float = 1.01
     torque_factor: float = 1.0
     debounce: int = 3
     power: float = inf

@@ -126,7 +126,9 @@ class FrankaHW(RobotHW):
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         limits = self._parameters.limits
-        self.commands = JointCommands(self._arm.state, self._parameters.joint_names)
+        self.commands = JointCommands(
+            self._arm.state, self._parameters.joint_names, self._parameters.limit_mode
+        )
         self.cartesian = CartesianCommands(self._arm, arm_id, limits)
         self._sender = CommandSender(
             self.arm, self.commands, self.cartesian, CommandFilter(limits)

@@ -14,6 +14,7 @@ from typing import NoReturn
 from station.core.errors import ParameterError
 from station.core.interfaces.franka_model import GRAVITY_EARTH
 from station.core.interfaces.franka_services import CollisionBehavior
+from station.core.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.franka.arm_limits import LIMITS_OF_ARM, ArmLimits
 from station.hw.franka.arm_names import joint_names
@@ -47,6 +48,7 @@ _KEYS = frozenset({
     "realtime_config",
     "collision_config",
     "supervisor",
+    "limit_mode",
 })
 _TORQUES, _FORCES = 7, 6
 
@@ -83,6 +85,7 @@ class FrankaParameters:
         most_lost_packets: As many cycles as the arm is made to miss when the loop is
             late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
         collision_behavior: Thresholds at the start (`collision_config`).
+        limit_mode: How joint commands are limited.
         thresholds: Those that Franka does not publish (`supervisor`).
     """
 
@@ -96,6 +99,7 @@ class FrankaParameters:
     gravity: tuple[float, float, float]
     most_lost_packets: int
     collision_behavior: CollisionBehavior
+    limit_mode: LimitMode
     thresholds: SupervisorLimits
 
 
@@ -139,6 +143,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         gravity=_gravity(params),
         most_lost_packets=_most_lost_packets(params),
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
+        limit_mode=LimitMode.from_parameters(params),
         thresholds=_thresholds(params.namespace("supervisor")),
     )
 

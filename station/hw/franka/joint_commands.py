@@ -1,6 +1,7 @@
 """The arm's joint interfaces: command buffers, handles on them, and their limits."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import inf, isfinite
 
 from station.core.interfaces import (
@@ -14,14 +15,12 @@ from station.core.interfaces import (
 )
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.limits import (
-    EffortJointSoftLimitsHandle,
-    EffortJointSoftLimitsInterface,
     JointLimits,
-    PositionJointSoftLimitsHandle,
-    PositionJointSoftLimitsInterface,
+    JointLimitsHandle,
+    JointLimitsInterface,
+    LimitMode,
     SoftJointLimits,
-    VelocityJointSoftLimitsHandle,
-    VelocityJointSoftLimitsInterface,
+    make_limits_handle,
 )
 from station.core.robot_report import ClampReport, JointLimitsReport, report_clamps
 from station.hw.franka.control_mode import ControlMode
@@ -29,6 +28,9 @@ from station.hw.franka.rate_limiter import RateLimits
 from station.hw.urdf import Joint
 
 _DOF = 7
+# How far before the ends of its range a joint stops that is limited by rate [rad]: the
+# low-pass behind the limits lags, and the arm tolerates nothing beyond the range.
+_RANGE_MARGIN = 2e-3
 _SOURCES = {
     "position": "urdf limit",
     "velocity": "urdf limit",
@@ -44,11 +46,12 @@ class JointCommands:
 
     Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp,
     FrankaHW::setupJointStateInterface, setupJointCommandInterface,
-    setupLimitInterface, enforceLimits, reset.
+    setupLimitInterface, enforceLimits, reset; differs: there is a choice of limits.
 
     Args:
         state: The arm's state, whose lists the handles read.
         names: Names of the 7 joints, from base to flange.
+        limit_mode: How commands are limited.
 
     Attributes:
         positions: Commanded positions [rad], shape (7,); in place, as the next two.
@@ -60,8 +63,14 @@ class JointCommands:
         limit_reports: The limits that are enforced, and their sources.
     """
 
-    def __init__(self, state: RobotState, names: Sequence[str]) -> None:
+    def __init__(
+        self,
+        state: RobotState,
+        names: Sequence[str],
+        limit_mode: LimitMode = LimitMode.ROS_CONTROL,
+    ) -> None:
         self._state = state
+        self._limit_mode = limit_mode
         self.positions = [0.0] * _DOF
         self.velocities = [0.0] * _DOF
         self.efforts = [0.0] * _DOF
@@ -72,9 +81,9 @@ class JointCommands:
         self._position_interface = PositionJointInterface()
         self._velocity_interface = VelocityJointInterface()
         self._effort_interface = EffortJointInterface()
-        self._position_limits = PositionJointSoftLimitsInterface()
-        self._velocity_limits = VelocityJointSoftLimitsInterface()
-        self._effort_limits = EffortJointSoftLimitsInterface()
+        self._position_limits = JointLimitsInterface[JointLimitsHandle]()
+        self._velocity_limits = JointLimitsInterface[JointLimitsHandle]()
+        self._effort_limits = JointLimitsInterface[JointLimitsHandle]()
         # Kept here too: asking an interface for a handle claims its joint.
         self._handles: list[tuple[JointHandle, JointHandle, JointHandle]] = []
         for i, name in enumerate(names):
@@ -137,24 +146,20 @@ class JointCommands:
             self.limit_reports.append(
                 JointLimitsReport(position.name, limits, soft, _SOURCES)
             )
-            self._position_limits.register_handle(
-                PositionJointSoftLimitsHandle(position, limits, soft)
-            )
-            self._velocity_limits.register_handle(
-                VelocityJointSoftLimitsHandle(velocity, limits, soft)
-            )
-            self._effort_limits.register_handle(
-                EffortJointSoftLimitsHandle(effort, limits, soft)
-            )
+            mode = self._limit_mode
+            if mode is LimitMode.RATE:
+                limits = _with_margin(limits)
+            for quantity, handle, enforced in (
+                ("position", position, self._position_limits),
+                ("velocity", velocity, self._velocity_limits),
+                ("effort", effort, self._effort_limits),
+            ):
+                enforced.register_handle(
+                    make_limits_handle(mode, quantity, handle, limits, soft)
+                )
         return skipped
 
-    def limit_interfaces(
-        self,
-    ) -> list[
-        PositionJointSoftLimitsInterface
-        | VelocityJointSoftLimitsInterface
-        | EffortJointSoftLimitsInterface
-    ]:
+    def limit_interfaces(self) -> list[JointLimitsInterface[JointLimitsHandle]]:
         """Return the limits that are enforced, with their clamp counts."""
         return [self._position_limits, self._velocity_limits, self._effort_limits]
 
@@ -179,6 +184,7 @@ class JointCommands:
         self.velocities[:] = [0.0] * _DOF
         self.efforts[:] = [0.0] * _DOF
         self._position_limits.reset()
+        self._velocity_limits.reset()
         self.has_positions = bool(mode & ControlMode.JOINT_POSITION)
         self.has_velocities = bool(mode & ControlMode.JOINT_VELOCITY)
         self.has_efforts = bool(mode & ControlMode.JOINT_TORQUE)
@@ -218,3 +224,13 @@ class JointCommands:
             self._velocity_limits.enforce_limits(period)
         if self.has_efforts:
             self._effort_limits.enforce_limits(period)
+
+
+def _with_margin(limits: JointLimits) -> JointLimits:
+    if limits.min_position is None or limits.max_position is None:
+        return limits
+    return replace(
+        limits,
+        min_position=limits.min_position + _RANGE_MARGIN,
+        max_position=limits.max_position - _RANGE_MARGIN,
+    )

@@ -33,7 +33,7 @@ INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
 """Pose in which an arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
 examples/generate_joint_velocity_motion.cpp, q_goal."""
 
-STOP_DISTANCE = 0.05
+STOP_DISTANCE = 0.005
 """How far the mechanical stops are beyond the position limits [rad]; not published."""
 
 
@@ -94,6 +94,7 @@ def simulate(
     spec = new_world(timestep)
     spec.option.gravity = gravity
     urdfs = {}
+    limits: dict[str, float] = {}
     for placement in placements:
         old, new = find_prefix(placement.description), f"{placement.arm_id}_"
         urdf = _stopped_at(
@@ -114,9 +115,11 @@ def simulate(
         for name in joint_names(placement.arm_id):
             low, high = spec.joint(name).range
             spec.joint(name).range = [low - STOP_DISTANCE, high + STOP_DISTANCE]
+        limits |= _velocity_limits(placement, urdf)
     for one in objects:
         add_object(spec, one)
     world = World(compile_world(spec), objects)
+    world.limit_velocities(limits)
     world.reset(_start_positions(placements, urdfs))
     arms = {p.arm_id: _make_arm(world, p, urdfs[p.arm_id], gravity) for p in placements}
     grippers = {
@@ -167,6 +170,16 @@ def _stopped_at(limits: ArmLimits, urdf: Urdf, prefix: str) -> Urdf:
             stops = replace(joint.limit, lower=lower, upper=upper)
             joints[joint.name] = replace(joint, limit=stops)
     return replace(urdf, joints=joints)
+
+
+def _velocity_limits(placement: ArmPlacement, urdf: Urdf) -> dict[str, float]:
+    names = joint_names(placement.arm_id)
+    limits = dict(zip(names, placement.limits.velocity, strict=True))
+    for number in (1, 2):
+        finger = urdf.joints.get(f"{placement.arm_id}_finger_joint{number}")
+        if finger is not None and finger.limit is not None:
+            limits[finger.name] = finger.limit.velocity
+    return limits
 
 
 def _start_positions(

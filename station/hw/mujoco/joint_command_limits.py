@@ -7,19 +7,12 @@ from xml.etree import ElementTree
 
 from station.core.interfaces import JointHandle
 from station.core.limits import (
-    EffortJointSaturationHandle,
-    EffortJointSoftLimitsHandle,
     JointLimits,
     JointLimitsHandle,
-    PositionJointRateLimitsHandle,
-    PositionJointSaturationHandle,
-    PositionJointSoftLimitsHandle,
-    SoftJointLimits,
-    VelocityJointRateLimitsHandle,
-    VelocityJointSaturationHandle,
-    VelocityJointSoftLimitsHandle,
+    LimitMode,
     joint_limits_from_parameters,
     joint_limits_from_urdf,
+    make_limits_handle,
     soft_joint_limits_from_parameters,
     soft_joint_limits_from_urdf,
 )
@@ -32,7 +25,6 @@ from station.core.robot_report import (
 )
 from station.core.urdf_text import parse_robot_description
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
-from station.hw.mujoco.mujoco_robot_parameters import LimitMode
 
 _PARAMETERS = "parameters"
 _Handles = Mapping[str, JointHandle]
@@ -87,7 +79,9 @@ class JointCommandLimits:
             max_effort=inf if limits.max_effort is None else limits.max_effort,
         )
         for quantity, handle in commands.items():
-            self._handles[joint, quantity] = self._make(quantity, handle, limits, soft)
+            self._handles[joint, quantity] = make_limits_handle(
+                self._mode, quantity, handle, limits, soft
+            )
 
     def activate(self, commands: Sequence[tuple[str, str]]) -> None:
         """Choose the commands that are limited, and forget what was before.
@@ -115,6 +109,15 @@ class JointCommandLimits:
         for handle in self._active:
             handle.enforce_limits(period)
 
+    def velocities(self) -> dict[str, float]:
+        """Return the velocity limit of each joint added [rad/s or m/s]; inf for none.
+
+        A limit of 0 would hold its joint for good; commands alone obey it.
+        """
+        return {
+            report.joint: report.limits.max_velocity or inf for report in self.reports
+        }
+
     def clamps(self) -> list[ClampReport]:
         """Return which commands were cut off. Any thread."""
         return report_clamps({
@@ -136,31 +139,6 @@ class JointCommandLimits:
             for kind, value in limit_values(limits, soft).items()
         }
         return JointLimitsReport(joint, limits, soft, sources)
-
-    def _make(
-        self,
-        quantity: str,
-        handle: JointHandle,
-        limits: JointLimits,
-        soft: SoftJointLimits | None,
-    ) -> JointLimitsHandle:
-        if self._mode is LimitMode.RATE:
-            if quantity == "position":
-                return PositionJointRateLimitsHandle(handle, limits)
-            if quantity == "velocity":
-                return VelocityJointRateLimitsHandle(handle, limits)
-            return EffortJointSaturationHandle(handle, limits)
-        if soft is None:
-            if quantity == "position":
-                return PositionJointSaturationHandle(handle, limits)
-            if quantity == "velocity":
-                return VelocityJointSaturationHandle(handle, limits)
-            return EffortJointSaturationHandle(handle, limits)
-        if quantity == "position":
-            return PositionJointSoftLimitsHandle(handle, limits, soft)
-        if quantity == "velocity":
-            return VelocityJointSoftLimitsHandle(handle, limits, soft)
-        return EffortJointSoftLimitsHandle(handle, limits, soft)
 
 
 def _source_in_urdf(kind: str) -> str:

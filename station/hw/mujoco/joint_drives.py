@@ -46,24 +46,22 @@ class JointDrives:
 
     Args:
         joints: The joints in the world, n of them.
-        velocity_limits: Highest desired speed [rad/s or m/s], shape (n,); 0 or infinite
-            where unlimited.
         timestep: Of the world [s], > 0.
 
     Attributes:
-        modes: Mode of each joint, shape (n,); to be changed in place.
-        position_target: [rad or m], shape (n,); in place, as the next two.
-        velocity_target: [rad/s or m/s], shape (n,).
-        effort_target: [Nm or N], shape (n,).
+        velocity_limits: Highest desired speed [rad/s or m/s], shape (n,), infinite at
+            first; to be changed in place.
+        modes: Mode of each joint, shape (n,); in place.
+        position_target: [rad or m], shape (n,); in place.
+        velocity_target: [rad/s or m/s], shape (n,); in place.
+        effort_target: [Nm or N], shape (n,); in place.
     """
 
-    def __init__(
-        self, joints: WorldJoints, velocity_limits: list[float], timestep: float
-    ) -> None:
+    def __init__(self, joints: WorldJoints, timestep: float) -> None:
         count = len(joints.names)
         self._joints = joints
         self._timestep = timestep
-        self._velocity_limits = [v if v > 0.0 else inf for v in velocity_limits]
+        self.velocity_limits = [inf] * count
         self._efforts = [_SHARE_OF_EFFORT * e for e in joints.effort_limits]
         self.modes = [DriveMode.POSITION] * count
         self.position_target = joints.read_positions()
@@ -111,7 +109,7 @@ class JointDrives:
 
     def _pass_effort_on(self, index: int, velocity: float, inertia: float) -> None:
         effort = self.effort_target[index]
-        limit = self._velocity_limits[index]
+        limit = self.velocity_limits[index]
         gain = 0.0
         if velocity > limit:
             gain = _VELOCITY_GAIN * inertia
@@ -124,7 +122,7 @@ class JointDrives:
         self._desired_velocity[index] = velocity
 
     def _follow(self, index: int, aim: float, acceleration: float) -> float:
-        limit = self._velocity_limits[index]
+        limit = self.velocity_limits[index]
         aim = max(-limit, min(limit, aim))
         step = acceleration * self._timestep
         before = self._desired_velocity[index]

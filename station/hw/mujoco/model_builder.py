@@ -13,6 +13,7 @@ servo, whose damping the integrator then treats implicitly. The force is limited
 URDF's effort; a joint whose effort limit is 0 is passive and has no motor.
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -34,6 +35,8 @@ from station.hw.urdf import (
 )
 
 _COLLISION_GROUP = 3
+# How MuJoCo says which element it refuses.
+_ELEMENT = re.compile(r"Element name '(?P<name>[^']+)', id \d+")
 # Time constant of the constraints that are hard on a real robot (mechanical stops,
 # mimic joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
 _HARD_CONSTRAINT_STEPS = 2.0
@@ -120,10 +123,17 @@ def _refusals_explained() -> Iterator[None]:
     except RobotDescriptionError:
         raise
     except ValueError as exc:
-        reason = " ".join(str(exc).split())
+        reason = " ".join(str(exc).split()).removeprefix("Error: ")
+        reason = reason.replace("; use 'balanceinertia' to fix", "")
+        where = "<robot>"
+        found = _ELEMENT.search(reason)
+        if found is not None:
+            where = f"the element named {found['name']!r}"
+            reason = reason[: found.start()].strip()
         raise RobotDescriptionError(
-            f"MuJoCo cannot simulate this robot: {reason}",
-            remedy="correct that element of the URDF",
+            f"{where}: MuJoCo cannot simulate it: {reason}",
+            remedy="correct that element of the URDF; a link that moves needs an "
+            "<inertial> that some body can have",
         ) from exc
 
 
@@ -192,7 +202,12 @@ class _RobotBuilder:
                 ixx, iyy, izz, ixy, ixz, iyz = inertial.inertia
                 body.fullinertia = [ixx, iyy, izz, ixy, ixz, iyz]
         for number, shape in enumerate(link.collisions):
-            self._add_shape(body, f"{link.name}_collision_{number}", shape)
+            try:
+                self._add_shape(body, f"{link.name}_collision_{number}", shape)
+            except RobotDescriptionError as exc:
+                raise RobotDescriptionError(
+                    f"link {link.name!r} <collision>: {exc.message}", remedy=exc.remedy
+                ) from exc
 
     def _inertials_carried_by(self, link: Link) -> list[tuple[Pose, Inertial]]:
         """Return the link's own inertia and those of point masses fixed to it.
@@ -201,10 +216,8 @@ class _RobotBuilder:
         link that is such a point mass and fixed itself carries nothing.
         """
         own = link.inertial
-        is_fixed = any(
-            joint.child == link.name and joint.type is JointType.FIXED
-            for joint in self._urdf.joints.values()
-        )
+        above = self._urdf.joint_above(link.name)
+        is_fixed = above is not None and above.type is JointType.FIXED
         if own is not None and is_fixed and not is_rigid_body(own):
             return []
         parts = [] if own is None else [(Pose(), own)]

@@ -10,7 +10,9 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 - Mimic joints and joints without a motor have a state, too.
 """
 
+import logging
 from collections.abc import Mapping, Sequence
+from math import ceil
 
 from typing_extensions import override
 
@@ -24,6 +26,7 @@ from station.core.interfaces import (
     JointStateHandle,
     JointStateInterface,
 )
+from station.core.limits import LimitMode
 from station.core.parameters import Parameters
 from station.core.robot_description import ROBOT_DESCRIPTION
 from station.core.robot_hw import ControllerInfo, RobotHW
@@ -48,7 +51,7 @@ from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
 from station.hw.mujoco.joint_pids import read_joint_pids
-from station.hw.mujoco.mujoco_robot_parameters import LimitMode, read_parameters
+from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
 from station.hw.mujoco.scene import read_scene
@@ -60,8 +63,12 @@ from station.hw.robot_description import RobotDescription, load_robot_descriptio
 from station.hw.urdf import JointType, Urdf
 from station.hw.urdf_parser import parse_urdf
 
-# Steps of the world that are made up for in one cycle; the rest is lost.
+# Steps of the world that are made up for in one cycle, or as many as make two cycles;
+# the rest is lost.
 _MOST_STEPS_AT_ONCE = 20
+# Of a cycle: how much its steps may miss it before somebody should know.
+_UNEVEN = 0.01
+_logger = logging.getLogger(__name__)
 _ToActuators = (
     JointToActuatorPositionInterface
     | JointToActuatorVelocityInterface
@@ -81,6 +88,7 @@ class MujocoRobotHW(RobotHW):
 
     Attributes:
         world: The simulated world; control thread only, from `init` on.
+        transmission_maps: The maps between actuators and joints; from `init` on.
         lost_steps: Steps of the world that were left out because cycles were late.
     """
 
@@ -90,6 +98,7 @@ class MujocoRobotHW(RobotHW):
         super().__init__()
         self.lost_steps = 0
         self._time_due = 0.0
+        self._most_steps = _MOST_STEPS_AT_ONCE
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -119,13 +128,13 @@ class MujocoRobotHW(RobotHW):
         )
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
-        self._make_motors(description, urdf, transmissions)
+        self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_joint_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
         self._add_unpowered_joints(urdf)
         limited = hw_params if hw_params.has("joint_limits") else root_params
-        self._add_limits(description.xml, limited, parameters.limit_mode)
+        self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
         self._sensors = WorldSensors(model, data, parameters.sensors)
         for interface in self._sensors.interfaces():
@@ -177,6 +186,37 @@ class MujocoRobotHW(RobotHW):
         return self._limits.clamps()
 
     @override
+    def check_period(self, period: float) -> None:
+        """Refuse a loop faster than the simulation; warn of steps that fit no cycle.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: It is shorter than the simulation's time step.
+        """
+        timestep, rate = self.world.timestep, 1.0 / period
+        steps = period / timestep
+        if steps < 1.0 - _UNEVEN:
+            raise HardwareInterfaceError(
+                f"The loop runs at {rate:g} Hz; the simulation makes only "
+                f"{1.0 / timestep:g} steps per second, one every {timestep:g} s.",
+                remedy=f"Set robot.timestep to {period:g} or less, or station.rate to "
+                f"{1.0 / timestep:g} or less.",
+                details={"rate": rate, "timestep": timestep},
+            )
+        self._most_steps = max(_MOST_STEPS_AT_ONCE, 2 * round(steps))
+        if abs(steps - round(steps)) > _UNEVEN:
+            _logger.warning(
+                "a cycle at %g Hz takes %.3g steps of %g s: some cycles make one step "
+                "more than others; a timestep of %g s would fit",
+                rate,
+                steps,
+                timestep,
+                period / ceil(steps),
+            )
+
+    @override
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
@@ -218,21 +258,16 @@ class MujocoRobotHW(RobotHW):
         self._time_due += period
         steps = round(self._time_due / world.timestep)
         self._time_due -= steps * world.timestep
-        for _ in range(min(steps, _MOST_STEPS_AT_ONCE)):
+        for _ in range(min(steps, self._most_steps)):
             world.step()
-        self.lost_steps += max(0, steps - _MOST_STEPS_AT_ONCE)
+        self.lost_steps += max(0, steps - self._most_steps)
 
     def _make_motors(
-        self, description: RobotDescription, urdf: Urdf, infos: list[TransmissionInfo]
+        self, description: RobotDescription, infos: list[TransmissionInfo]
     ) -> None:
         self._names = [joint.name for info in infos for joint in info.joints]
         self._world_joints: WorldJoints = self.world.joints(self._names)
-        limits = [urdf.joints[name].limit for name in self._names]
-        self._drives = JointDrives(
-            self._world_joints,
-            [0.0 if limit is None else limit.velocity for limit in limits],
-            self.world.timestep,
-        )
+        self._drives = JointDrives(self._world_joints, self.world.timestep)
         self.world.add_actor(self._drives)
         targets = {
             "position": self._drives.position_target,
@@ -242,22 +277,24 @@ class MujocoRobotHW(RobotHW):
         actuators = [actuator.name for info in infos for actuator in info.actuators]
         self._motors = SimulatedMotors(actuators, self._names, targets)
         self._motors.register(self)
-        self._transmissions = RobotTransmissions()
-        loader = TransmissionInterfaceLoader(self, self._transmissions)
+        self.transmission_maps = RobotTransmissions()
+        loader = TransmissionInterfaceLoader(self, self.transmission_maps)
         for info in infos:
             self._load(loader, info, description)
         self._joints = loader.raw_joint_data
         self._state_interface = interface_of(
-            self._transmissions, ActuatorToJointStateInterface
+            self.transmission_maps, ActuatorToJointStateInterface
         )
         self._to_actuators: dict[str, _ToActuators] = {
             "position": interface_of(
-                self._transmissions, JointToActuatorPositionInterface
+                self.transmission_maps, JointToActuatorPositionInterface
             ),
             "velocity": interface_of(
-                self._transmissions, JointToActuatorVelocityInterface
+                self.transmission_maps, JointToActuatorVelocityInterface
             ),
-            "effort": interface_of(self._transmissions, JointToActuatorEffortInterface),
+            "effort": interface_of(
+                self.transmission_maps, JointToActuatorEffortInterface
+            ),
         }
 
     def _load(
@@ -308,7 +345,9 @@ class MujocoRobotHW(RobotHW):
                 )
             )
 
-    def _add_limits(self, xml: str, params: Parameters, mode: LimitMode) -> None:
+    def _add_limits(
+        self, xml: str, urdf: Urdf, params: Parameters, mode: LimitMode
+    ) -> None:
         self._limits = JointCommandLimits(xml, params, mode)
         commands: dict[str, dict[str, JointHandle]] = {n: {} for n in self._names}
         for quantity, interface in COMMAND_INTERFACES.items():
@@ -317,6 +356,19 @@ class MujocoRobotHW(RobotHW):
                 commands[handle.name][quantity] = handle
         for name, handles in commands.items():
             self._limits.add(name, handles)
+        velocities = self._limits.velocities()
+        self._drives.velocity_limits[:] = [velocities[name] for name in self._names]
+        self.world.limit_velocities(velocities | _velocities_of_mimics(urdf))
+
+
+def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
+    return {
+        joint.name: joint.limit.velocity
+        for joint in urdf.joints.values()
+        if joint.mimic is not None
+        and joint.limit is not None
+        and joint.limit.velocity > 0.0
+    }
 
 
 def _report(info: TransmissionInfo) -> TransmissionReport:

@@ -29,6 +29,7 @@ from math import pi
 from typing import NoReturn
 
 from station.core.errors import ParameterError
+from station.core.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.urdf import Pose
 
@@ -48,18 +49,6 @@ _KEYS = frozenset({
     "sensors",
 })
 _SENSOR_KEYS = frozenset({"type", "link"})
-
-
-class LimitMode(Enum):
-    """How commands are limited.
-
-    Attributes:
-        ROS_CONTROL: Soft limits where there are some, saturation elsewhere.
-        RATE: Against the command before, acceleration and jerk included.
-    """
-
-    ROS_CONTROL = "ros_control"
-    RATE = "rate"
 
 
 class SensorType(Enum):
@@ -124,7 +113,7 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         has_floor=params.get_bool("floor", default=True),
         timestep=timestep,
         initial_positions={k: positions.get_float(k) for k in positions.keys()},  # noqa: SIM118 - no mapping
-        limit_mode=_read_limit_mode(params),
+        limit_mode=LimitMode.from_parameters(params),
         sensors=tuple(_read_sensors(params.namespace("sensors"))),
     )
 
@@ -135,14 +124,6 @@ def _read_base(params: Parameters) -> Pose:
     if max(abs(roll), abs(pitch), abs(yaw)) > 2.0 * pi:
         _refuse(params, "base_rpy", [roll, pitch, yaw], "angles in radians")
     return Pose.from_rpy((x, y, z), (roll, pitch, yaw))
-
-
-def _read_limit_mode(params: Parameters) -> LimitMode:
-    value = params.get_str("limit_mode", LimitMode.ROS_CONTROL.value)
-    modes = {mode.value: mode for mode in LimitMode}
-    if value not in modes:
-        _refuse(params, "limit_mode", value, f"one of {', '.join(modes)}")
-    return modes[value]
 
 
 def _read_sensors(params: Parameters) -> list[SensorRequest]:

@@ -7,10 +7,15 @@ from typing import Protocol
 import mujoco
 
 from station.core.robot_report import SceneObjectReport
+from station.hw.mujoco.overspeed_brakes import OverspeedBrakes
 from station.hw.mujoco.push import AppliedPush, Push
 from station.hw.mujoco.scene import SceneObject
 from station.hw.mujoco.stepper import make_stepper
-from station.hw.mujoco.world_joints import WorldJoints, joint_position_address
+from station.hw.mujoco.world_joints import (
+    WorldJoints,
+    find_joint,
+    joint_position_address,
+)
 
 # Sum of squared joint velocities above which a simulation has gone wrong; no machine
 # comes near, and MuJoCo itself gives up at 1e10 for a single one.
@@ -45,6 +50,9 @@ class World:
     Args:
         model: The compiled model; kept, and changed by `WorldJoints.set_servo`.
         objects: The things in it, as `add_object` has put them there.
+
+    Attributes:
+        brakes: What keeps joints from being too fast.
     """
 
     def __init__(
@@ -57,6 +65,7 @@ class World:
         self._advance, self.keeps_interpreter_lock = make_stepper(model, self.data)
         self._qvel = self.data.qvel
         self._actors: list[WorldActor] = []
+        self.brakes = OverspeedBrakes(model, self.data)
         self._initial_qpos: list[float] = self.data.qpos.tolist()
         self._step_count = 0
         self._diverged_because = ""
@@ -90,7 +99,26 @@ class World:
             HardwareInterfaceError: A joint is not in the world, has more than one
                 degree of freedom, or has no motor.
         """
-        return WorldJoints(self.model, self.data, names, pushes=self._pushes)
+        return WorldJoints(
+            self.model,
+            self.data,
+            names,
+            pushes=self._pushes,
+            brake_forces=self.brakes.forces,
+        )
+
+    def limit_velocities(self, limits: Mapping[str, float]) -> None:
+        """Brake joints from now on that are faster than their limit; see `brakes`.
+
+        Args:
+            limits: Joint name to highest speed, > 0 [rad/s or m/s]; infinite for none.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world.
+        """
+        self.brakes.set_limits({
+            find_joint(self.model, name): limit for name, limit in limits.items()
+        })
 
     def scene(self) -> list[SceneObjectReport]:
         """Return the things in the world, where they are."""
@@ -136,6 +164,8 @@ class World:
                 f"not finite or impossibly high ({detail})"
             )
             self._return_to_start()
+        else:
+            self.brakes.act()
 
     def reset(self, positions: Mapping[str, float] | None = None) -> None:
         """Set time and velocities to zero and the joints to a pose.

@@ -23,6 +23,8 @@ class WorldJoints:
         data: The world's data.
         names: Joints with one degree of freedom and a motor of the same name.
         pushes: What is pushed from outside at present; empty when nothing is.
+        brake_forces: What `OverspeedBrakes` gave in the last step, shape (nv,); None
+            where there are none.
 
     Attributes:
         names: As given.
@@ -30,6 +32,7 @@ class WorldJoints:
         read_positions: Return the positions [rad or m].
         read_velocities: Return the velocities [rad/s or m/s].
         read_motor_forces: Return what the motors gave in the last step [Nm or N].
+        read_brake_forces: Return what brakes gave in the last step [Nm or N].
         read_bias_forces: Return Coriolis, centrifugal and gravity forces [Nm or N].
         read_compensation: Return the gravity compensation's forces [Nm or N].
         read_inertia: Return the diagonal of the joint-space inertia matrix, armature
@@ -51,8 +54,9 @@ class WorldJoints:
         names: Sequence[str],
         *,
         pushes: Sized = (),
+        brake_forces: NDArray[np.float64] | None = None,
     ) -> None:
-        joints = [_find_joint(model, name) for name in names]
+        joints = [find_joint(model, name) for name in names]
         positions = [int(model.jnt_qposadr[joint]) for joint in joints]
         dofs = [int(model.jnt_dofadr[joint]) for joint in joints]
         motors = [_find_motor(model, name) for name in names]
@@ -60,6 +64,9 @@ class WorldJoints:
         self.read_positions = _reader(data.qpos, positions)
         self.read_velocities = _reader(data.qvel, dofs)
         self.read_motor_forces = _reader(data.actuator_force, motors)
+        if brake_forces is None:
+            brake_forces = np.zeros(model.nv)
+        self.read_brake_forces = _reader(brake_forces, dofs)
         self.read_bias_forces = _reader(data.qfrc_bias, dofs)
         self.read_compensation = _reader(data.qfrc_gravcomp, dofs)
         self.damping: list[float] = model.dof_damping[dofs].tolist()
@@ -179,7 +186,7 @@ class WorldJointStates:
     def __init__(
         self, model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str]
     ) -> None:
-        joints = [_find_joint(model, name) for name in names]
+        joints = [find_joint(model, name) for name in names]
         self.read_positions = _reader(
             data.qpos, [int(model.jnt_qposadr[joint]) for joint in joints]
         )
@@ -194,10 +201,15 @@ def joint_position_address(model: mujoco.MjModel, name: str) -> int:
     Raises:
         HardwareInterfaceError: The model has no such joint with one degree of freedom.
     """
-    return int(model.jnt_qposadr[_find_joint(model, name)])
+    return int(model.jnt_qposadr[find_joint(model, name)])
 
 
-def _find_joint(model: mujoco.MjModel, name: str) -> int:
+def find_joint(model: mujoco.MjModel, name: str) -> int:
+    """Return the number of a joint in the model.
+
+    Raises:
+        HardwareInterfaceError: The model has no such joint with one degree of freedom.
+    """
     joint: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
     if joint < 0 or int(model.jnt_type[joint]) not in _SINGLE_DOF:
         known = [model.joint(i).name for i in range(model.njnt)]

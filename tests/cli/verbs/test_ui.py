@@ -40,7 +40,7 @@ def test_child_of_a_station_is_quiet_and_ends_with_it(run, dashboards):
 
 
 def test_child_of_a_station_that_is_gone_does_not_start(run, dashboards):
-    assert run("ui --connect http://robot:8000 --parent-pid 1").code == 0
+    assert run(f"ui --connect http://robot:8000 --parent-pid {os.getpid()}").code == 0
     assert dashboards == []
 
 

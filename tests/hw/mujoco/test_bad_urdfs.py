@@ -81,13 +81,24 @@ CASES = {
     "missing mesh": (
         '<box size="0.1 0.1 0.1"/>',
         MESH,
-        ["package://nobody/arm.stl", "not found"],
+        ["link 'arm' <collision>", "package://nobody/arm.stl", "not found"],
     ),
     "missing link": ('<child link="arm"/>', '<child link="leg"/>', ["'j'", "'leg'"]),
     "impossible inertia": (
         'izz="0.1"',
         'izz="9"',
-        ["inertia", "arm"],
+        ["the element named 'arm'", "inertia must satisfy"],
+    ),
+    "no mass": (
+        '<mass value="1"/>',
+        '<mass value="0"/>',
+        ["the element named 'arm'", "mass and inertia"],
+    ),
+    "inverted soft limits": (
+        LIMIT,
+        f'{LIMIT}<safety_controller soft_lower_limit="1" soft_upper_limit="-1" '
+        'k_position="1" k_velocity="1"/>',
+        ["<safety_controller>", "'j'", "from 1.0 to -1.0"],
     ),
     "no joint to drive": (
         'type="revolute"',

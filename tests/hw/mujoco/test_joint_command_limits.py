@@ -5,10 +5,9 @@ from math import inf
 import pytest
 
 from station.core.interfaces import JointHandle, JointStateHandle
-from station.core.limits import JointLimitsError
+from station.core.limits import JointLimitsError, LimitMode
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
-from station.hw.mujoco.mujoco_robot_parameters import LimitMode
 
 SAFETY = (
     '<safety_controller soft_lower_limit="-0.9" soft_upper_limit="0.9" '

@@ -33,7 +33,8 @@ class Bench:
     def __init__(self, max_velocity: float = MAX_VELOCITY):
         self.world = World(mujoco.MjModel.from_xml_string(WHEEL))
         self.joints = self.world.joints(["j"])
-        self.drives = JointDrives(self.joints, [max_velocity], 0.001)
+        self.drives = JointDrives(self.joints, 0.001)
+        self.drives.velocity_limits[0] = max_velocity
         self.world.add_actor(self.drives)
         self.positions: list[float] = []
         self.velocities: list[float] = []
@@ -59,7 +60,7 @@ def test_position_is_reached_without_overshoot(bench):
 
 def test_position_servo_keeps_the_velocity_limit(bench):
     bench.drives.position_target[0] = 1.9
-    bench.drives._velocity_limits[0] = 0.5
+    bench.drives.velocity_limits[0] = 0.5
     bench.run(1500)
     assert max(bench.velocities) == pytest.approx(0.5, rel=1e-3)
 
@@ -90,7 +91,7 @@ def test_effort_is_passed_on(bench):
 
 def test_effort_does_not_drive_beyond_the_velocity_limit(bench):
     bench.drives.modes[0] = DriveMode.EFFORT
-    bench.drives._velocity_limits[0] = 1.0
+    bench.drives.velocity_limits[0] = 1.0
     bench.drives.effort_target[0] = 20.0
     bench.run(300)
     # one step of full effort beyond the limit: 20 / 0.6 * 0.001

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from station.core.errors import SwitchRefusedError
+from station.core.errors import HardwareInterfaceError, SwitchRefusedError
 from station.core.interfaces import (
     ActuatorStateInterface,
     EffortJointInterface,
@@ -16,6 +16,12 @@ from station.core.interfaces import (
 )
 from station.core.parameters import Parameters, ParameterTree
 from station.core.robot_hw import ControllerInfo, InterfaceResources
+from station.core.transmissions import (
+    ActuatorToJointEffortInterface,
+    ActuatorToJointPositionInterface,
+    ActuatorToJointVelocityInterface,
+    JointToActuatorStateInterface,
+)
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
@@ -29,6 +35,11 @@ INTERFACES = {
     "position": PositionJointInterface,
     "velocity": VelocityJointInterface,
     "effort": EffortJointInterface,
+}
+FROM_ACTUATORS = {
+    "position": ActuatorToJointPositionInterface,
+    "velocity": ActuatorToJointVelocityInterface,
+    "effort": ActuatorToJointEffortInterface,
 }
 # UR5 has no <safety_controller>: soft limits 0.1 rad before the hard ones.
 UR5_SOFT_LIMITS = {
@@ -224,6 +235,38 @@ def test_command_that_is_no_number_lets_the_joint_be_held(limit_mode: str):
     assert states(hw)["elbow_joint"].get_position() == pytest.approx(0.3, abs=1e-3)
 
 
+@pytest.mark.parametrize("quantity", list(INTERFACES))
+@pytest.mark.parametrize("reference", [WRIST, LEG])
+def test_bidirectional_transmissions_map_both_ways(
+    reference: str, quantity: str, tmp_path: Path
+):
+    named = f"BiDirectional{quantity.title()}JointInterface"
+    urdf = tmp_path / "robot.urdf"
+    text = Path(reference).read_text(encoding="utf-8")
+    urdf.write_text(text.replace("EffortJointInterface", named), encoding="utf-8")
+    hw = make(str(urdf))
+    joints = hw.get(INTERFACES[quantity]).get_names()
+    claim(hw, quantity, *joints)
+    # Near the start: neither limits nor range change the command.
+    start = {name: state.get_position() for name, state in states(hw).items()}
+    at = start if quantity == "position" else dict.fromkeys(joints, 0.0)
+    wanted = {name: at[name] + 0.0005 for name in joints}
+    drive(hw, quantity, wanted, 100)
+    hw.read(0.0, PERIOD)
+    actuators = list(hw.get(ActuatorStateInterface).handles())
+    before = [(a.get_position(), a.get_velocity(), a.get_effort()) for a in actuators]
+    hw.transmission_maps.get(JointToActuatorStateInterface).propagate()
+    after = [(a.get_position(), a.get_velocity(), a.get_effort()) for a in actuators]
+    # Rounding of one trip through the gears.
+    assert after == [pytest.approx(state, rel=1e-9, abs=1e-12) for state in before]
+    commands = hw.get(INTERFACES[quantity])
+    for name in joints:
+        commands.get_handle(name).set_command(0.0)
+    hw.transmission_maps.get(FROM_ACTUATORS[quantity]).propagate()
+    found = {name: commands.get_handle(name).get_command() for name in joints}
+    assert found == pytest.approx(wanted, rel=1e-9)
+
+
 def test_mimic_joint_has_a_state_and_no_command():
     hw = make(PANDA, initial_positions={"panda_joint4": -2.0, "panda_joint6": 2.0})
     claim(hw, "position", "panda_finger_joint1")
@@ -242,6 +285,29 @@ def test_period_sets_how_many_steps_the_world_makes():
     hw.write(0.0, 0.1)
     assert hw.world.step_count == 23
     assert hw.lost_steps == 80
+
+
+def test_loop_faster_than_the_simulation_is_refused():
+    hw = make(timestep=0.002)
+    with pytest.raises(HardwareInterfaceError, match="only 500 steps") as info:
+        hw.check_period(0.001)
+    assert "robot.timestep to 0.001" in info.value.remedy
+    hw.check_period(0.002)
+
+
+def test_loop_that_steps_unevenly_is_told(caplog: pytest.LogCaptureFixture):
+    hw = make()
+    hw.check_period(0.004)
+    assert not caplog.records
+    hw.check_period(0.0025)
+    assert "a timestep of 0.000833333 s would fit" in caplog.text
+
+
+def test_slow_loop_loses_no_steps():
+    hw = make()
+    hw.check_period(0.1)
+    hw.write(0.0, 0.1)
+    assert (hw.world.step_count, hw.lost_steps) == (100, 0)
 
 
 def test_reset_keeps_a_running_controller():

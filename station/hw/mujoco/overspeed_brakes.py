@@ -1,0 +1,135 @@
+"""Brakes that keep simulated joints from being faster than they are allowed to be.
+
+The limits of joint_limits_interface look at one joint at a time, once per cycle, and at
+commands only. What other joints, contacts and a late torque do to a joint they cannot
+know: with all joints of an arm commanded to their limits at once, one is thrown beyond
+its bound although its own motor gives nothing, or brakes as hard as it can. A real
+drive has a protection of its own against that, and so have these joints.
+
+After a step, joints that are faster than `OVERSPEED` times their limit are slowed down
+to just that by impulses p between their two links, against the motion:
+
+    M (dq' - dq) = p,    |dq'_i| <= OVERSPEED * limit_i,    p_i = 0 or against dq'_i
+
+with the inertia M of that step. The way of the step changes with it. The brakes take
+energy out and never give any. Within the bounds nothing acts, so that what a controller
+does there is not touched. Joints that mimic another one have a brake of their own.
+"""
+
+from collections.abc import Mapping
+from math import inf
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+OVERSPEED = 1.015
+"""Share of its velocity limit above which a joint is braked."""
+_MOST_SWEEPS = 200
+# Of the bound; how exactly the impulses are found.
+_TOLERANCE = 1e-6
+
+
+class OverspeedBrakes:
+    """The brakes of all joints of a world. Control thread only.
+
+    Args:
+        model: The world's model.
+        data: The world's data; changed by `act`.
+
+    Attributes:
+        forces: Mean force of the brakes in the last step [Nm or N], one per degree of
+            freedom of the model, shape (nv,); in place.
+        braked_steps: Steps in which a brake acted.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        self._model = model
+        self._data = data
+        self._qvel: NDArray[np.float64] = data.qvel
+        self._bounds = np.full(model.nv, inf)
+        self._shares = np.zeros(model.nv)  # 1 / bound
+        self._relative = np.zeros(model.nv)
+        self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
+        self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
+        self._has_acted = False
+        self.forces = np.zeros(model.nv)
+        self.braked_steps = 0
+
+    def set_limits(self, limits: Mapping[int, float]) -> None:
+        """Brake some joints from now on.
+
+        Args:
+            limits: Joint with one degree of freedom, by its number in the model, to its
+                velocity limit, > 0 [rad/s or m/s]; infinite for none.
+        """
+        for joint, limit in limits.items():
+            dof = int(self._model.jnt_dofadr[joint])
+            self._bounds[dof] = OVERSPEED * limit
+            self._shares[dof] = 1.0 / self._bounds[dof]
+
+    def act(self) -> None:
+        """Slow the joints down that were too fast at the end of the last step."""
+        if self._has_acted:
+            self.forces[:] = 0.0
+            self._has_acted = False
+        relative = self._relative
+        np.multiply(self._qvel, self._shares, out=relative)
+        # The sum first: it is cheap, and mostly enough. NaN is not for brakes.
+        if not relative.dot(relative) > 1.0 or not np.abs(relative).max() > 1.0:
+            return
+        braked = np.flatnonzero(self._shares)
+        response = self._response(braked)
+        impulses = _find_impulses(
+            self._qvel[braked], self._bounds[braked], response[:, braked]
+        )
+        change = impulses @ response
+        self._qvel += change
+        timestep = self._model.opt.timestep
+        # Semi-implicit: a step's way is that with the velocity at its end.
+        dofs = np.flatnonzero(change)
+        self._data.qpos[self._position_of_dof[dofs]] += timestep * change[dofs]
+        self.forces[braked] = impulses / timestep
+        self._has_acted = True
+        self.braked_steps += 1
+
+    def _response(self, dofs: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Return the velocities that unit impulses make, shape (len(dofs), nv)."""
+        rows = np.zeros((len(dofs), self._model.nv))
+        rows[np.arange(len(dofs)), dofs] = 1.0
+        solved = np.empty_like(rows)
+        mujoco.mj_solveM(self._model, self._data, solved, rows)
+        return solved
+
+
+def _find_impulses(
+    velocities: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    response: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return the impulses that bring velocities within their bounds, shape (n,).
+
+    Joint by joint, each as if the others' impulses were right, until nothing changes
+    (coordinate descent on a convex function).
+
+    Args:
+        velocities: Shape (n,).
+        bounds: Largest speeds, > 0, shape (n,).
+        response: Velocities that unit impulses make, symmetric, shape (n, n).
+    """
+    velocity = velocities.copy()
+    impulses = np.zeros_like(velocity)
+    for _ in range(_MOST_SWEEPS):
+        worst = 0.0
+        for i, bound in enumerate(bounds.tolist()):
+            own = response[i, i]
+            free = velocity[i] - own * impulses[i]
+            wanted = (min(max(free, -bound), bound) - free) / own
+            change = wanted - impulses[i]
+            if change:
+                velocity += change * response[i]
+                impulses[i] = wanted
+                worst = max(worst, abs(change * own) / bound)
+        if worst < _TOLERANCE:
+            break
+    return impulses
