@@ -27,11 +27,11 @@ def start_example(
 
 
 def run_without_errors(station: Station, seconds: float) -> list[list[float]]:
-    """Run, and return the desired end effector's origin [m] every 10 ms."""
+    """Run, and return the measured end effector's origin [m] every 10 ms."""
     path = []
     for _ in range(round(seconds * 100)):
         station.loop.step(10)
         state = station.robots.state("panda")
         assert station.latest().mode == "move", station.controller("example").fault
-        path.append(state.O_T_EE_d[12:15])
+        path.append(state.O_T_EE[12:15])
     return path
