@@ -89,7 +89,7 @@ def test_topics_have_the_rate_and_the_fields_of_the_page():
         RobotStateTopic: "robot_state/{arm_id}",
     }
     topics = {
-        families[kind] if kind in families else kind.name: kind
+        getattr(kind, "name", families.get(kind)): kind
         for kind in {*kinds, *reports}
         if not kind.__abstractmethods__
     }

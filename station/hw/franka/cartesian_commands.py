@@ -18,6 +18,7 @@ from station.hw.franka.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_kinematics import IDENTITY
 from station.hw.franka.franka_parameters import CommandSettings
+from station.hw.franka.pose_bridge import PoseBridge
 from station.hw.franka.rate_limiter import (
     MARGIN,
     MAX_CUTOFF_FREQUENCY,
@@ -52,6 +53,7 @@ class CartesianCommands:
         self._pose = list(IDENTITY)
         self._twist = [0.0] * 6
         self._pose_elbow = [0.0, 0.0]
+        self._bridge = PoseBridge()
         self._twist_elbow = [0.0, 0.0]
         self.has_pose = self.has_twist = False
         losses = limits.tolerated_losses
@@ -88,6 +90,7 @@ class CartesianCommands:
             self._pose[:] = self._arm.state.O_T_EE_d
         self._twist[:] = [0.0] * 6
         self._pose_elbow[:] = self._twist_elbow[:] = [0.0, 0.0]
+        self._bridge.begin(self._pose, self._pose_elbow)
 
     def are_finite(self) -> bool:
         """Tell whether all commands that are taken are finite."""
@@ -98,19 +101,26 @@ class CartesianCommands:
             total += sum(self._twist) + sum(self._twist_elbow)
         return isfinite(total)
 
-    def send(self, settings: CommandSettings) -> None:
+    def send(self, settings: CommandSettings, *, is_new: bool) -> None:
         """Filter, limit and send what is taken.
 
         Args:
             settings: Cutoff frequency and whether to limit.
+            is_new: The controllers have had their say since the last time.
 
         Raises:
             InvalidCommandError: The elbow's sign is not +1 or -1.
         """
         state = self._arm.state
         if self.has_pose:
-            pose = self._limited_pose(state, settings)
-            elbow = self._limited_elbow(self._pose_elbow, state, settings)
+            bridge = self._bridge
+            pose, bent = (
+                bridge.pass_on(self._pose, self._pose_elbow)
+                if is_new
+                else bridge.bridge()
+            )
+            pose = self._limited_pose(pose, state, settings)
+            elbow = self._limited_elbow(bent, state, settings)
             self._arm.command_cartesian_pose(pose, elbow)
         if self.has_twist:
             twist = self._limited_twist(state, settings)
@@ -118,9 +128,8 @@ class CartesianCommands:
             self._arm.command_cartesian_velocity(twist, elbow)
 
     def _limited_pose(
-        self, state: RobotState, settings: CommandSettings
+        self, pose: list[float], state: RobotState, settings: CommandSettings
     ) -> list[float]:
-        pose = list(self._pose)
         if settings.cutoff_frequency < MAX_CUTOFF_FREQUENCY:
             gain = low_pass(1.0, 0.0, settings.cutoff_frequency)
             last = state.O_T_EE_c

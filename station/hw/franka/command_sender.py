@@ -65,10 +65,14 @@ class CommandSender:
         self._goals = commands.goals()
         if period > 0.0:
             commands.enforce_limits(period)
-        self.send()
+        self.send(is_new=True)
 
-    def send(self) -> None:
-        """Filter and send the commands as they are, for one cycle of the arm."""
+    def send(self, *, is_new: bool = False) -> None:
+        """Filter and send the commands as they are, for one cycle of the arm.
+
+        Args:
+            is_new: The controllers have had their say since the last time.
+        """
         arm, commands, state = self._arm, self._commands, self._arm.state
         if state.robot_mode is not RobotMode.MOVE:
             return
@@ -83,7 +87,7 @@ class CommandSender:
             arm.command_joint_torques(filtered.torques(commands.efforts, state))
         if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
             try:
-                self._cartesian.send(self._settings)
+                self._cartesian.send(self._settings, is_new=is_new)
             except InvalidCommandError:
                 arm.stop_motion()
 
