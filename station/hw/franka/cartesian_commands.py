@@ -90,7 +90,7 @@ class CartesianCommands:
             self._pose[:] = self._arm.state.O_T_EE_d
         self._twist[:] = [0.0] * 6
         self._pose_elbow[:] = self._twist_elbow[:] = [0.0, 0.0]
-        self._bridge.begin(self._pose, self._pose_elbow)
+        self._bridge.begin(self._pose, self._arm.state.elbow_d)
 
     def are_finite(self) -> bool:
         """Tell whether all commands that are taken are finite."""

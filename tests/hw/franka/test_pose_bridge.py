@@ -22,11 +22,11 @@ def at(x):
 
 @pytest.fixture
 def bridge():
-    """Return a bridge that has passed on a motion of 1 mm per cycle."""
+    """Return a bridge that has passed on a motion of 0.1 mm per cycle."""
     bridge = PoseBridge()
     bridge.begin(at(0.0), NO_ELBOW)
     for cycle in range(1, 4):
-        bridge.pass_on(at(1e-3 * cycle), NO_ELBOW)
+        bridge.pass_on(at(1e-4 * cycle), NO_ELBOW)
     return bridge
 
 
@@ -37,19 +37,26 @@ def test_commands_of_every_cycle_pass_unchanged(bridge):
 def test_motion_goes_on_without_commands(bridge):
     places = [bridge.bridge()[0][12] for _ in range(4)]
 
-    assert places == pytest.approx([0.004, 0.005, 0.006, 0.007])
+    assert places == pytest.approx([4e-4, 5e-4, 6e-4, 7e-4])
 
 
 def test_return_to_the_commands_is_smooth_and_complete(bridge):
-    places = [bridge.bridge()[0][12] for _ in range(2)]
-    for cycle in range(1_500):  # the motion had stopped at 3 mm
-        pose, _ = bridge.pass_on(at(0.003), NO_ELBOW)
-        places.append(pose[12])
-        assert cycle > 0 or pose[12] == pytest.approx(0.006)
+    places = [bridge.bridge()[0][12] for _ in range(5)]
+    # The motion had stopped at once.
+    places += [bridge.pass_on(at(3e-4), NO_ELBOW)[0][12] for _ in range(4_000)]
 
-    speeds = [b - a for a, b in pairwise(places[2:])]
-    assert max(abs(b - a) for a, b in pairwise(speeds)) < 3e-6
-    assert places[-1] == 0.003
+    speeds = [b - a for a, b in pairwise(places)]
+    # 1 m/s^2 in cycles of 1 ms.
+    assert max(abs(b - a) for a, b in pairwise(speeds)) < 1.1e-6
+    assert places[-1] == pytest.approx(3e-4, abs=1e-8)
+
+
+def test_commands_pass_unchanged_again_after_the_return(bridge):
+    bridge.bridge()
+    for cycle in range(5, 1_000):
+        pose, _ = bridge.pass_on(at(1e-4 * cycle), NO_ELBOW)
+
+    assert pose == at(1e-4 * 999)
 
 
 def test_elbow_goes_on_as_well():
@@ -91,4 +98,4 @@ def test_slow_and_late_loops_trace_an_arc_without_an_error(periods_ms):
         assert hw.mode() == "move", hw.arm.errors()
         reached = handle.get_robot_state().O_T_EE
         away = hypot(reached[12] - start[12], reached[14] - start[14] - 0.15)
-        assert away == pytest.approx(0.15, abs=1e-4)
+        assert away == pytest.approx(0.15, abs=5e-4)
