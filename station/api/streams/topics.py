@@ -261,7 +261,9 @@ def _payload(snapshot: Snapshot, data: Data) -> Payload:
     return Payload(snapshot.cycle, snapshot.epoch, snapshot.stamp, data)
 
 
-_FIXED: tuple[type[JointStatesTopic | ControllersTopic | LoopTopic], ...] = (
+_FIXED: tuple[
+    type[JointStatesTopic | ControllersTopic | LoopTopic | SceneTopic], ...
+] = (
     JointStatesTopic,
     ControllersTopic,
     LoopTopic,
