@@ -249,8 +249,9 @@ def _joint_position(text: str) -> tuple[str, float]:
 
 def _add_motion_verbs(verbs: _Verbs) -> None:
     echo = verbs.add("echo", "streams:echo", "print what a topic says, until Ctrl-C")
-    echo.add_argument("topic", help="joint_states, controllers, loop, …")
+    echo.add_argument("topic", help="joint_states, robot_state, controllers, loop, …")
     echo.add_argument("--rate", metavar="HZ", help="samples per second, or `full`")
+    echo.add_argument("--fields", metavar="A,B", help="only these fields")
     echo.add_argument("-n", "--count", type=int, help="stop after so many")
     command = verbs.add("command", "motion:command", "send a controller a set-point")
     command.add_argument("controller")

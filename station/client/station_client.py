@@ -346,7 +346,8 @@ class StationClient:
         """Return a stream of a topic; iterate over it.
 
         Args:
-            topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`.
+            topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
+                `robot_state/<arm_id>`.
             rate: Frames per second [Hz], or "full" for every cycle, in batches.
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.

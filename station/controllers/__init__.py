@@ -47,8 +47,17 @@ CONTROLLERS: dict[str, str] = {
     "franka_example_controllers/CartesianVelocityExampleController": (
         "station.controllers.franka_example_controllers:CartesianVelocityExampleController"
     ),
+    "franka_example_controllers/DualArmCartesianImpedanceExampleController": (
+        "station.controllers.franka_example_controllers:DualArmCartesianImpedanceExampleController"
+    ),
     "franka_example_controllers/ElbowExampleController": (
         "station.controllers.franka_example_controllers:ElbowExampleController"
+    ),
+    "franka_example_controllers/ForceExampleController": (
+        "station.controllers.franka_example_controllers:ForceExampleController"
+    ),
+    "franka_example_controllers/JointImpedanceExampleController": (
+        "station.controllers.franka_example_controllers:JointImpedanceExampleController"
     ),
     "franka_example_controllers/JointPositionExampleController": (
         "station.controllers.franka_example_controllers:JointPositionExampleController"
@@ -58,6 +67,9 @@ CONTROLLERS: dict[str, str] = {
     ),
     "franka_example_controllers/ModelExampleController": (
         "station.controllers.franka_example_controllers:ModelExampleController"
+    ),
+    "franka_example_controllers/TeleopJointPDExampleController": (
+        "station.controllers.franka_example_controllers:TeleopJointPDExampleController"
     ),
     "franka_control/FrankaStateController": (
         "station.controllers.franka_state_controller:FrankaStateController"

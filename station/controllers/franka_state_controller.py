@@ -5,7 +5,7 @@ is published is kept as one object for any thread, instead of being sent to topi
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from typing_extensions import override
@@ -17,6 +17,7 @@ from station.core.interfaces import (
     FrankaStateInterface,
     RobotState,
 )
+from station.core.interfaces.franka_errors import error_names
 from station.core.joint_states import JointStates
 from station.core.parameters import Parameters
 from station.core.publish_timer import PublishTimer
@@ -24,6 +25,7 @@ from station.core.publish_timer import PublishTimer
 RATE_HZ = 30.0
 """Default of `publish_rate`."""
 _DOF = 7
+_ERRORS = ("current_errors", "last_motion_errors")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,14 +107,16 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the messages of three topics; the whole state is the arm's resource.
-
-        Called in any thread.
-        """
+        """Return the original's topics: whole state, joints, wrench, transforms."""
         found = self.franka_states
         if found is None:
             return {}
         return {
+            "franka_states": {
+                "stamp": found.stamp,
+                "sequence": found.sequence,
+                **_as_message(found.state),
+            },
             "joint_states": found.joint_states._asdict(),
             "joint_states_desired": found.joint_states_desired._asdict(),
             "F_ext": {
@@ -121,4 +125,21 @@ class FrankaStateController(Controller[FrankaStateInterface]):
                 "force": found.F_ext[:3],
                 "torque": found.F_ext[3:],
             },
+            "tf": {
+                "transforms": [
+                    {"frame_id": parent, "child_frame_id": child, "pose": pose}
+                    for parent, child, pose in found.transforms
+                ]
+            },
         }
+
+
+def _as_message(state: RobotState) -> dict[str, object]:
+    """Return a state's fields; the mode and the errors by their names."""
+    message: dict[str, object] = {
+        one.name: getattr(state, one.name) for one in fields(state)
+    }
+    message["robot_mode"] = state.robot_mode.name.lower()
+    for name in _ERRORS:
+        message[name] = error_names(getattr(state, name))
+    return message

@@ -349,5 +349,6 @@ class ControllerRunner(ControllerLifecycle):
             problem = self.start_at_once(one, time, plan.start)
             if problem and pending.error is not None:
                 pending.error.message += (
-                    f" '{one.info.name}' could not be started again: {problem}."
+                    f" '{one.info.name}' could not be started again: "
+                    f"{problem.rstrip('.')}."
                 )

@@ -119,7 +119,7 @@ def refused(name: str, reason: str, pending: PendingSwitch) -> SwitchRefusedErro
         pending: The switch; its `jump` goes into the details.
     """
     return SwitchRefusedError(
-        f"Controller '{name}' did not start: {reason}.",
+        f"Controller '{name}' did not start: {reason.rstrip('.')}.",
         remedy="What ran before runs again. Correct the controller and repeat.",
         details={"controller": name, "jump": dict(pending.jump)},
     )

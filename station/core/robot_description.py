@@ -13,6 +13,7 @@ from station.core.limits import (
     JointLimits,
     JointLimitsError,
     joint_limits_from_urdf,
+    soft_joint_limits_from_urdf,
 )
 from station.core.parameters import Parameters
 from station.core.urdf_text import parse_robot_description
@@ -93,6 +94,25 @@ class RobotDescription:
             RobotDescriptionError: There is no such joint, or its type or limits are
                 missing or impossible.
         """
+        return _joint_description(name, self._find(name))
+
+    def soft_limits(self, name: str) -> tuple[float, float]:
+        """Return the soft limits of the joint `name`, lower and upper [rad or m].
+
+        Raises:
+            RobotDescriptionError: There is no such joint, it has no soft limits, or a
+                number of them is wrong.
+        """
+        soft = soft_joint_limits_from_urdf(self._find(name))
+        if soft is None:
+            raise RobotDescriptionError(
+                f"Joint '{name}' has no <safety_controller> in the robot description.",
+                remedy="Give it one with soft_lower_limit and soft_upper_limit.",
+                details={"resource": name},
+            )
+        return soft.min_position, soft.max_position
+
+    def _find(self, name: str) -> ElementTree.Element:
         element = self._joints.get(name)
         if element is None:
             raise RobotDescriptionError(
@@ -100,7 +120,7 @@ class RobotDescription:
                 remedy=f"It has: {', '.join(self._joints) or 'none'}.",
                 details={"resource": name},
             )
-        return _joint_description(name, element)
+        return element
 
 
 def find_robot_description(params: Parameters) -> RobotDescription | None:

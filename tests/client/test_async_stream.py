@@ -15,6 +15,7 @@ from station.client import (
 )
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
+from tests.franka_station import make_franka_station
 
 
 def run_with(served, check, token=OPERATOR):
@@ -37,6 +38,20 @@ def test_frames_come_without_the_hello(served, station):
     assert frame.topic == "joint_states"
     assert frame.data == {"position": [0.25]}
     assert frame.boot_id == station.boot_id
+
+
+def test_whole_state_of_an_arm_is_streamed():
+    async def check(client):
+        async for frame in client.stream("robot_state", rate=50):
+            return frame
+        return None
+
+    app = create_app(make_franka_station(), Authenticator(OPERATOR))
+    with ApiServer(app, port=0) as server:
+        frame = run_with(server, check)
+
+    assert frame.topic == "robot_state/panda"
+    assert (frame.data["robot_mode"], len(frame.data["O_T_EE"])) == ("idle", 16)
 
 
 def test_a_refusal_is_raised_not_retried(served):

@@ -15,6 +15,7 @@ from station.client import (
 )
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
+from tests.franka_station import make_franka_station
 
 
 @pytest.fixture
@@ -35,6 +36,22 @@ def test_frames_come_without_the_hello(client, station):
         assert stream.progress.snapshot()["controllers"] == []
         frames.close()
     assert not stream.progress.connected
+
+
+def test_whole_state_of_an_arm_is_streamed():
+    station = make_franka_station()
+    app = create_app(station, Authenticator(OPERATOR))
+    with (
+        ApiServer(app, port=0) as server,
+        StationClient(server.url, OPERATOR) as client,
+        client.stream("robot_state/panda", rate=50) as stream,
+    ):
+        frames = iter(stream)
+        data = next(frames).data
+        frames.close()
+
+    assert data["arm_id"] == "panda"
+    assert data["O_T_EE"] == pytest.approx(station.robots.state("panda").O_T_EE)
 
 
 def test_every_cycle(client, station):

@@ -16,6 +16,8 @@ PERIOD = 0.001
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 POSE = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 """A pose within the limits of the Panda [rad]."""
+OTHER_JOINTS = [f"other_joint{number}" for number in range(1, 8)]
+"""Those of the second arm of two."""
 
 MOCK = {"joints": JOINTS, "initial_positions": POSE}
 FRANKA = {
@@ -27,7 +29,16 @@ ROBOT_PARAMETERS: Mapping[str, Mapping[str, object]] = {
     "mock_hw/MockRobotHW": MOCK,
     "franka_hw/FrankaHW": FRANKA,
     "franka_hw/FrankaCombinableHW": FRANKA,
-    "franka_hw/FrankaCombinedHW": {"robot_hardware": ["arm"], "arm": FRANKA},
+    "franka_hw/FrankaCombinedHW": {
+        "robot_hardware": ["arm", "second"],
+        "arm": FRANKA,
+        "second": {
+            "arm_id": "other",
+            "joint_names": OTHER_JOINTS,
+            "robot_description": "example-robot-data:panda",
+            "base_xyz": [0.0, 1.0, 0.0],
+        },
+    },
     "mujoco_hw/MujocoRobotHW": {
         "robot_description": "example-robot-data:panda",
         # With its other joints at 0 the arm would touch itself.
@@ -40,6 +51,14 @@ ROBOT_PARAMETERS: Mapping[str, Mapping[str, object]] = {
 }
 """Parameters a robot of the table needs; none for a type that is not listed."""
 
+ONE_ARM = {"arm_id": "panda", "joint_names": JOINTS}
+OTHER_ARM = {"arm_id": "other", "joint_names": OTHER_JOINTS}
+TWO_ARMED = (
+    "franka_example_controllers/DualArmCartesianImpedanceExampleController",
+    "franka_example_controllers/TeleopJointPDExampleController",
+)
+"""Types of controllers that need two arms."""
+
 PID = {"p": 10.0, "i": 0.0, "d": 1.0}
 CONTROLLER_PARAMETERS: Mapping[str, object] = {
     "arm_id": "panda",
@@ -49,6 +68,29 @@ CONTROLLER_PARAMETERS: Mapping[str, object] = {
     "pid": PID,
     "gains": dict.fromkeys(JOINTS, PID),
     "publish_rate": 50.0,
+    "k_gains": [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0],
+    "d_gains": [50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0],
+    "left": ONE_ARM,
+    "right": OTHER_ARM,
+    "leader": {
+        **ONE_ARM,
+        "d_gains_lower": [1.0, 1.0, 1.0, 1.0, 0.33, 0.33, 0.17],
+        "d_gains_upper": [35.0, 35.0, 35.0, 35.0, 10.0, 10.0, 8.0],
+        "dq_max_lower": [1.3, 1.3, 1.3, 1.3, 1.4, 1.4, 1.4],
+        "dq_max_upper": [1.9, 1.9, 1.9, 1.9, 2.2, 2.2, 2.2],
+        "contact_force_threshold": 4.0,
+    },
+    "follower": {
+        **OTHER_ARM,
+        "p_gains": [900.0, 900.0, 900.0, 900.0, 375.0, 225.0, 100.0],
+        "d_gains": [45.0, 45.0, 45.0, 45.0, 15.0, 15.0, 10.0],
+        "drift_comp_gains": [4.3] * 7,
+        "dq_max_lower": [0.8, 0.8, 0.8, 0.8, 2.5, 2.5, 2.5],
+        "dq_max_upper": [2.0, 2.0, 2.0, 2.0, 2.5, 2.5, 2.5],
+        "ddq_max_lower": [0.8, 0.8, 0.8, 0.8, 10.0, 10.0, 10.0],
+        "ddq_max_upper": [6.0, 6.0, 6.0, 6.0, 15.0, 20.0, 20.0],
+        "contact_force_threshold": 5.0,
+    },
     **{name: {"pid": PID} for name in JOINTS},
 }
 """Everything a controller of the table may ask for."""
@@ -69,7 +111,8 @@ class Bench:
 
     def __init__(self, robot_type: str = "mock_hw/MockRobotHW") -> None:
         self.parameters = Parameters()
-        self.parameters.set("robot_description", panda().xml)
+        if robot_type != "franka_hw/FrankaCombinedHW":  # which describes both arms
+            self.parameters.set("robot_description", panda().xml)
         self.robot = create_robot(robot_type)
         self.parameters.set("hw", dict(ROBOT_PARAMETERS.get(robot_type, {})))
         self.robot.init(self.parameters, self.parameters.namespace("hw"))
@@ -103,11 +146,15 @@ class Bench:
 
 
 def bench_for(controller_type: str) -> Bench:
-    """Return a bench with the controller loaded: the mock, or else a Franka.
+    """Return a bench with the controller loaded: the mock, or else Franka arms.
 
     Args:
         controller_type: A key of `CONTROLLERS`.
     """
+    if controller_type in TWO_ARMED:
+        bench = Bench("franka_hw/FrankaCombinedHW")
+        bench.load(controller_type)
+        return bench
     bench = Bench()
     try:
         bench.load(controller_type)

@@ -1,8 +1,11 @@
 """The state of an arm is published at its rate."""
 
+from dataclasses import fields
+
 import pytest
 
 from station.core.errors import ParameterError
+from station.core.interfaces import RobotState
 from station.core.switching import SwitchRequest
 from tests.franka_station import JOINTS, make_franka_station
 
@@ -29,19 +32,29 @@ def test_state_is_published_thirty_times_a_second():
     assert published.state is not station.manager.get_controller("state")
 
 
-def test_its_messages_can_be_asked_for():
+def test_all_topics_of_the_original_are_published():
     station = make_franka_station()
     station.load_controller("state", TYPE, {"arm_id": "panda", "joint_names": JOINTS})
     assert station.published("state") == {}
     station.switch_controllers(SwitchRequest(("state",), ()))
-    station.loop.step(10)
+    station.loop.step(50)
 
-    messages = station.published("state")
+    told, state = station.published("state"), station.robots.state("panda")
 
-    assert set(messages) == {"joint_states", "joint_states_desired", "F_ext"}
-    assert messages["joint_states"]["name"] == JOINTS
-    assert messages["F_ext"]["frame_id"] == "panda_K"
-    assert len(messages["F_ext"]["force"]) == len(messages["F_ext"]["torque"]) == 3
+    assert list(told) == [
+        "franka_states", "joint_states", "joint_states_desired", "F_ext", "tf"
+    ]  # fmt: skip
+    assert set(told["franka_states"]) == {
+        "stamp", "sequence", *(one.name for one in fields(RobotState))
+    }  # fmt: skip
+    assert told["franka_states"]["O_T_EE"] == pytest.approx(state.O_T_EE)
+    assert told["franka_states"]["robot_mode"] == "idle"
+    assert told["franka_states"]["current_errors"] == []
+    assert told["joint_states"]["name"] == JOINTS
+    assert told["joint_states_desired"]["position"] == pytest.approx(state.q_d)
+    assert told["F_ext"]["frame_id"] == "panda_K"
+    frames = [one["child_frame_id"] for one in told["tf"]["transforms"]]
+    assert frames == ["panda_NE", "panda_EE", "panda_K"]
 
 
 def test_seven_joints_are_needed():

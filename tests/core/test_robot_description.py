@@ -91,3 +91,16 @@ def test_a_missing_description_is_none_or_an_error():
     assert find_robot_description(params) is None
     with pytest.raises(RobotDescriptionError, match="'robot_description' is missing"):
         require_robot_description(params)
+
+
+def test_soft_limits_are_those_of_the_safety_controller():
+    safety = (
+        "<safety_controller k_velocity='1' soft_lower_limit='-1' soft_upper_limit='2'/>"
+    )
+    description = RobotDescription(
+        f"<robot><joint name='a' type='fixed'>{safety}</joint>"
+        "<joint name='b' type='fixed'/></robot>"
+    )
+    assert description.soft_limits("a") == (-1.0, 2.0)
+    with pytest.raises(RobotDescriptionError, match="'b' has no <safety_controller>"):
+        description.soft_limits("b")

@@ -8,9 +8,14 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.routes import PREFIX
 from station.api.routes.problems import MEANINGS
-from station.api.schemas import streams
+from station.api.schemas import FrankaState, streams
 from station.api.streams import broadcaster
-from station.api.streams.topics import ControllerStateTopic, CycleTopic, Topic
+from station.api.streams.topics import (
+    ControllerStateTopic,
+    CycleTopic,
+    RobotStateTopic,
+    Topic,
+)
 from tests.api.spring import make_station
 from tests.documentation.shell_examples import ROOT, commands, curl_request
 
@@ -79,13 +84,20 @@ def test_close_codes_are_those_of_the_streams():
 def test_topics_have_the_rate_and_the_fields_of_the_page():
     kinds = [kind for base in (Topic, CycleTopic) for kind in base.__subclasses__()]
     reports = [kind for base in kinds for kind in base.__subclasses__()]
+    families = {
+        ControllerStateTopic: "controller_state/{name}",
+        RobotStateTopic: "robot_state/{arm_id}",
+    }
     topics = {
-        ("controller_state/{name}" if kind is ControllerStateTopic else kind.name): kind
+        getattr(kind, "name", families.get(kind)): kind
         for kind in {*kinds, *reports}
         if not kind.__abstractmethods__
     }
 
     for name, rate, fields in rows("Topic"):
         assert float(rate) == topics[name].default_rate
-        assert set(topics[name].fields) <= set(re.findall(r"\w+", fields))
+        told = set(re.findall(r"\w+", fields))
+        if "GET `/robots/{arm_id}/state`" in fields:
+            told |= set(FrankaState.model_fields)
+        assert set(topics[name].fields) <= told
     assert {row[0] for row in rows("Topic")} == set(topics)

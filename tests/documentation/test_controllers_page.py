@@ -27,6 +27,19 @@ def table(heading: str) -> list[list[str]]:
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
 
 
+def names_of(cell: str) -> list[str]:
+    """Return the names in a cell; `a_1…3` stands for `a_1`, `a_2`, `a_3`."""
+    names = []
+    for name in cell.replace("`", "").split(", "):
+        several = re.fullmatch(r"(.*?)(\d)…(\d)", name)
+        if several is None:
+            names.append(name)
+        else:
+            stem, first, last = several.groups()
+            names += [f"{stem}{n}" for n in range(int(first), int(last) + 1)]
+    return names
+
+
 def groups_of(cell: str) -> set[str]:
     return {"all", *cell.split(", ")}
 
@@ -86,9 +99,10 @@ def documented(controller_type: str) -> dict[str, str]:
     """Return the default of each parameter of a type as the page tells it."""
     groups = groups_of(TYPES[controller_type][4])
     return {
-        row[0].strip("`"): row[2].strip("`")
+        name: row[2].strip("`")
         for row in table("Parameters")
         if row[3] in groups
+        for name in names_of(row[0])
     }
 
 
@@ -178,9 +192,10 @@ def test_defaults_are_told(reading):
 def test_run_time_parameters_and_their_ranges_are_told(reading):
     groups = groups_of(TYPES[reading.status.type][4])
     told = {
-        row[0].strip("`"): row[1]
+        name: row[1]
         for row in table("Run-time parameters")
         if row[2] in groups
+        for name in names_of(row[0])
     }
     schema = {
         re.sub("|".join(JOINTS), "<joint>", name): tunable

@@ -16,7 +16,8 @@ FAR = (
     "velocity_group_controller",
     "effort_group_effort_controller",
 )
-ROBOTS = sorted(path.stem for path in EXAMPLES.glob("*.yaml"))
+FRANKAS = ("franka_examples", "dual_panda")
+ROBOTS = sorted({path.stem for path in EXAMPLES.glob("*.yaml")} - set(FRANKAS))
 
 
 def run(robot: str) -> Composition:
@@ -107,3 +108,22 @@ def test_command_that_is_cut_off_shows_in_hardware_and_status():
     assert (clamp.last.joint, clamp.last.asked) == ("shoulder_pan_joint", 3.0)
     assert clamp.last.reason is ClampReason.VELOCITY
     assert station.hardware().clamps == (clamp,)
+
+
+@pytest.mark.parametrize("robot", FRANKAS)
+def test_every_example_of_franka_ros_runs(robot):
+    station = run(robot).station
+    names = [
+        one.name
+        for one in station.controllers()
+        if one.type.startswith("franka_example_controllers/")
+    ]
+    assert names
+    for name in names:
+        station.switch_controllers(SwitchRequest(start=[name]))
+        station.loop.step(200)
+        assert station.controller(name).fault == ""
+        station.switch_controllers(SwitchRequest(stop=[name]))
+        station.loop.step(200)
+    for arm_id in station.robots.names():
+        assert not any(station.robots.state(arm_id).last_motion_errors)

@@ -6,13 +6,19 @@ from typing import NamedTuple
 import anyio.to_thread
 from typing_extensions import override
 
-from station.api import wire
+from station.api import robot_wire, wire
+from station.api.schemas import FrankaState
 from station.core.controller import ControllerSample
-from station.core.errors import ControllerNotFoundError, StationError
+from station.core.errors import (
+    ArmNotFoundError,
+    ControllerNotFoundError,
+    StationError,
+)
 from station.core.snapshot import Snapshot
 from station.core.station import Station
 
 CONTROLLER_STATE = "controller_state/"
+ROBOT_STATE = "robot_state"
 Data = dict[str, object]
 
 
@@ -185,6 +191,32 @@ class ReportTopic(Topic):
         return Payload(loop.cycle, self._station.epoch, loop.time, data)
 
 
+class RobotStateTopic(ReportTopic):
+    """The whole state of one arm.
+
+    Args:
+        station: The station.
+        arm_id: The arm.
+
+    Raises:
+        ArmNotFoundError: There is no such arm.
+    """
+
+    fields = ("arm_id", *FrankaState.model_fields)
+    default_rate = 30.0
+
+    def __init__(self, station: Station, arm_id: str) -> None:
+        super().__init__(station)
+        station.robots.report(arm_id)  # refuses an unknown arm
+        self._arm_id = arm_id
+        self.name = f"{ROBOT_STATE}/{arm_id}"
+
+    @override
+    def report(self) -> Data:
+        state = robot_wire.franka_state(self._station.robots.state(self._arm_id))
+        return {"arm_id": self._arm_id, **state.model_dump()}
+
+
 class ControllersTopic(ReportTopic):
     """The list of controllers."""
 
@@ -229,7 +261,9 @@ def _payload(snapshot: Snapshot, data: Data) -> Payload:
     return Payload(snapshot.cycle, snapshot.epoch, snapshot.stamp, data)
 
 
-_FIXED: tuple[type[JointStatesTopic | ReportTopic], ...] = (
+_FIXED: tuple[
+    type[JointStatesTopic | ControllersTopic | LoopTopic | SceneTopic], ...
+] = (
     JointStatesTopic,
     ControllersTopic,
     LoopTopic,
@@ -238,20 +272,30 @@ _FIXED: tuple[type[JointStatesTopic | ReportTopic], ...] = (
 
 
 def find_topic(station: Station, name: str) -> Topic | None:
-    """Return the topic of that name, or None."""
+    """Return the topic of that name, or None.
+
+    `robot_state` alone is that of the only arm.
+    """
     for kind in _FIXED:
         if kind.name == name:
             return kind(station)
-    if name.startswith(CONTROLLER_STATE):
-        try:
+    family, _, member = name.partition("/")
+    arms = station.robots.names()
+    if name == ROBOT_STATE and len(arms) == 1:
+        member = arms[0]
+    try:
+        if name.startswith(CONTROLLER_STATE):
             return ControllerStateTopic(station, name.removeprefix(CONTROLLER_STATE))
-        except ControllerNotFoundError:
-            return None
+        if family == ROBOT_STATE:
+            return RobotStateTopic(station, member)
+    except (ControllerNotFoundError, ArmNotFoundError):
+        pass
     return None
 
 
 def topic_names(station: Station) -> list[str]:
     """Return the names of all topics there are now."""
     fixed = [kind.name for kind in _FIXED]
+    arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in station.robots.names()]
     loaded = [CONTROLLER_STATE + status.name for status in station.controllers()]
-    return fixed + loaded
+    return fixed + arms + loaded

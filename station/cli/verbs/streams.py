@@ -18,7 +18,9 @@ def echo(options: Namespace) -> int:
     rate = _rate(options.rate)
     with (
         open_client(options) as client,
-        client.stream(options.topic, rate=rate, reconnect=False) as stream,
+        client.stream(
+            options.topic, rate=rate, fields=_fields(options.fields), reconnect=False
+        ) as stream,
     ):
         for frame in itertools.islice(stream, options.count):
             if options.json:
@@ -48,6 +50,10 @@ def _rate(text: str | None) -> float | Literal["full"] | None:
             f"The rate {text!r} is none.", remedy="Use a number of Hz, or `full`."
         )
     return rate
+
+
+def _fields(text: str | None) -> list[str]:
+    return [] if text is None else text.split(",")
 
 
 def _show(frame: "StreamFrame") -> None:

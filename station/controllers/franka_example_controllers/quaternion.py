@@ -29,6 +29,14 @@ def quaternion_of(R: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
+def matrix_of(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation matrix of a unit quaternion, shape (3, 3)."""
+    w, v = q[0], q[1:]
+    skew = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+    result: NDArray[np.float64] = np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew
+    return result
+
+
 def error_between(
     actual: NDArray[np.float64], desired: NDArray[np.float64]
 ) -> NDArray[np.float64]:

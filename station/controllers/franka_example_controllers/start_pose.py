@@ -11,6 +11,11 @@ START_POSE = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
 TOLERANCE = 0.1
 """How far a joint may be from it [rad]."""
 
+_REMEDY = (
+    "Bring the arm to its start pose first: station goto TRAJECTORY_CONTROLLER "
+    + " ".join(f"{q:.6g}" for q in START_POSE)
+)
+
 
 def check_start_pose(q_d: Sequence[float]) -> None:
     """Refuse to move from anywhere else.
@@ -25,8 +30,8 @@ def check_start_pose(q_d: Sequence[float]) -> None:
         if not abs(q - start) <= TOLERANCE:
             raise ControllerStateError(
                 f"joint {number} is at {q:.4f} rad; this example starts at "
-                f"{start:.4f} rad, at most {TOLERANCE} rad away.",
-                remedy="Move the arm to its start pose first.",
+                f"{start:.4f} rad, at most {TOLERANCE} rad away. {_REMEDY}.",
+                remedy=_REMEDY,
                 details={"joint": number, "position": q},
             )
 

@@ -19,6 +19,7 @@ from station.hw.franka.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_kinematics import IDENTITY
 from station.hw.franka.franka_parameters import CommandSettings
+from station.hw.franka.pose_bridge import PoseBridge
 from station.hw.franka.rate_limiter import (
     MAX_CUTOFF_FREQUENCY,
     PERIOD,
@@ -53,6 +54,7 @@ class CartesianCommands:
         self._pose = list(IDENTITY)
         self._twist = [0.0] * 6
         self._pose_elbow = [0.0, 0.0]
+        self._bridge = PoseBridge()
         self._twist_elbow = [0.0, 0.0]
         self.has_pose = self.has_twist = False
         losses = limits.tolerated_losses
@@ -93,6 +95,7 @@ class CartesianCommands:
             self._pose[:] = self._arm.state.O_T_EE_d
         self._twist[:] = [0.0] * 6
         self._pose_elbow[:] = self._twist_elbow[:] = [0.0, 0.0]
+        self._bridge.begin(self._pose, self._arm.state.elbow_d)
         self._is_first = True
 
     def are_finite(self) -> bool:
@@ -104,11 +107,12 @@ class CartesianCommands:
             total += sum(self._twist) + sum(self._twist_elbow)
         return isfinite(total)
 
-    def send(self, settings: CommandSettings) -> None:
+    def send(self, settings: CommandSettings, *, is_new: bool) -> None:
         """Filter, limit and send what is taken.
 
         Args:
             settings: Cutoff frequency and whether to limit.
+            is_new: The controllers have had their say since the last time.
 
         Raises:
             InvalidCommandError: The elbow's sign is not +1 or -1.
@@ -118,8 +122,14 @@ class CartesianCommands:
             if self._is_first and not self._filters_first_pose:
                 settings = replace(settings, cutoff_frequency=MAX_CUTOFF_FREQUENCY)
             self._is_first = False
-            pose = self._limited_pose(state, settings)
-            elbow = self._limited_elbow(self._pose_elbow, state, settings)
+            bridge = self._bridge
+            pose, bent = (
+                bridge.pass_on(self._pose, self._pose_elbow)
+                if is_new
+                else bridge.bridge()
+            )
+            pose = self._limited_pose(pose, state, settings)
+            elbow = self._limited_elbow(bent, state, settings)
             self._arm.command_cartesian_pose(pose, elbow)
         if self.has_twist:
             twist = self._limited_twist(state, settings)
@@ -127,9 +137,8 @@ class CartesianCommands:
             self._arm.command_cartesian_velocity(twist, elbow)
 
     def _limited_pose(
-        self, state: RobotState, settings: CommandSettings
+        self, pose: list[float], state: RobotState, settings: CommandSettings
     ) -> list[float]:
-        pose = list(self._pose)
         if settings.cutoff_frequency < MAX_CUTOFF_FREQUENCY:
             gain = low_pass(1.0, 0.0, settings.cutoff_frequency)
             last = state.O_T_EE_c

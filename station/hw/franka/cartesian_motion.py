@@ -25,6 +25,7 @@ from station.hw.franka.motion_checks import (
     joint_motion_errors,
     twist_errors,
 )
+from station.hw.franka.rate_limiter import RateLimits, limit_velocity
 from station.hw.franka.rigid_motion import (
     displace,
     transform_problem,
@@ -63,6 +64,10 @@ class CartesianMotion:
         self._state = state
         self._limits = limits
         self._period = period
+        elbow = limits.elbow
+        self._elbow_limits = RateLimits(
+            elbow.velocity, elbow.acceleration, elbow.jerk, limits.torque_rate
+        )
         self._is_first = True
         self._elbow = 0.0
         self._next_pose: list[float] = []
@@ -70,12 +75,15 @@ class CartesianMotion:
         self._next_elbow = (0.0, 0.0, 0.0)
 
     def begin(self) -> None:
-        """Start where the desired joint motion is; it rests there."""
+        """Start where the desired joint motion is, as fast as it is."""
         state = self._state
+        jacobian = zero_jacobian(Frame.END_EFFECTOR, state.q_d, state.F_T_EE)
         state.O_T_EE_c[:] = frame_pose(Frame.END_EFFECTOR, state.q_d, state.F_T_EE)
-        state.O_dP_EE_c[:] = state.O_ddP_EE_c[:] = [0.0] * 6
+        state.O_dP_EE_c[:] = _twist_of(jacobian, state.dq_d)
+        state.O_ddP_EE_c[:] = _twist_of(jacobian, state.ddq_d)
         state.elbow_c[:] = elbow_of(state.q_d)
-        state.delbow_c[:] = state.ddelbow_c[:] = [0.0, 0.0]
+        state.delbow_c[:] = [state.dq_d[2], 0.0]
+        state.ddelbow_c[:] = [state.ddq_d[2], 0.0]
         self._elbow = state.q_d[2]
         self._is_first = True
 
@@ -152,8 +160,14 @@ class CartesianMotion:
     def _plan_elbow(self, elbow: tuple[float, float] | None) -> list[ArmError]:
         state, period = self._state, self._period
         if elbow is None:
-            # The arm's own choice: joint 3 stays.
-            self._next_elbow = (self._elbow, 0.0, 0.0)
+            # The arm's own choice: joint 3 comes to rest.
+            speed, last = state.delbow_c[0], state.ddelbow_c[0]
+            rate = limit_velocity(0.0, speed, last, self._elbow_limits)
+            self._next_elbow = (
+                self._elbow + rate * period,
+                rate,
+                (rate - speed) / period,
+            )
             return []
         sign = state.elbow_c[1]
         if elbow[1] != sign:
@@ -202,6 +216,14 @@ def _moved(pose: Sequence[float], twist: Sequence[float], period: float) -> list
     return displace(
         pose, [v * period for v in twist[:3]], [w * period for w in twist[3:]]
     )
+
+
+def _twist_of(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
+    """Return the twist that joint velocities make; the Jacobian has 42 numbers."""
+    return [
+        sum(jacobian[6 * joint + row] * rate for joint, rate in enumerate(dq))
+        for row in range(6)
+    ]
 
 
 def _solve(

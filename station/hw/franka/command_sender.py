@@ -72,19 +72,30 @@ class CommandSender:
             self._goals = commands.goals()
         if period > 0.0:
             commands.enforce_limits(period)
-        self.send()
+        self.send(is_new=True)
+
+    @property
+    def bridges_gaps(self) -> bool:
+        """Whether a loop that is late for some cycles leaves the arm no gap."""
+        return self._cartesian.has_pose
 
     def send_again(self) -> None:
         """Send the last commands in a cycle of the arm between two of the loop.
 
-        Only with rate limits, within which they go on towards their goal; without, the
-        same command twice would be a step in velocity, and the arm goes on by itself.
+        Poses go on by themselves; others only with rate limits, within which they go on
+        towards their goal: without, the same command twice would be a step in velocity,
+        and the arm goes on by itself.
         """
-        if self._settings is not None and self._settings.rate_limiting:
+        limits_rates = self._settings is not None and self._settings.rate_limiting
+        if limits_rates or self.bridges_gaps:
             self.send()
 
-    def send(self) -> None:
-        """Filter and send the commands as they are, for one cycle of the arm."""
+    def send(self, *, is_new: bool = False) -> None:
+        """Filter and send the commands as they are, for one cycle of the arm.
+
+        Args:
+            is_new: The controllers have had their say since the last time.
+        """
         arm, commands, state = self._arm, self._commands, self._arm.state
         if state.robot_mode is not RobotMode.MOVE:
             return
@@ -99,7 +110,7 @@ class CommandSender:
             arm.command_joint_torques(filtered.torques(commands.efforts, state))
         if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
             try:
-                self._cartesian.send(self._settings)
+                self._cartesian.send(self._settings, is_new=is_new)
             except InvalidCommandError as error:
                 self.refusal = error.message
                 arm.stop_motion()

@@ -2,7 +2,9 @@
 
 Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
-- A switch that does not change the arm's mode does not interrupt the running motion.
+- A switch that does not change the arm's mode does not interrupt the running motion,
+  unless another controller commands a Cartesian one.
+- A switch to a Cartesian motion is ongoing until the arm has come to rest.
 - At a switch the command buffers are seeded with the present state, so that nothing old
   is sent before a controller's first command.
 - The limits of the commanded kinds are enforced, those of the others are not.
@@ -59,6 +61,8 @@ from station.hw.franka.franka_parameters import (
 )
 from station.hw.franka.joint_commands import JointCommands
 from station.hw.franka.joint_limit_warnings import joint_limit_warnings
+from station.hw.franka.motion_follower import MOST_LOST_PACKETS
+from station.hw.franka.motion_start import MotionStart
 from station.hw.franka.rate_limiter import rate_limits_of
 from station.hw.franka.robot_arm import RobotArm
 from station.hw.franka.sensor_check import blind_sensor
@@ -100,8 +104,6 @@ class FrankaHW(RobotHW):
         self.simulation: Simulation | None = None
         self._arm = arm
         self.is_connected = True
-        self._mode = ControlMode.NONE
-        self._switch_failed = False
         self._time_due = 0.0
         self._nominal_cycles = 1  # of the arm, in one of the loop
         self._fingers: FingerJoints | None = None
@@ -133,6 +135,7 @@ class FrankaHW(RobotHW):
         self._sender = CommandSender(
             self.arm, self.commands, self.cartesian, CommandFilter(limits)
         )
+        self._motion = MotionStart(self.arm, self._sender)
         urdf = parse_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):
@@ -175,7 +178,7 @@ class FrankaHW(RobotHW):
     @property
     def control_mode(self) -> ControlMode:
         """What the running controllers command."""
-        return self._mode
+        return self._motion.mode
 
     @override
     def mode(self) -> str:
@@ -187,17 +190,20 @@ class FrankaHW(RobotHW):
 
         In the cycles of a nominal period the arm gets the last command again, on its
         way through filter and limits. What a late loop has missed are lost packets:
-        the arm goes on by itself, and stops after 20 of them.
+        the arm goes on by itself, and stops after 20 of them. Poses go on even so.
         """
         arm = self.arm
         self._time_due += period
         cycles = round(self._time_due / arm.cycle_time)
         self._time_due -= cycles * arm.cycle_time
         late = min(cycles - self._nominal_cycles, self._parameters.most_lost_packets)
+        bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
+        lost = 0 if bridged else max(0, late)
         for cycle in range(min(cycles, self._nominal_cycles + late)):
-            if cycle > max(0, late):
+            if cycle > lost:
                 self._sender.send_again()
             arm.read_once()
+        self._motion.advance(cycles)
         self._blind = blind_sensor(arm.state)
         if self._blind:
             arm.stop_motion()
@@ -287,7 +293,7 @@ class FrankaHW(RobotHW):
                 remedy="Run torques with at most one kind of motion.",
                 details={"control_mode": mode.describe()},
             )
-        if mode and (mode != self._mode or self.is_interrupted()):
+        if mode and (mode != self.control_mode or self.is_interrupted()):
             refusal = self.arm.refusal(*arm_modes(mode, settings))
             if refusal:
                 raise SwitchRefusedError(
@@ -301,15 +307,19 @@ class FrankaHW(RobotHW):
     def do_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        self._switch_failed = False
-        if self._control_mode_of(start) or self._control_mode_of(stop):
-            self._enter(self._mode_after(start, stop))
+        self._motion.has_failed = False
+        started = self._control_mode_of(start)
+        if started or self._control_mode_of(stop):
+            mode = self._mode_after(start, stop)
+            self._motion.enter(mode, self._settings, started)
         if self._fingers is not None:
             self._fingers.do_switch(start, stop)
 
     @override
     def switch_result(self) -> SwitchState:
-        return SwitchState.ERROR if self._switch_failed else SwitchState.DONE
+        if self._motion.has_failed:
+            return SwitchState.ERROR
+        return SwitchState.ONGOING if self._motion.is_waiting else SwitchState.DONE
 
     @override
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
@@ -317,7 +327,7 @@ class FrankaHW(RobotHW):
 
     @override
     def is_interrupted(self) -> bool:
-        if self._mode is ControlMode.NONE:
+        if self.control_mode is ControlMode.NONE or self._motion.is_waiting:
             return False
         return self.arm.state.robot_mode is not RobotMode.MOVE
 
@@ -350,7 +360,8 @@ class FrankaHW(RobotHW):
         self.simulation.world.reset(positions)
         if self._fingers is not None:
             self._fingers.begin_anew()
-        self._enter(self._mode)
+        mode = self.control_mode
+        self._motion.enter(mode, self._settings, ControlMode.NONE)
 
     def joint_limit_warnings(self) -> list[str]:
         """Return one sentence per joint that is close to a position limit."""
@@ -365,24 +376,10 @@ class FrankaHW(RobotHW):
             self._fingers = FingerJoints(grippers[arm_id], names)
             self._fingers.register(self.commands.interfaces())
 
-    def _enter(self, mode: ControlMode) -> None:
-        """Change the arm to `mode`, its commands seeded with what it does now."""
-        arm = self.arm
-        if mode != self._mode or arm.state.robot_mode is not RobotMode.MOVE:
-            arm.stop_motion()
-        self._mode = mode
-        self._sender.begin(mode, self._settings)
-        if mode and arm.state.robot_mode is not RobotMode.MOVE:
-            modes = arm_modes(mode, self._settings)
-            if arm.refusal(*modes):
-                self._switch_failed = True
-            else:
-                arm.start_motion(*modes)
-
     def _mode_after(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> ControlMode:
-        kept = self._mode & ~self._control_mode_of(stop)
+        kept = self.control_mode & ~self._control_mode_of(stop)
         return kept | self._control_mode_of(start)
 
     def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:

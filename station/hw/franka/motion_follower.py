@@ -128,9 +128,11 @@ class MotionFollower:
         self._is_fresh = True
 
     def ignore(self) -> None:
-        """Let this cycle's command pass without following it, at rest."""
+        """Let this cycle's command pass without following it; come to rest."""
         self._is_fresh = False
         self._motion.hold()
+        if self._generator in CARTESIAN_GENERATORS:
+            self._cartesian.begin()
 
     def advance(self, *, torques_act: bool, is_lossy: bool) -> list[ArmError]:
         """Advance the desired motion by a cycle; return what is wrong with that.

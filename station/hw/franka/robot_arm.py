@@ -71,6 +71,10 @@ class RobotArm(ABC):
         """
 
     @abstractmethod
+    def is_at_rest(self) -> bool:
+        """Say whether neither the arm nor what it is meant to do moves."""
+
+    @abstractmethod
     def start_motion(
         self,
         controller_mode: ControllerMode,

@@ -143,6 +143,10 @@ class SimulatedArm(ArmRecovery):
         return ""
 
     @override
+    def is_at_rest(self) -> bool:
+        return self._motion.is_at_rest and self._speed() < _REST_VELOCITY
+
+    @override
     def start_motion(
         self,
         controller_mode: ControllerMode,
@@ -322,9 +326,11 @@ class SimulatedArm(ArmRecovery):
 
     def _let_torques_act_when_settled(self) -> None:
         self._settling_time += self.cycle_time
-        speed = max(map(abs, self.state.dtheta))
-        if speed < _REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
+        if self._speed() < _REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
             self.motors.engage_torques()
+
+    def _speed(self) -> float:
+        return max(map(abs, self.state.dtheta))
 
     def _update_state(self) -> None:
         state, joints = self.state, self._joints

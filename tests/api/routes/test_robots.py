@@ -10,7 +10,7 @@ from station.api.schemas import (
     Load,
 )
 from station.client import ApiError
-from tests.franka_station import make_franka_station
+from tests.franka_station import JOINTS, make_franka_station
 
 IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]
 NOMINAL = {
@@ -101,6 +101,30 @@ def test_collision_shows_in_the_status_and_is_recovered_from(client, panda, stat
     recovered = panda.recover("previous")
     assert (recovered.robot_mode, recovered.restarted) == ("move", ["arm"])
     assert panda.errors().remedy == ""
+
+
+def test_torques_and_a_motion_of_two_controllers_share_the_arm(client, panda, station):
+    kinds = {
+        "torques": "effort_controllers/JointGroupEffortController",
+        "pose": "franka_example_controllers/CartesianPoseExampleController",
+    }
+    for name, kind in kinds.items():
+        params = {"arm_id": "panda", "joints": JOINTS}
+        client.load_controller(name, kind, params)
+    client.switch_controllers(start=list(kinds))
+    start = panda.state()
+    station.loop.step(1_500)
+
+    states = {c.name: c.state for c in client.controllers() if c.name in kinds}
+    assert set(states.values()) == {"running"}
+    state = panda.state()
+    assert (state.robot_mode, state.current_errors) == ("move", [])
+    # What is desired moves on its arc; no torque lets the arm do so.
+    assert start.O_T_EE_d[12] - state.O_T_EE_d[12] > 0.01
+    assert state.O_T_EE[12] == pytest.approx(start.O_T_EE[12], abs=1e-3)
+    with pytest.raises(ApiError, match="joint motion and a Cartesian") as caught:
+        client.switch_controllers(start=["arm"])
+    assert caught.value.status == 409
 
 
 def test_user_stop_is_pressed_and_released(panda):

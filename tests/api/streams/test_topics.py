@@ -8,6 +8,7 @@ from station.api.streams.topics import find_topic, topic_names
 from station.core.errors import LoopError
 from station.core.switching import SwitchRequest
 from tests.api.spring import make_station
+from tests.franka_station import make_franka_station
 
 
 @pytest.fixture
@@ -30,6 +31,22 @@ def test_all_topics_are_named(station):
     fixed = ["joint_states", "controllers", "loop", "scene"]
     assert names == [*fixed, "controller_state/spring"]
     assert all(find_topic(station, name) is not None for name in names)
+
+
+def test_arms_tell_their_whole_state():
+    station = make_franka_station()
+    data = latest(station, "robot_state/panda").data
+
+    assert "robot_state/panda" in topic_names(station)
+    assert set(data) == set(find_topic(station, "robot_state/panda").fields)
+    assert (data["arm_id"], data["robot_mode"]) == ("panda", "idle")
+    assert data["q"] == station.robots.state("panda").q
+    assert find_topic(station, "robot_state").name == "robot_state/panda"
+
+
+@pytest.mark.parametrize("name", ["robot_state", "robot_state/left", "robot_state/"])
+def test_arms_that_are_not_there_have_no_topic(station, name):
+    assert find_topic(station, name) is None
 
 
 def test_before_the_first_cycle_there_are_no_joints(station):

@@ -30,12 +30,18 @@ def test_frames_can_be_json_lines(run):
 
 
 @pytest.mark.parametrize(
-    ("option", "rate"), [("", None), ("--rate 50", 50.0), ("--rate full", "full")]
+    ("option", "rate", "fields"),
+    [
+        ("", None, []),
+        ("--rate 50", 50.0, []),
+        ("--rate full", "full", []),
+        ("--fields stamp,position", None, ["stamp", "position"]),
+    ],
 )
-def test_rate_reaches_the_station(run, station, option, rate):
+def test_rate_and_fields_reach_the_station(run, station, option, rate, fields):
     run(f"echo joint_states {option}")
 
-    options = {"rate": rate, "reconnect": False}
+    options = {"rate": rate, "fields": fields, "reconnect": False}
     assert station.calls == [("stream", "joint_states", options)]
 
 

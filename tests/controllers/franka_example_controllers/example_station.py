@@ -1,19 +1,25 @@
 """A station over one simulated arm with one of the examples, stepped by hand."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from station.core.station import Station
 from station.core.switching import SwitchRequest
 from tests.franka_station import JOINTS, make_franka_station
 
 
-def start_example(kind: str, **robot: object) -> Station:
+def start_example(
+    kind: str, params: Mapping[str, object] | None = None, **robot: Any
+) -> Station:
     """Return a station in which the example has just been started.
 
     Args:
         kind: Its name without `ExampleController`.
-        robot: More parameters of the robot.
+        params: More parameters of the example.
+        robot: More parameters of the robot; also `objects`.
     """
     station = make_franka_station(**robot)
-    params = {"arm_id": "panda", "joint_names": JOINTS}
+    params = {"arm_id": "panda", "joint_names": JOINTS, **(params or {})}
     kind = f"franka_example_controllers/{kind}ExampleController"
     station.load_controller("example", kind, params)
     station.switch_controllers(SwitchRequest(("example",), ()))
@@ -21,11 +27,11 @@ def start_example(kind: str, **robot: object) -> Station:
 
 
 def run_without_errors(station: Station, seconds: float) -> list[list[float]]:
-    """Run, and return the desired end effector's origin [m] every 10 ms."""
+    """Run, and return the measured end effector's origin [m] every 10 ms."""
     path = []
     for _ in range(round(seconds * 100)):
         station.loop.step(10)
         state = station.robots.state("panda")
         assert station.latest().mode == "move", station.controller("example").fault
-        path.append(state.O_T_EE_d[12:15])
+        path.append(state.O_T_EE[12:15])
     return path

@@ -16,17 +16,28 @@ from tests.controllers.franka_example_controllers.example_station import (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("impedance", ["joint_impedance", "cartesian_impedance"])
-def test_arc_is_traced_within_a_millimetre(impedance):
-    station = start_example("CartesianPose", internal_controller=impedance)
+@pytest.mark.parametrize(
+    ("impedance", "is_limiting", "tolerance"),
+    [
+        # The arm is measured at 12 um from the arc, and at 221 um with the springs at
+        # its end effector alone, which friction deflects more.
+        ("joint_impedance", True, 1e-4),
+        ("joint_impedance", False, 1e-4),
+        ("cartesian_impedance", True, 1e-3),
+    ],
+)
+def test_arc_is_traced_within_a_millimetre(impedance, is_limiting, tolerance):
+    station = start_example(
+        "CartesianPose", internal_controller=impedance, rate_limiting=is_limiting
+    )
     start = station.robots.state("panda").O_T_EE
 
     path = run_without_errors(station, 10.0)
 
     for x, y, z in path:
         from_centre = hypot(x - start[12], z - (start[14] + RADIUS))
-        assert from_centre == pytest.approx(RADIUS, abs=1e-3)
-        assert y == pytest.approx(start[13], abs=1e-3)
+        assert from_centre == pytest.approx(RADIUS, abs=tolerance)
+        assert y == pytest.approx(start[13], abs=tolerance)
     assert min(x for x, _, _ in path) == pytest.approx(start[12] - RADIUS, abs=1e-3)
     end = station.robots.state("panda")
     assert end.O_T_EE[:15] == pytest.approx(start[:15], abs=1e-3)

@@ -7,6 +7,7 @@ import pytest
 
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
+    matrix_of,
     quaternion_of,
     slerp,
 )
@@ -27,6 +28,13 @@ def test_quaternion_has_half_the_angle(axis, angle):
 
     expected = np.array([cos(angle / 2), *(sin(angle / 2) * v for v in axis)])
     assert abs(found @ expected) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_matrix_is_that_of_the_rotation(axis):
+    turned = rotation(axis, 0.7)
+
+    assert matrix_of(quaternion_of(turned)) == pytest.approx(turned)
 
 
 def test_error_leads_from_one_to_the_other_the_short_way():

@@ -1,6 +1,7 @@
 """The joint motion follows the pose, the elbow as asked for."""
 
-from math import pi
+from itertools import pairwise
+from math import cos, pi
 
 import pytest
 
@@ -46,3 +47,33 @@ def test_lost_command_goes_on_with_constant_acceleration():
     motion.solve()
     expected = [v + a * PERIOD for v, a in zip(twist, rate, strict=True)]
     assert state.O_dP_EE_c == pytest.approx(expected)
+
+
+def test_motion_begins_as_fast_as_the_joints_are():
+    state = RobotState(q_d=list(START), dq_d=[0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0])
+    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion.begin()
+
+    moved = [q + dq * 1e-6 for q, dq in zip(state.q_d, state.dq_d, strict=True)]
+    there = frame_pose(Frame.END_EFFECTOR, moved)
+    speed = [(there[i] - state.O_T_EE_c[i]) / 1e-6 for i in (12, 13, 14)]
+    assert state.O_dP_EE_c[:3] == pytest.approx(speed, abs=1e-6)
+    assert state.O_dP_EE_c[5] == pytest.approx(0.1 + 0.2 * cos(pi / 4))
+    assert state.delbow_c[0] == 0.2
+
+
+def test_elbow_that_nobody_commands_comes_to_rest_within_its_limits():
+    state = RobotState(q_d=list(START), dq_d=[0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0])
+    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion.begin()
+    rates = []
+    for _ in range(100):
+        twist = tuple(0.9 * v for v in state.O_dP_EE_c)
+        assert not [
+            e for e in motion.receive(CartesianCommand(twist)) if "elbow" in e.name
+        ]
+        motion.solve()
+        rates.append(state.delbow_c[0])
+
+    assert max(abs(b - a) for a, b in pairwise(rates)) < 0.0101
+    assert abs(rates[-1]) < 1e-3

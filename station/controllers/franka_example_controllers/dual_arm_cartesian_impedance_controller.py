@@ -1,0 +1,191 @@
+"""Hold something between two arms: two springs that one frame moves.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/dual_arm_cartesian_impedance_example_controller.cpp; differs: the target of the
+centering frame arrives as a set-point of 7 numbers in the base frame of the left arm,
+the stiffnesses are gains, and where the arms stand is read from the robot description.
+"""
+
+from collections.abc import Mapping
+from math import atan2
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from station.controllers.franka_example_controllers.arm_handles import (
+    claim_torques,
+    find_model,
+    find_state,
+)
+from station.controllers.franka_example_controllers.base_transform import (
+    base_transform,
+)
+from station.controllers.franka_example_controllers.cartesian_spring import (
+    CartesianSpring,
+    Stiffness,
+)
+from station.controllers.franka_example_controllers.pose_port import PosePort
+from station.controllers.franka_example_controllers.quaternion import (
+    error_between,
+    matrix_of,
+    quaternion_of,
+)
+from station.controllers.franka_example_controllers.start_pose import (
+    read_arm_id,
+    read_joint_names,
+)
+from station.core.controller import MultiInterfaceController
+from station.core.interfaces import (
+    EffortJointInterface,
+    FrankaModelInterface,
+    FrankaStateInterface,
+)
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+from station.core.robot_description import ROBOT_DESCRIPTION
+from station.core.robot_hw import RobotHW
+from station.core.tunables import Tunable
+
+RATE_HZ = 30.0
+"""How often the centering frame is published."""
+ARMS = ("left", "right")
+_DEFAULTS = {"translational": 200.0, "rotational": 10.0, "nullspace": 0.0}
+_SCHEMA = {
+    f"{arm}_{kind}_stiffness": tunable
+    for arm in ARMS
+    for kind, tunable in (
+        ("translational", Tunable("N/m", 0.0, 400.0)),
+        ("rotational", Tunable("Nm/rad", 0.0, 30.0)),
+        ("nullspace", Tunable("Nm/rad", 0.0, 100.0)),
+    )
+}
+
+
+class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
+    """Two springs; the right end effector keeps its place relative to the left one.
+
+    The centering frame is in the middle between the end effectors as they are at the
+    start, with the axes of the left one.
+
+    Parameters: `left/arm_id`, `right/arm_id`; `left/joint_names`, `right/joint_names`,
+    7 names each. Set-point, topic `centering_frame_target_pose` of the original:
+    position [m], then quaternion w x y z, of the centering frame in
+    `<left/arm_id>_link0`.
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = (
+        EffortJointInterface,
+        FrankaModelInterface,
+        FrankaStateInterface,
+    )
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        self._springs: dict[str, CartesianSpring] = {}
+        self.joint_names = []
+        for arm in ARMS:
+            own = params.namespace(arm)
+            arm_id, names = read_arm_id(own), read_joint_names(own)
+            self._springs[arm] = CartesianSpring(
+                claim_torques(hw, names),
+                find_state(hw, arm_id),
+                find_model(hw, arm_id),
+                _rotation_error,
+            )
+            self.joint_names += names
+        left, right = (f"{params.get_str(f'{arm}/arm_id')}_link0" for arm in ARMS)
+        xml = Parameters(params.tree).get_str(ROBOT_DESCRIPTION)
+        self._left_T_right = base_transform(xml, left, right)
+        self._frame_id = left
+        self._poses = PosePort()
+        self.set_points = self._poses
+        self._gains = {
+            f"{arm}_{kind}_stiffness": value
+            for arm in ARMS
+            for kind, value in _DEFAULTS.items()
+        }
+        self._right_to_left = self._left_to_center = np.eye(4)
+        self._timer = PublishTimer(RATE_HZ)
+        self._centering_frame: dict[str, object] | None = None
+
+    @override
+    def starting(self, time: float) -> None:
+        """Take both poses as they are; the springs begin without force."""
+        for arm, spring in self._springs.items():
+            spring.begin(self._gains[f"{arm}_nullspace_stiffness"])
+        left, right = (self._springs[arm].pose() for arm in ARMS)
+        self._right_to_left = np.linalg.inv(self._left_T_right @ right) @ left
+        back = self._right_to_left[:3, :3].T @ self._right_to_left[:3, 3]
+        self._left_to_center = np.eye(4)
+        self._left_to_center[:3, 3] = -0.5 * back
+        self._timer.start(time, at_once=True)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        target = self._poses.take_pose()
+        if target is not None:
+            self._set_target(*target)
+        for arm, spring in self._springs.items():
+            spring.update(
+                Stiffness(
+                    self._gains[f"{arm}_translational_stiffness"],
+                    self._gains[f"{arm}_rotational_stiffness"],
+                    self._gains[f"{arm}_nullspace_stiffness"],
+                )
+            )
+        if self._timer.is_due(time):
+            self._publish(time)
+
+    @override
+    def gain_schema(self) -> Mapping[str, Tunable]:
+        return _SCHEMA
+
+    @override
+    def gains(self) -> dict[str, float]:
+        return dict(self._gains)
+
+    @override
+    def apply_gains(self, values: Mapping[str, float]) -> None:
+        self._gains = dict(values)
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return `centering_frame`, in the form of a set-point."""
+        found = self._centering_frame
+        return {} if found is None else {"centering_frame": found}
+
+    def _set_target(
+        self, position: NDArray[np.float64], rotation: NDArray[np.float64]
+    ) -> None:
+        center = np.eye(4)
+        center[:3, :3], center[:3, 3] = matrix_of(rotation), position
+        left = center @ np.linalg.inv(self._left_to_center)
+        right = np.linalg.inv(self._left_T_right) @ left
+        right = right @ np.linalg.inv(self._right_to_left)
+        for arm, pose in zip(ARMS, (left, right), strict=True):
+            self._springs[arm].set_target(pose[:3, 3], quaternion_of(pose[:3, :3]))
+
+    def _publish(self, time: float) -> None:
+        center = self._springs["left"].pose() @ self._left_to_center
+        self._centering_frame = {
+            "stamp": time,
+            "frame_id": self._frame_id,
+            "position": center[:3, 3].tolist(),
+            "orientation": quaternion_of(center[:3, :3]).tolist(),
+        }
+
+
+def _rotation_error(
+    R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
+    desired: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return axis times angle of the rotation from the desired one."""
+    missing = error_between(quaternion_of(R), desired)
+    sine = float(np.linalg.norm(missing))
+    if sine == 0.0:
+        return np.zeros(3)
+    cosine = abs(float(quaternion_of(R) @ desired))
+    result: NDArray[np.float64] = -(2.0 * atan2(sine, cosine) / sine) * (R @ missing)
+    return result

@@ -1,0 +1,159 @@
+"""Draw a circle by pose commands while a joint impedance makes the torques.
+
+The arm's own inverse kinematics turns the commanded pose into q_d and dq_d; the torques
+that follow them are made here:
+
+    tau = f c + K (q_d - q) + D (dq_d - dq_f)
+
+with the Coriolis torques c and the velocity dq_f, slightly low-passed.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/joint_impedance_example_controller.cpp; differs: every start begins at the top of a
+new circle and at rest, and impossible parameters are refused.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import cos, pi, sin
+from typing import ClassVar
+
+import numpy as np
+from typing_extensions import override
+
+from station.controllers.franka_example_controllers.arm_handles import (
+    claim_torques,
+    find_model,
+    require,
+    saturate_torque_rate,
+)
+from station.controllers.franka_example_controllers.start_pose import (
+    read_arm_id,
+    read_joint_names,
+)
+from station.core.controller import ControllerSample, MultiInterfaceController
+from station.core.errors import ParameterError
+from station.core.interfaces import (
+    EffortJointInterface,
+    FrankaModelInterface,
+    FrankaPoseCartesianInterface,
+)
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+from station.core.robot_hw import RobotHW
+
+RADIUS = 0.1
+"""Default of `radius`, also for one that is too small [m]."""
+SMALLEST_RADIUS = 0.005
+NEW_SHARE = 0.99
+"""Of the new velocity in the low-passed one."""
+_DOF = 7
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueComparison:
+    """Torques commanded in a cycle and measured in the next one.
+
+    Attributes:
+        tau_commanded: With gravity [Nm], shape (7,).
+        tau_measured: [Nm], shape (7,).
+        tau_error: Their difference [Nm], shape (7,).
+        root_mean_square_error: Mean of its magnitudes [Nm], under the original's name.
+    """
+
+    tau_commanded: list[float]
+    tau_measured: list[float]
+    tau_error: list[float]
+    root_mean_square_error: float
+
+
+class JointImpedanceExampleController(MultiInterfaceController):
+    """Torques around a desired joint motion that comes from Cartesian poses.
+
+    Parameters: `arm_id`; `joint_names`, 7 names; `k_gains` [Nm/rad] and `d_gains`
+    [Nms/rad], 7 numbers each; `radius` [m]; `vel_max` along the circle [m/s], reached
+    after `acceleration_time` [s]; `coriolis_factor`; `publish_rate` of
+    `torque_comparison` [Hz].
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = (
+        EffortJointInterface,
+        FrankaModelInterface,
+        FrankaPoseCartesianInterface,
+    )
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        arm_id, self.joint_names = read_arm_id(params), read_joint_names(params)
+        radius = params.get_float("radius", RADIUS)
+        self._radius = RADIUS if abs(radius) < SMALLEST_RADIUS else radius
+        self._vel_max = params.get_float("vel_max", 0.05)
+        self._acceleration_time = params.get_float("acceleration_time", 2.0)
+        if self._acceleration_time == 0.0:
+            raise ParameterError(
+                f"Parameter '{params.resolve('acceleration_time')}' is 0 s.",
+                remedy="Give the time in which the circle's speed is reached.",
+            )
+        self._k = np.array(params.get_float_list("k_gains", _DOF))
+        self._d = np.array(params.get_float_list("d_gains", _DOF))
+        self._coriolis_factor = params.get_float("coriolis_factor", 1.0)
+        self._timer = PublishTimer(params.get_float("publish_rate", 30.0))
+        self._joints = claim_torques(hw, self.joint_names)
+        self._model = find_model(hw, arm_id)
+        poses = require(hw, FrankaPoseCartesianInterface)
+        self._pose = poses.get_handle(f"{arm_id}_robot")
+        self._initial_pose: list[float] = []
+        self._angle = self._velocity = 0.0
+        self._filtered_dq = self._last_tau = np.zeros(_DOF)
+        self._comparison: TorqueComparison | None = None
+
+    @override
+    def starting(self, time: float) -> None:
+        """Begin a circle where the end effector is meant to be."""
+        state = self._pose.get_robot_state()
+        self._initial_pose = list(state.O_T_EE_d)
+        self._pose.set_command(self._initial_pose)
+        self._angle = self._velocity = 0.0
+        self._filtered_dq = np.zeros(_DOF)
+        self._last_tau = np.array(state.tau_J)
+        self._timer.start(time, at_once=False)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._pose.set_command(self._next_pose(period))
+        state = self._pose.get_robot_state()
+        error = np.subtract(state.q_d, state.q)
+        self._filtered_dq = (1.0 - NEW_SHARE) * self._filtered_dq
+        self._filtered_dq += NEW_SHARE * np.array(state.dq)
+        tau = self._k * error + self._d * (np.array(state.dq_d) - self._filtered_dq)
+        tau += self._coriolis_factor * np.array(self._model.get_coriolis())
+        command = saturate_torque_rate(tau, state.tau_J_d)
+        self._joints.set_commands(command)
+        if self._timer.is_due(time):
+            self._comparison = _compare(self._last_tau.tolist(), state.tau_J)
+        self._last_tau = np.add(command, self._model.get_gravity())
+        self.sample = ControllerSample(
+            time, list(state.q_d), list(state.q), error.tolist(), command
+        )
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        found = self._comparison
+        return {} if found is None else {"torque_comparison": asdict(found)}
+
+    def _next_pose(self, period: float) -> list[float]:
+        if self._velocity < self._vel_max:
+            self._velocity += period * abs(self._vel_max / self._acceleration_time)
+        self._velocity = min(self._velocity, self._vel_max)
+        self._angle += period * self._velocity / abs(self._radius)
+        if self._angle > 2.0 * pi:
+            self._angle -= 2.0 * pi
+        pose = list(self._initial_pose)
+        pose[13] += self._radius * (1.0 - cos(self._angle))
+        pose[14] += self._radius * sin(self._angle)
+        return pose
+
+
+def _compare(commanded: list[float], measured: list[float]) -> TorqueComparison:
+    error = [a - b for a, b in zip(commanded, measured, strict=True)]
+    mean = sum(map(abs, error)) / _DOF
+    return TorqueComparison(commanded, list(measured), error, mean)

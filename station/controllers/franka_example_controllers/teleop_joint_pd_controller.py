@@ -1,0 +1,246 @@
+"""Guide one arm by hand; another one follows, and what it touches is felt.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/teleop_joint_pd_example_controller.cpp; differs: the phase is published
+besides, and a robot description without soft limits is refused.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from station.controllers.franka_example_controllers.arm_handles import (
+    claim_torques,
+    find_state,
+)
+from station.controllers.franka_example_controllers.follower_motion import (
+    FollowerMotion,
+    ramp,
+)
+from station.controllers.franka_example_controllers.joint_wall import (
+    JointWall,
+    WallShape,
+    wall_torques,
+)
+from station.controllers.franka_example_controllers.start_pose import (
+    read_arm_id,
+    read_joint_names,
+)
+from station.controllers.franka_example_controllers.teleop_parameters import (
+    bounds_of,
+    read_teleop_gains,
+    read_teleop_parameters,
+    teleop_schema,
+)
+from station.core.controller import ControllerSample, MultiInterfaceController
+from station.core.interfaces import (
+    EffortJointInterface,
+    FrankaStateHandle,
+    FrankaStateInterface,
+    JointGroup,
+    RobotState,
+)
+from station.core.parameters import Parameters
+from station.core.publish_timer import PublishTimer
+from station.core.robot_description import require_robot_description
+from station.core.robot_hw import RobotHW
+from station.core.tunables import Tunable
+
+RATE_HZ = 60.0
+"""How often targets and contacts are published."""
+DECREASE = 0.95
+"""Share of the torques that is left after each cycle in which an arm has an error."""
+_CONTACT_INCREASE = 0.3
+_WALLS = [
+    WallShape(0.12, 0.12, 2000.0, 30.0, 30.0),
+    WallShape(0.09, 0.09, 2000.0, 30.0, 30.0),
+    WallShape(0.09, 0.09, 1000.0, 30.0, 30.0),
+    WallShape(0.09, 0.09, 1000.0, 10.0, 10.0),
+    WallShape(0.0349, 0.0349, 500.0, 5.0, 5.0),
+    WallShape(0.0349, 0.0349, 200.0, 5.0, 5.0),
+    WallShape(0.0349, 0.0349, 200.0, 5.0, 5.0),
+]
+
+
+@dataclass(slots=True)
+class _Arm:
+    joint_names: list[str]
+    joints: JointGroup
+    state: FrankaStateHandle
+    walls: list[JointWall]
+    tau: NDArray[np.float64]
+    contact: float = 0.0
+
+    def command(self, tau: NDArray[np.float64], state: RobotState) -> None:
+        """Command torques, and what the joint walls add."""
+        self.tau = tau + wall_torques(self.walls, state.q, state.dq)
+        self.joints.set_commands(self.tau.tolist())
+
+
+class TeleopJointPDExampleController(MultiInterfaceController):
+    """A leader that is guided by hand and a follower.
+
+    While they are aligned, the leader holds still and the follower comes to its pose.
+
+    Parameters, in `leader` and `follower` each: `arm_id`; `joint_names`, 7 names;
+    `contact_force_threshold` [N]. In `leader`: `d_gains_lower`, `d_gains_upper`
+    [Nms/rad] and `dq_max_lower`, `dq_max_upper` [rad/s], 7 numbers each, as in
+    `LeaderDamping`. In `follower`: `p_gains` [Nm/rad], `d_gains` [Nms/rad],
+    `drift_comp_gains` [1/s], and as in `MotionBounds`, `lower` for far and `upper` for
+    near, `dq_max_…` [rad/s], `ddq_max_…` [rad/s^2].
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = (
+        EffortJointInterface,
+        FrankaStateInterface,
+    )
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        self._parameters = read_teleop_parameters(params)
+        self._gains = read_teleop_gains(params)
+        self._schema = teleop_schema(self._gains)
+        self._bounds = bounds_of(self._gains)
+        self._leader = _find_arm(hw, params, "leader")
+        self._follower = _find_arm(hw, params, "follower")
+        self._motion = FollowerMotion(self._parameters.drift_gains)
+        self.joint_names = self._follower.joint_names
+        self._timer = PublishTimer(RATE_HZ)
+        self._published: dict[str, dict[str, object]] = {}
+
+    @override
+    def starting(self, time: float) -> None:
+        """Begin to align the follower.
+
+        Raises:
+            ControllerStateError: A joint is beyond its soft limits.
+        """
+        for arm in (self._leader, self._follower):
+            q = arm.state.get_robot_state().q
+            for wall, position in zip(arm.walls, q, strict=True):
+                wall.begin(position)
+            arm.tau = np.zeros(len(q))
+        self._motion.begin(
+            np.array(self._leader.state.get_robot_state().q),
+            np.array(self._follower.state.get_robot_state().q),
+        )
+        self._timer.start(time, at_once=True)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        leader = self._leader.state.get_robot_state()
+        follower = self._follower.state.get_robot_state()
+        gains = self._gains
+        self._leader.contact = _contact(leader, gains["leader_contact_force_threshold"])
+        self._follower.contact = _contact(
+            follower, gains["follower_contact_force_threshold"]
+        )
+        lead = (np.array(leader.q), np.array(leader.dq))
+        self._motion.update(lead, np.array(follower.q), self._bounds, period)
+        if any(leader.current_errors) or any(follower.current_errors):
+            led, followed = DECREASE * self._leader.tau, DECREASE * self._follower.tau
+        else:
+            led = self._leader_torques(leader, follower)
+            followed = self._follower_torques(follower)
+        self._leader.command(led, leader)
+        self._follower.command(followed, follower)
+        q_target, tau = self._motion.q.tolist(), self._follower.tau.tolist()
+        error = (self._motion.q - follower.q).tolist()
+        self.sample = ControllerSample(time, q_target, list(follower.q), error, tau)
+        if self._timer.is_due(time):
+            self._publish()
+
+    @override
+    def gain_schema(self) -> Mapping[str, Tunable]:
+        return self._schema
+
+    @override
+    def gains(self) -> dict[str, float]:
+        return dict(self._gains)
+
+    @override
+    def apply_gains(self, values: Mapping[str, float]) -> None:
+        self._gains = dict(values)
+        self._bounds = bounds_of(values)
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the original's topics of targets and contacts, and the `phase`."""
+        return self._published
+
+    def _leader_torques(
+        self, leader: RobotState, follower: RobotState
+    ) -> NDArray[np.float64]:
+        tau: NDArray[np.float64]
+        if not self._motion.is_tracking:
+            tau = self._parameters.stiffness * (self._motion.start - leader.q)
+        else:
+            gains, dq = self._gains, np.array(leader.dq)
+            idle, guiding = (
+                gains["force_feedback_idle"],
+                gains["force_feedback_guiding"],
+            )
+            share = idle + self._leader.contact * (guiding - idle)
+            felt = share * self._follower.contact
+            tau = -felt * np.array(follower.tau_ext_hat_filtered)
+            scaling = gains["leader_damping_scaling"]
+            tau -= scaling * self._parameters.damping.damping(dq) * dq
+        return tau
+
+    def _follower_torques(self, follower: RobotState) -> NDArray[np.float64]:
+        scaling = self._gains["follower_stiffness_scaling"]
+        stiffness = scaling * self._parameters.stiffness
+        damping = sqrt(scaling) * self._parameters.follower_damping
+        result: NDArray[np.float64] = stiffness * (self._motion.q - follower.q)
+        result += damping * (self._motion.dq - follower.dq)
+        return result
+
+    def _publish(self) -> None:
+        leader, follower = self._leader, self._follower
+        self._published = {
+            "leader_target": {
+                "name": leader.joint_names,
+                "effort": leader.tau.tolist(),
+            },
+            "follower_target": {
+                "name": follower.joint_names,
+                "position": self._motion.q.tolist(),
+                "velocity": self._motion.dq.tolist(),
+                "effort": follower.tau.tolist(),
+            },
+            "leader_contact": {"data": leader.contact},
+            "follower_contact": {"data": follower.contact},
+            "phase": {"data": "track" if self._motion.is_tracking else "align"},
+        }
+
+
+def _find_arm(hw: RobotHW, params: Parameters, role: str) -> _Arm:
+    own = params.namespace(role)
+    arm_id, names = read_arm_id(own), read_joint_names(own)
+    return _Arm(
+        names,
+        claim_torques(hw, names),
+        find_state(hw, arm_id),
+        _find_walls(params, names),
+        np.zeros(len(names)),
+    )
+
+
+def _find_walls(params: Parameters, names: Sequence[str]) -> list[JointWall]:
+    description = require_robot_description(params)
+    walls = []
+    for name, shape in zip(names, _WALLS, strict=True):
+        lower, upper = description.soft_limits(name)
+        walls.append(JointWall(name, lower, upper, shape))
+    return walls
+
+
+def _contact(state: RobotState, threshold: float) -> float:
+    """Return how much an arm is in contact, 0 to 1."""
+    force = float(np.linalg.norm(state.K_F_ext_hat_K[:3]))
+    return ramp(force, 0.0, 1.0, threshold, _CONTACT_INCREASE)

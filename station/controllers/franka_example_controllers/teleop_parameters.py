@@ -1,0 +1,162 @@
+"""Parameters of the teleoperation, and which of them change while it runs.
+
+Source: franka_ros@c11f000 franka_example_controllers, cfg/teleop_param.cfg and
+src/teleop_joint_pd_example_controller.cpp, init; differs: the parameters can always be
+changed, not only with `debug`, and begin with the configured values.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from station.controllers.franka_example_controllers.follower_motion import MotionBounds
+from station.core.parameters import Parameters
+from station.core.tunables import Tunable
+
+_DOF = 7
+_SMALLEST = 0.1
+_LARGEST_VELOCITY = (2.17, 2.17, 2.17, 2.17, 2.6, 2.6, 2.6)
+_LARGEST_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
+_BOUNDS = {
+    "dq_l": ("dq_max_lower", "rad/s", _LARGEST_VELOCITY),
+    "dq_u": ("dq_max_upper", "rad/s", _LARGEST_VELOCITY),
+    "ddq_l": ("ddq_max_lower", "rad/s^2", _LARGEST_ACCELERATION),
+    "ddq_u": ("ddq_max_upper", "rad/s^2", _LARGEST_ACCELERATION),
+}
+_SCALARS = {
+    "leader_damping_scaling": Tunable("", 0.0, 8.0, "factor of the leader's damping"),
+    "follower_stiffness_scaling": Tunable(
+        "", 0.1, 1.3, "factor of the follower's stiffness"
+    ),
+    "force_feedback_idle": Tunable(
+        "", 0.0, 1.0, "share of the forces felt by a leader that nobody guides"
+    ),
+    "force_feedback_guiding": Tunable("", 0.0, 1.0, "share felt while it is guided"),
+    "leader_contact_force_threshold": Tunable("N", 0.1, 10.0, "more is a contact"),
+    "follower_contact_force_threshold": Tunable("N", 0.1, 10.0, "more is a contact"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class LeaderDamping:
+    """How much the leader is damped: more when it is fast; shape (7,) each.
+
+    Attributes:
+        slow: Damping up to the lower velocity [Nms/rad].
+        fast: Damping from the upper velocity on [Nms/rad].
+        lower: [rad/s].
+        upper: [rad/s], > `lower`.
+    """
+
+    slow: NDArray[np.float64]
+    fast: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+
+    def damping(self, dq: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the damping at some velocities [Nms/rad], shape (7,)."""
+        share = np.clip((np.abs(dq) - self.lower) / (self.upper - self.lower), 0.0, 1.0)
+        result: NDArray[np.float64] = self.slow + share * (self.fast - self.slow)
+        return result
+
+
+@dataclass(frozen=True, slots=True)
+class TeleopParameters:
+    """What does not change while the teleoperation runs.
+
+    Attributes:
+        damping: Of the leader.
+        stiffness: Of the follower [Nm/rad], shape (7,).
+        follower_damping: Of the follower [Nms/rad], shape (7,).
+        drift_gains: See `FollowerMotion` [1/s], shape (7,).
+    """
+
+    damping: LeaderDamping
+    stiffness: NDArray[np.float64]
+    follower_damping: NDArray[np.float64]
+    drift_gains: NDArray[np.float64]
+
+
+def read_teleop_parameters(params: Parameters) -> TeleopParameters:
+    """Read what does not change.
+
+    Raises:
+        ParameterError: A parameter is missing, or not seven numbers.
+    """
+
+    def read(key: str) -> NDArray[np.float64]:
+        return np.array(params.get_float_list(key, _DOF))
+
+    return TeleopParameters(
+        LeaderDamping(
+            read("leader/d_gains_lower"),
+            read("leader/d_gains_upper"),
+            read("leader/dq_max_lower"),
+            read("leader/dq_max_upper"),
+        ),
+        read("follower/p_gains"),
+        read("follower/d_gains"),
+        read("follower/drift_comp_gains"),
+    )
+
+
+def read_teleop_gains(params: Parameters) -> dict[str, float]:
+    """Read what may change, under the names that it then has.
+
+    Raises:
+        ParameterError: A parameter is missing, or not seven numbers.
+    """
+    gains = {
+        "leader_damping_scaling": 1.0,
+        "follower_stiffness_scaling": 1.0,
+        "force_feedback_idle": 0.5,
+        "force_feedback_guiding": 0.95,
+        **{
+            f"{arm}_contact_force_threshold": params.get_float(
+                f"{arm}/contact_force_threshold"
+            )
+            for arm in ("leader", "follower")
+        },
+    }
+    for prefix, (key, _, _) in _BOUNDS.items():
+        for number, value in enumerate(params.get_float_list(f"follower/{key}", _DOF)):
+            gains[f"{prefix}_{number + 1}"] = value
+    return gains
+
+
+def teleop_schema(gains: Mapping[str, float]) -> dict[str, Tunable]:
+    """Return units and ranges; configured values beyond them widen them."""
+    schema = dict(_SCALARS)
+    for prefix, (key, unit, largest) in _BOUNDS.items():
+        for number, maximum in enumerate(largest, 1):
+            name = f"{prefix}_{number}"
+            text = f"{key} of joint {number} of the follower"
+            schema[name] = Tunable(unit, _SMALLEST, maximum, text)
+    return {
+        name: replace(
+            tunable,
+            minimum=min(tunable.minimum, gains[name]),
+            maximum=max(tunable.maximum, gains[name]),
+        )
+        for name, tunable in schema.items()
+    }
+
+
+def bounds_of(gains: Mapping[str, float]) -> MotionBounds:
+    """Return how fast the follower may move."""
+
+    def collect(prefix: str) -> NDArray[np.float64]:
+        return np.array(_numbered(gains, prefix))
+
+    return MotionBounds(
+        velocity_far=collect("dq_l"),
+        velocity_near=collect("dq_u"),
+        acceleration_far=collect("ddq_l"),
+        acceleration_near=collect("ddq_u"),
+    )
+
+
+def _numbered(gains: Mapping[str, float], prefix: str) -> Sequence[float]:
+    return [gains[f"{prefix}_{number}"] for number in range(1, _DOF + 1)]
