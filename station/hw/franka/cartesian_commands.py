@@ -14,6 +14,7 @@ from station.core.interfaces import (
     FrankaVelocityCartesianInterface,
 )
 from station.core.interfaces.franka_robot_state import RobotState
+from station.core.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_kinematics import IDENTITY
@@ -26,7 +27,6 @@ from station.hw.franka.rate_limiter import (
     limit_position,
     low_pass,
 )
-from station.hw.franka.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.robot_arm import RobotArm
 
 # libfranka's margin for the rotation of a pose.
