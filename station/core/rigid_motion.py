@@ -148,3 +148,23 @@ def to_outer_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]
     """Return a vector, given in the axes of a pose, in the pose's outer axes, (3,)."""
     x, y, z = vector
     return [pose[i] * x + pose[4 + i] * y + pose[8 + i] * z for i in range(3)]
+
+
+def to_inner_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
+    """Return a vector, given in the outer axes of a pose, in the pose's axes, (3,)."""
+    return [sum(pose[4 * i + k] * vector[k] for k in range(3)) for i in range(3)]
+
+
+def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
+    """Return J dq, shape (6,).
+
+    Args:
+        jacobian: 42 numbers, column-major.
+        dq: Joint velocities, shape (7,).
+    """
+    result = [0.0] * 6
+    for joint, rate in enumerate(dq):
+        if rate:
+            for row in range(6):
+                result[row] += jacobian[6 * joint + row] * rate
+    return result

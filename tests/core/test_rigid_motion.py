@@ -10,6 +10,8 @@ from station.core.rigid_motion import (
     pose_of,
     quaternion_of,
     rotation_between,
+    times,
+    to_inner_axes,
     to_outer_axes,
     twist_between,
 )
@@ -84,3 +86,11 @@ def test_a_vector_of_the_end_effector_is_turned_to_the_base():
     pose = displace(IDENTITY, [1.0, 2.0, 3.0], [0.0, 0.0, pi / 2])
 
     assert to_outer_axes(pose, [1.0, 0.0, 2.0]) == pytest.approx([0.0, 1.0, 2.0])
+    assert to_inner_axes(pose, [0.0, 1.0, 2.0]) == pytest.approx([1.0, 0.0, 2.0])
+
+
+def test_jacobian_times_velocity():
+    jacobian = np.arange(42.0)
+    dq = [1.0, 0.0, -2.0, 0.0, 0.0, 0.5, 0.0]
+    expected = np.reshape(jacobian, (7, 6)).T @ dq
+    assert times(jacobian.tolist(), dq) == pytest.approx(expected)

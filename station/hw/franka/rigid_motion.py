@@ -1,4 +1,4 @@
-"""Checks of homogeneous transforms, and what joint velocities make of a frame.
+"""Checks of homogeneous transforms.
 
 Poses have 16 numbers, flat and column-major.
 """
@@ -51,18 +51,3 @@ def check_transform(pose: Sequence[float], what: str) -> list[float]:
             remedy="give a homogeneous transform, column by column",
         )
     return list(pose)
-
-
-def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
-    """Return J dq, shape (6,).
-
-    Args:
-        jacobian: 42 numbers, column-major.
-        dq: Joint velocities, shape (7,).
-    """
-    result = [0.0] * 6
-    for joint, rate in enumerate(dq):
-        if rate:
-            for row in range(6):
-                result[row] += jacobian[6 * joint + row] * rate
-    return result

@@ -1,13 +1,11 @@
-"""What is a transform, and what joint velocities make of a frame."""
+"""What is a transform."""
 
-import numpy as np
 import pytest
 
 from station.core.errors import InvalidCommandError
 from station.hw.franka.franka_kinematics import IDENTITY
 from station.hw.franka.rigid_motion import (
     check_transform,
-    times,
     transform_problem,
 )
 
@@ -33,10 +31,3 @@ def test_small_deviations_pass():
     # 0.7071 instead of the root of 1/2, as configurations have it.
     pose = [0.7071, -0.7071, 0, 0, 0.7071, 0.7071, 0, 0, *IDENTITY[8:]]
     assert transform_problem(pose) == ""
-
-
-def test_jacobian_times_velocity():
-    jacobian = np.arange(42.0)
-    dq = [1.0, 0.0, -2.0, 0.0, 0.0, 0.5, 0.0]
-    expected = np.reshape(jacobian, (7, 6)).T @ dq
-    assert times(jacobian.tolist(), dq) == pytest.approx(expected)
