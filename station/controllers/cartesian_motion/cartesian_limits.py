@@ -26,9 +26,9 @@ class VectorLimits:
     jerk: float
 
 
-TRANSLATION = VectorLimits(0.3, 1.5, 15.0)
+TRANSLATION = VectorLimits(0.3, 1.0, 10.0)
 """Defaults of the end effector's translation."""
-ROTATION = VectorLimits(1.0, 4.0, 40.0)
+ROTATION = VectorLimits(1.0, 2.5, 25.0)
 """Defaults of its rotation."""
 LARGEST_TRANSLATION = VectorLimits(1.7, 9.0, 4500.0)
 """What both kinds of Franka arms allow.

@@ -52,7 +52,7 @@ _TEXTS = {
     Obstacle.NONE: "",
     Obstacle.JOINT_LIMIT: "{joint} is near its position limit; the arm waits there.",
     Obstacle.SINGULARITY: "A singular pose is near; the arm waits there.",
-    Obstacle.JOINT_VELOCITY: "{joint} would be too fast; the arm goes more slowly.",
+    Obstacle.JOINT_SPEED: "{joint} would be too fast; the arm goes more slowly.",
 }
 
 
@@ -168,7 +168,7 @@ class CartesianMotionController(MultiInterfaceController):
         if period == 0.0 or generator.is_at_rest():
             self._tell(Obstacle.NONE, "", time)
             return
-        can_rest = self._lookahead.allows(generator.resting_pose(), generator.twist)
+        can_rest = self._lookahead.allows(generator)
         self._tell(self._lookahead.obstacle, self._lookahead.joint, time)
         if not can_rest or not generator.stays_within_speed():
             # From where it was, it can brake: that was looked at in the cycle before.

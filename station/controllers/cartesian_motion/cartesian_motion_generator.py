@@ -6,7 +6,7 @@ its rates the angular velocity and acceleration themselves, so that the limits h
 any turn, and the way to a target is always the short one.
 """
 
-from math import sqrt
+from math import copysign, sqrt
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
@@ -41,6 +41,27 @@ class CartesianMotionGenerator:
     def twist(self) -> list[float]:
         """Desired velocity [m/s], then angular velocity [rad/s], axes of the base."""
         return self._generator.velocities
+
+    @property
+    def acceleration(self) -> list[float]:
+        """Desired acceleration [m/s^2], then angular one [rad/s^2], same axes."""
+        return self._generator.accelerations
+
+    def braking(self) -> list[float]:
+        """Return the largest acceleration of each axis on the way to rest, shape (6,).
+
+        In m/s^2 and rad/s^2, axes of the base.
+        """
+        return [
+            -copysign(min(largest, sqrt(abs(v) * jerk + a * a / 2.0)), v)
+            for v, a, largest, jerk in zip(
+                self._generator.velocities,
+                self._generator.accelerations,
+                self._axes.acceleration,
+                self._axes.jerk,
+                strict=True,
+            )
+        ]
 
     def start(self, pose: list[float]) -> None:
         """Begin anew, at rest.

@@ -10,15 +10,18 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from station.controllers.cartesian_motion.arm_configuration import (
+    ELBOW,
+    ArmConfiguration,
+)
+from station.controllers.cartesian_motion.cartesian_motion_generator import (
+    CartesianMotionGenerator,
+)
 from station.controllers.cartesian_motion.lookahead_settings import LookaheadSettings
 from station.core.interfaces import Frame, FrankaModelHandle
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.rigid_motion import twist_between
 from station.core.robot_description import JointDescription
-
-# Of the Newton step: full accuracy, and no failure at a singular pose.
-_DAMPING = 1e-9
-_ELBOW = 2
 
 
 class Obstacle(Enum):
@@ -27,7 +30,7 @@ class Obstacle(Enum):
     NONE = "none"
     JOINT_LIMIT = "joint_limit"
     SINGULARITY = "singularity"
-    JOINT_VELOCITY = "joint_velocity"
+    JOINT_SPEED = "joint_speed"
 
 
 class JointLookahead:
@@ -49,16 +52,19 @@ class JointLookahead:
         joints: list[JointDescription],
         settings: LookaheadSettings,
     ) -> None:
-        self._model = model
+        self._model = model.model
         self._joints = joints
         self._settings = settings
+        self._fastest = np.array([
+            joint.velocity * settings.joint_velocity_share for joint in joints
+        ])
+        self._hardest = np.array(settings.max_joint_acceleration)
         self.obstacle = Obstacle.NONE
         self.joint = ""
         self._state = RobotState()
         self._elbow = 0.0
-        self._q = [0.0] * 7
         self._pose = [0.0] * 16
-        self._matrix = np.eye(7)
+        self._resting = ArmConfiguration([0.0] * 7, [0.0] * 42)
         self._dexterity = 0.0
 
     def start(self, state: RobotState) -> None:
@@ -68,80 +74,78 @@ class JointLookahead:
             state: The arm's live state.
         """
         self._state = state
-        self._elbow = state.q_d[_ELBOW]
+        self._elbow = state.q_d[ELBOW]
         self.obstacle, self.joint = Obstacle.NONE, ""
-        self._accept(list(state.q_d), *self._kinematics(state.q_d))
+        self._resting = self._configuration(list(state.q_d))
+        self._pose = self._pose_at(self._resting.q)
+        self._dexterity = self._resting.dexterity()
 
-    def allows(self, resting_pose: list[float], twist: list[float]) -> bool:
+    def allows(self, motion: CartesianMotionGenerator) -> bool:
         """Say whether the joints can do a step; note what is in the way if not.
 
         A step that leads out of where the arm should not be is allowed.
 
         Args:
-            resting_pose: Where the end effector rests when it brakes after the step.
-            twist: Its velocity after the step [m/s, rad/s], axes of the base.
+            motion: The motion after the step.
         """
-        away = twist_between(self._pose, resting_pose, 1.0)
-        step = _solve(self._matrix, [*away, self._elbow - self._q[_ELBOW]])
-        q = [a + b for a, b in zip(self._q, step, strict=True)]
-        pose, matrix, dexterity = self._kinematics(q)
-        self.joint = self._joint_at_limit(q)
+        away = twist_between(self._pose, motion.resting_pose(), 1.0)
+        step = self._resting.joint_step(away, self._elbow)
+        q = [a + b for a, b in zip(self._resting.q, step, strict=True)]
+        resting = self._configuration(q)
+        dexterity = resting.dexterity()
         self.obstacle = Obstacle.NONE
+        self.joint = self._joint_at_limit(q)
         if self.joint:
             self.obstacle = Obstacle.JOINT_LIMIT
         elif dexterity < min(self._settings.least_dexterity, self._dexterity):
             self.obstacle = Obstacle.SINGULARITY
         else:
-            self.joint = self._joint_too_fast(_solve(matrix, [*twist, 0.0]))
+            present = self._configuration(self._state.q_d)
+            self.joint = self._too_fast(present, motion) or self._too_fast(
+                resting, motion
+            )
             if self.joint:
-                self.obstacle = Obstacle.JOINT_VELOCITY
+                self.obstacle = Obstacle.JOINT_SPEED
         if self.obstacle is not Obstacle.NONE:
             return False
-        self._accept(q, pose, matrix, dexterity)
+        self._resting, self._dexterity = resting, dexterity
+        self._pose = self._pose_at(q)
         return True
 
-    def _accept(
-        self,
-        q: list[float],
-        pose: list[float],
-        matrix: NDArray[np.float64],
-        dexterity: float,
-    ) -> None:
-        self._q, self._pose = q, pose
-        self._matrix, self._dexterity = matrix, dexterity
+    def _configuration(self, q: list[float]) -> ArmConfiguration:
+        state = self._state
+        jacobian = self._model.zero_jacobian(
+            Frame.END_EFFECTOR, q, state.F_T_EE, state.EE_T_K
+        )
+        return ArmConfiguration(q, jacobian)
 
-    def _kinematics(
-        self, q: list[float]
-    ) -> tuple[list[float], NDArray[np.float64], float]:
-        """Return pose, Jacobian with the elbow as last row, least singular value."""
-        state, model = self._state, self._model.model
-        tool = (state.F_T_EE, state.EE_T_K)
-        pose = model.pose(Frame.END_EFFECTOR, q, *tool)
-        jacobian = model.zero_jacobian(Frame.END_EFFECTOR, q, *tool)
-        matrix = np.zeros((7, 7))
-        matrix[:6] = np.reshape(jacobian, (7, 6)).T
-        matrix[6, _ELBOW] = 1.0
-        return pose, matrix, float(np.linalg.svd(matrix, compute_uv=False)[-1])
+    def _pose_at(self, q: list[float]) -> list[float]:
+        state = self._state
+        return self._model.pose(Frame.END_EFFECTOR, q, state.F_T_EE, state.EE_T_K)
 
     def _joint_at_limit(self, q: list[float]) -> str:
         margin = self._settings.joint_limit_margin
-        for joint, new, old in zip(self._joints, q, self._q, strict=True):
+        for joint, new, old in zip(self._joints, q, self._resting.q, strict=True):
             if (new < old and new < joint.lower + margin) or (
                 new > old and new > joint.upper - margin
             ):
                 return joint.name
         return ""
 
-    def _joint_too_fast(self, dq: list[float]) -> str:
-        share = self._settings.joint_velocity_share
-        for joint, rate in zip(self._joints, dq, strict=True):
-            if abs(rate) > share * joint.velocity:
-                return joint.name
-        return ""
+    def _too_fast(
+        self, configuration: ArmConfiguration, motion: CartesianMotionGenerator
+    ) -> str:
+        """Return a joint for which the motion and its end are too fast, or ''."""
+        dq = configuration.joint_velocities(motion.twist)
+        over = self._over(dq, self._fastest)
+        if over:
+            return over
+        braking = motion.braking()
+        needed = np.array([motion.acceleration, braking, [0.0] * 6]).T
+        ddq = np.abs(configuration.joint_accelerations(dq, needed)).max(axis=1)
+        return self._over(ddq, self._hardest)
 
-
-def _solve(matrix: NDArray[np.float64], right: list[float]) -> list[float]:
-    """Return the least-squares solution with Tikhonov damping, shape (7,)."""
-    gram = matrix.T @ matrix + _DAMPING * np.eye(7)
-    result: list[float] = np.linalg.solve(gram, matrix.T @ np.array(right)).tolist()
-    return result
+    def _over(self, values: NDArray[np.float64], bounds: NDArray[np.float64]) -> str:
+        excess = np.abs(values) / bounds
+        worst = int(excess.argmax())
+        return self._joints[worst].name if excess[worst] > 1.0 else ""

@@ -10,6 +10,7 @@ from ruckig import (
     OutputParameter,
     Result,
     Ruckig,
+    RuckigError,
     Synchronization,
     Trajectory,
 )
@@ -140,12 +141,19 @@ class MotionGenerator:
 
         Raises:
             InvalidCommandError: No motion to the target can be worked out.
+            RuckigError: The same, found otherwise.
         """
         if period == 0.0:
             return
         if period != self._ruckig.delta_time:
             self._ruckig.delta_time = period
-        _check(self._ruckig.update(self._input, self._output))
+        try:
+            result = self._ruckig.update(self._input, self._output)
+        except RuckigError:
+            # Now and then it finds no motion in which all joints arrive together.
+            self._input.synchronization = Synchronization.No
+            result = self._ruckig.update(self._input, self._output)
+        _check(result)
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity
