@@ -116,11 +116,11 @@ def test_other_axes_are_refused(arm):
 def test_a_twist_beyond_the_limits_is_refused(arm, send):
     controller = arm.start(CartesianJogController)
 
-    with pytest.raises(InvalidCommandError, match="'vx' is 0.31"):
+    with pytest.raises(InvalidCommandError, match=r"'vx' is 0\.31"):
         send(controller, [0.31, 0.0, 0.0, 0.0, 0.0, 0.0])
-    with pytest.raises(InvalidCommandError, match="0.4243 m/s long"):
+    with pytest.raises(InvalidCommandError, match=r"0\.4243 m/s long"):
         send(controller, [0.3, 0.3, 0.0, 0.0, 0.0, 0.0])
-    with pytest.raises(InvalidCommandError, match="rad/s long"):
+    with pytest.raises(InvalidCommandError, match=r"rad/s long"):
         send(controller, [0.0, 0.0, 0.0, 0.9, 0.9, 0.0])
 
 
