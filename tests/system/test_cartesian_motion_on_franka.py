@@ -19,9 +19,9 @@ def start(kind: str, **robot: object) -> Station:
     """Return a station whose Cartesian controller `arm` has just been started."""
     station = make_franka_station(**robot)
     station.load_controller(
-        "arm", f"franka_controllers/Cartesian{kind}Controller", PARAMETERS
+        "cartesian", f"franka_controllers/Cartesian{kind}Controller", PARAMETERS
     )
-    station.switch_controllers(SwitchRequest(("arm",), ()))
+    station.switch_controllers(SwitchRequest(("cartesian",), ()))
     step(station, 5)
     return station
 
@@ -38,7 +38,7 @@ def position(station: Station) -> list[float]:
 
 
 def check_content(station: Station) -> None:
-    assert station.controller("arm").fault == ""
+    assert station.controller("cartesian").fault == ""
     assert station.latest().mode == "move"
     assert not any(station.robots.state("panda").last_motion_errors)
 
@@ -47,16 +47,16 @@ def check_content(station: Station) -> None:
 @pytest.mark.parametrize("robot", [{}, UNLIMITED], ids=["limiter", "no limiter"])
 def test_a_square_streamed_at_fifty_hertz_is_driven(robot) -> None:
     station = start("Streaming", **robot)
-    pose = list(station.controller_sample("arm").desired)
+    pose = list(station.controller_sample("cartesian").desired)
     begin = position(station)
     corners = []
     for axis, side in ((1, 0.1), (2, 0.1), (1, -0.1), (2, -0.1)):
         for _ in range(50):
             pose[axis] += side / 50.0
-            station.set_command("arm", pose)
+            station.set_command("cartesian", pose)
             step(station, EVERY)
         for _ in range(50):
-            station.set_command("arm", pose)
+            station.set_command("cartesian", pose)
             step(station, EVERY)
         corners.append(math.dist(position(station), pose[:3]))
     check_content(station)
@@ -75,24 +75,24 @@ def test_a_jog_button_held_to_the_end_of_the_workspace_is_no_error(
     twist = [0.0] * 6
     twist[axis] = sign * (0.3 if axis < 3 else 1.0)
     for _ in range(250):
-        station.set_command("arm", twist)
+        station.set_command("cartesian", twist)
         step(station, EVERY)
 
     check_content(station)
-    assert station.published("arm")["state"]["obstacle"] != "none"
+    assert station.published("cartesian")["state"]["obstacle"] != "none"
 
 
 def test_a_stop_ends_a_jog_and_nothing_resumes() -> None:
     station = start("Jog")
     for _ in range(10):
-        station.set_command("arm", [0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
+        station.set_command("cartesian", [0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
         step(station, EVERY)
     station.stop("test")
     step(station, 500)
     held = position(station)
     step(station, 200)
 
-    assert station.controller("arm").state.value == "stopped"
+    assert station.controller("cartesian").state.value == "stopped"
     assert position(station) == pytest.approx(held, abs=1e-4)
 
 
@@ -101,9 +101,9 @@ def test_starting_moves_nothing_and_silence_ends_a_motion() -> None:
     begin = position(station)
     step(station, 100)
     assert position(station) == pytest.approx(begin, abs=5e-4)
-    pose = list(station.controller_sample("arm").desired)
+    pose = list(station.controller_sample("cartesian").desired)
     pose[1] += 0.2
-    station.set_command("arm", pose)
+    station.set_command("cartesian", pose)
     track = []
     for _ in range(40):
         step(station, EVERY)

@@ -89,7 +89,7 @@ class CartesianMotionController(MultiInterfaceController):
         self.model: FrankaModelHandle = models.get_handle(f"{arm_id}_model")
         self.limits = read_cartesian_limits(params)
         self.generator = CartesianMotionGenerator(self.limits)
-        self._lookahead = JointLookahead(
+        self.lookahead = JointLookahead(
             self.model,
             [description.joint(name) for name in names],
             read_lookahead_settings(params),
@@ -137,7 +137,7 @@ class CartesianMotionController(MultiInterfaceController):
         """Begin where the end effector is meant to be."""
         state = self.handle.get_robot_state()
         self.generator.start(state.O_T_EE_d)
-        self._lookahead.start(state)
+        self.lookahead.start(state)
         self._obstacle, self._joint, self._until = Obstacle.NONE, "", time
         self.handle.set_command(self.generator.pose)
         self._watched.begin()
@@ -168,8 +168,8 @@ class CartesianMotionController(MultiInterfaceController):
         if period == 0.0 or generator.is_at_rest():
             self._tell(Obstacle.NONE, "", time)
             return
-        can_rest = self._lookahead.allows(generator)
-        self._tell(self._lookahead.obstacle, self._lookahead.joint, time)
+        can_rest = self.lookahead.allows(generator)
+        self._tell(self.lookahead.obstacle, self.lookahead.joint, time)
         if not can_rest or not generator.stays_within_speed():
             # From where it was, it can brake: that was looked at in the cycle before.
             generator.undo()
