@@ -28,6 +28,9 @@ class RobotScene:
     Args:
         server: The scene's server.
         urdf: The robot, with its visual meshes loaded.
+
+    Attributes:
+        base: Scene node of the robot's first link.
     """
 
     def __init__(self, server: viser.ViserServer, urdf: yourdfpy.URDF) -> None:
@@ -36,6 +39,8 @@ class RobotScene:
         bounds = urdf.scene.bounds  # (2, 3); None for a robot without meshes
         _prepare_room(server, 0.56 if bounds is None else float(bounds[:, 2].mean()))
         self._moving = _draw(server, urdf)
+        roots = [j.child for j in urdf.joint_map.values() if j.parent == urdf.base_link]
+        self.base = _node_name(urdf.scene.graph, roots[0]) if roots else _ROOT
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the robot's joints.

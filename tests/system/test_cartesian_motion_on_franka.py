@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from random import Random
 
 import pytest
 
@@ -113,3 +114,19 @@ def test_starting_moves_nothing_and_silence_ends_a_motion() -> None:
     assert track[-1] - begin[1] < 0.1
     assert abs(track[-1] - track[-5]) < 5e-4
     assert max(b - a for a, b in pairwise(track)) < 0.3 * EVERY * 1e-3
+
+
+@pytest.mark.parametrize("robot", [{}, UNLIMITED], ids=["limiter", "no limiter"])
+def test_late_cycles_are_no_error(robot) -> None:
+    station, random = start("Streaming", **robot), Random(3)
+    pose = list(station.controller_sample("cartesian").desired)
+    for number in range(150):
+        pose[1] += 0.002 * math.cos(number / 20.0)
+        station.set_command("cartesian", pose)
+        step(station, 8)
+        # The loop is late by some cycles: the arm has gone on by itself.
+        station.loop.period = 1e-3 * random.randrange(2, 9)
+        step(station, 1)
+        station.loop.period = 1e-3
+
+    check_content(station)

@@ -117,6 +117,28 @@ class CartesianCommands:
             elbow = self._limited_elbow(self._twist_elbow, state, settings)
             self._arm.command_cartesian_velocity(twist, elbow)
 
+    def go_on(self) -> None:
+        """Send what continues the motion, in a cycle without a new command.
+
+        As the arm does itself for a lost packet: with constant acceleration. The same
+        pose once more would be a stop.
+        """
+        state = self._arm.state
+        twist = [
+            v + a * PERIOD
+            for v, a in zip(state.O_dP_EE_c, state.O_ddP_EE_c, strict=True)
+        ]
+        rate = state.delbow_c[0] + state.ddelbow_c[0] * PERIOD
+        angle = state.elbow_c[0] + rate * PERIOD
+        if self.has_pose:
+            step = [value * PERIOD for value in twist]
+            pose = displace(state.O_T_EE_c, step[:3], step[3:])
+            elbow = [angle, self._pose_elbow[1]] if any(self._pose_elbow) else None
+            self._arm.command_cartesian_pose(pose, elbow)
+        if self.has_twist:
+            elbow = [angle, self._twist_elbow[1]] if any(self._twist_elbow) else None
+            self._arm.command_cartesian_velocity(twist, elbow)
+
     def _limited_pose(
         self, state: RobotState, settings: CommandSettings
     ) -> list[float]:

@@ -65,13 +65,29 @@ class CommandSender:
         self._goals = commands.goals()
         if period > 0.0:
             commands.enforce_limits(period)
-        self.send()
+        self._send_joints()
+        if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
+            try:
+                self._cartesian.send(self._settings)
+            except InvalidCommandError:
+                self._arm.stop_motion()
 
-    def send(self) -> None:
-        """Filter and send the commands as they are, for one cycle of the arm."""
-        arm, commands, state = self._arm, self._commands, self._arm.state
-        if state.robot_mode is not RobotMode.MOVE:
+    def send_between(self) -> None:
+        """Send what continues the motion, for a cycle of the arm between two updates.
+
+        Joint commands are approached further by their filter; a Cartesian motion goes
+        on as it is.
+        """
+        if self._arm.state.robot_mode is not RobotMode.MOVE:
             return
+        self._send_joints()
+        try:
+            self._cartesian.go_on()
+        except InvalidCommandError:
+            self._arm.stop_motion()
+
+    def _send_joints(self) -> None:
+        arm, commands, state = self._arm, self._commands, self._arm.state
         goals, filtered = self._goals, self._filter
         if commands.has_positions:
             q = filtered.positions(commands.positions, state, goals=goals)
@@ -81,11 +97,6 @@ class CommandSender:
             arm.command_joint_velocities(dq)
         if commands.has_efforts:
             arm.command_joint_torques(filtered.torques(commands.efforts, state))
-        if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
-            try:
-                self._cartesian.send(self._settings)
-            except InvalidCommandError:
-                arm.stop_motion()
 
 
 def arm_modes(
