@@ -19,6 +19,7 @@ from station.hw.franka.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_kinematics import IDENTITY
 from station.hw.franka.franka_parameters import CommandSettings
+from station.hw.franka.pose_goal import PoseGoal
 from station.hw.franka.rate_limiter import (
     MARGIN,
     MAX_CUTOFF_FREQUENCY,
@@ -50,6 +51,8 @@ class CartesianCommands:
     def __init__(self, arm: RobotArm, arm_id: str, limits: ArmLimits) -> None:
         self._arm = arm
         self._pose = list(IDENTITY)
+        self._wanted = self._pose
+        self._goal = PoseGoal(limits.translation, limits.rotation)
         self._twist = [0.0] * 6
         self._pose_elbow = [0.0, 0.0]
         self._twist_elbow = [0.0, 0.0]
@@ -86,6 +89,7 @@ class CartesianCommands:
         if self.has_pose:
             self._arm.refresh_state()
             self._pose[:] = self._arm.state.O_T_EE_d
+            self._goal.begin(self._pose)
         self._twist[:] = [0.0] * 6
         self._pose_elbow[:] = self._twist_elbow[:] = [0.0, 0.0]
 
@@ -97,6 +101,24 @@ class CartesianCommands:
         if self.has_twist:
             total += sum(self._twist) + sum(self._twist_elbow)
         return isfinite(total)
+
+    def note(self, period: float) -> None:
+        """Take over new commands; call it once per update of the controllers.
+
+        Args:
+            period: Time since the update before [s].
+        """
+        if self.has_pose:
+            self._goal.note(self._pose, period)
+            self._wanted = self._pose
+
+    def go_on(self) -> None:
+        """Move the goal on in a cycle without a new command.
+
+        The same pose once more would be a stop.
+        """
+        if self.has_pose:
+            self._wanted = self._goal.go_on(PERIOD)
 
     def send(self, settings: CommandSettings) -> None:
         """Filter, limit and send what is taken.
@@ -117,32 +139,10 @@ class CartesianCommands:
             elbow = self._limited_elbow(self._twist_elbow, state, settings)
             self._arm.command_cartesian_velocity(twist, elbow)
 
-    def go_on(self) -> None:
-        """Send what continues the motion, in a cycle without a new command.
-
-        As the arm does itself for a lost packet: with constant acceleration. The same
-        pose once more would be a stop.
-        """
-        state = self._arm.state
-        twist = [
-            v + a * PERIOD
-            for v, a in zip(state.O_dP_EE_c, state.O_ddP_EE_c, strict=True)
-        ]
-        rate = state.delbow_c[0] + state.ddelbow_c[0] * PERIOD
-        angle = state.elbow_c[0] + rate * PERIOD
-        if self.has_pose:
-            step = [value * PERIOD for value in twist]
-            pose = displace(state.O_T_EE_c, step[:3], step[3:])
-            elbow = [angle, self._pose_elbow[1]] if any(self._pose_elbow) else None
-            self._arm.command_cartesian_pose(pose, elbow)
-        if self.has_twist:
-            elbow = [angle, self._twist_elbow[1]] if any(self._twist_elbow) else None
-            self._arm.command_cartesian_velocity(twist, elbow)
-
     def _limited_pose(
         self, state: RobotState, settings: CommandSettings
     ) -> list[float]:
-        pose = list(self._pose)
+        pose = list(self._wanted)
         if settings.cutoff_frequency < MAX_CUTOFF_FREQUENCY:
             gain = low_pass(1.0, 0.0, settings.cutoff_frequency)
             last = state.O_T_EE_c

@@ -65,26 +65,25 @@ class CommandSender:
         self._goals = commands.goals()
         if period > 0.0:
             commands.enforce_limits(period)
+        self._cartesian.note(period)
+        self._send()
+
+    def send_between(self) -> None:
+        """Send what continues the motion, for a cycle of the arm between two updates.
+
+        The filter of joint commands comes nearer to them; a pose moves on.
+        """
+        if self._arm.state.robot_mode is RobotMode.MOVE:
+            self._cartesian.go_on()
+            self._send()
+
+    def _send(self) -> None:
         self._send_joints()
         if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
             try:
                 self._cartesian.send(self._settings)
             except InvalidCommandError:
                 self._arm.stop_motion()
-
-    def send_between(self) -> None:
-        """Send what continues the motion, for a cycle of the arm between two updates.
-
-        Joint commands are approached further by their filter; a Cartesian motion goes
-        on as it is.
-        """
-        if self._arm.state.robot_mode is not RobotMode.MOVE:
-            return
-        self._send_joints()
-        try:
-            self._cartesian.go_on()
-        except InvalidCommandError:
-            self._arm.stop_motion()
 
     def _send_joints(self) -> None:
         arm, commands, state = self._arm, self._commands, self._arm.state

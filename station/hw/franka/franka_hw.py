@@ -193,7 +193,7 @@ class FrankaHW(RobotHW):
             arm.read_once()
         for cycle in range(min(cycles, _MOST_CYCLES_AT_ONCE)):
             if cycle > 0:
-                self._sender.send_between()  # the arm wants a command in each of its own cycles
+                self._sender.send_between()  # the arm wants a command in each cycle
             arm.read_once()
         if self._fingers is not None:
             self._fingers.read()
