@@ -52,7 +52,7 @@ class CartesianCommands:
         self._arm = arm
         self._pose = list(IDENTITY)
         self._wanted = self._pose
-        self._goal = PoseGoal(limits.translation, limits.rotation)
+        self._goal = PoseGoal(limits.translation, limits.rotation, PERIOD)
         self._twist = [0.0] * 6
         self._pose_elbow = [0.0, 0.0]
         self._twist_elbow = [0.0, 0.0]
@@ -109,8 +109,7 @@ class CartesianCommands:
             period: Time since the update before [s].
         """
         if self.has_pose:
-            self._goal.note(self._pose, period)
-            self._wanted = self._pose
+            self._wanted = self._goal.note(self._pose, period)
 
     def go_on(self) -> None:
         """Move the goal on in a cycle without a new command.
@@ -118,7 +117,7 @@ class CartesianCommands:
         The same pose once more would be a stop.
         """
         if self.has_pose:
-            self._wanted = self._goal.go_on(PERIOD)
+            self._wanted = self._goal.go_on()
 
     def send(self, settings: CommandSettings) -> None:
         """Filter, limit and send what is taken.
