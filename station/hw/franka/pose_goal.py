@@ -6,7 +6,7 @@ from math import exp, sqrt
 from station.core.rigid_motion import displace, twist_between
 from station.hw.franka.arm_limits import MotionLimits
 
-RETURN_RATE = 30.0
+RETURN_RATE = 10.0
 """How fast the goal comes back to the client's poses after a gap [1/s]."""
 SMOOTHING = 0.2
 """Share of a new acceleration that counts: what follows a gap is uncertain."""
@@ -76,7 +76,7 @@ class PoseGoal:
             self._gap_rate = _difference(self._goal_twist, self._twist)
         self._goal, self._goal_twist = self._pose, self._twist
         if self._gap:
-            self._fade(period)
+            self._fade(self._cycle_time)
         return self._goal
 
     def go_on(self) -> list[float]:

@@ -43,7 +43,7 @@ def test_punctual_poses_are_passed_on_as_they_are(goal):
 def test_a_gap_is_closed_without_a_step(goal, lost):
     """Also when the goal has not gone on for all of the time."""
     track, time = [], 0.0
-    for late in [0] * 50 + [0, 14, 0, 3, 0, 1, 2] + [0] * 400:
+    for late in [0] * 50 + [0, 14, 0, 3, 0, 1, 2] + [0] * 1_000:
         track += [goal.go_on() for _ in range(late)]
         period = (late + 1 + (lost if late else 0)) * CYCLE
         time += period
@@ -55,19 +55,20 @@ def test_a_gap_is_closed_without_a_step(goal, lost):
         for a, b in pairwise(twists)
     ]
 
-    # A fading gap takes rate^2 times its size: 0.3 m/s^2 for 0.3 mm, besides 1 m/s^2.
-    assert max(steps[60:]) / CYCLE < 2.5
-    assert track[-1] == pytest.approx(target, abs=1e-6)
+    # A fading gap takes rate^2 times its size: 0.2 m/s^2 for 2 mm, besides 1 m/s^2.
+    assert max(steps[60:]) / CYCLE < 2.0
+    assert track[-1] == pytest.approx(target, abs=1e-4)
 
 
 @pytest.mark.parametrize("slow", [2, 4])
 def test_a_slow_loop_is_followed_without_a_lag(goal, slow):
-    for cycle in range(slow, 400, slow):
+    for cycle in range(slow, 1_200, slow):
         for _ in range(slow - 1):
             goal.go_on()
         pose = goal.note(along(cycle * CYCLE), slow * CYCLE)
 
-    assert pose == pytest.approx(along(cycle * CYCLE), abs=1e-5)
+    # What the abrupt start has left, fades slowly in a slow loop.
+    assert pose == pytest.approx(along(cycle * CYCLE), abs=3e-4)
 
 
 def test_a_goal_at_rest_stays(goal):
