@@ -4,7 +4,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_impedance_example_controller.cpp; differs: the equilibrium pose arrives as
-a set-point of 7 numbers, the stiffnesses are gains.
+a set-point of 7 numbers that may time out, the stiffnesses are gains.
 """
 
 from collections.abc import Mapping
@@ -15,6 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_timeout import (
+    read_command_timeout,
+)
+from station.controllers.forward_command_controller.watched_set_point import (
+    WatchedSetPoint,
+)
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     quaternion_of,
@@ -59,8 +65,10 @@ _REACH = 2.0
 class CartesianImpedanceExampleController(MultiInterfaceController):
     """A spring between the end effector and an equilibrium pose.
 
-    Parameters: `arm_id`; `joint_names`, 7 names. Set-point: position [m], then
-    quaternion w x y z, of the end effector in the base frame.
+    Parameters: `arm_id`; `joint_names`, 7 names; `command_timeout` and
+    `command_timeout_action`, see `TimeoutAction`. Set-point: position [m], then
+    quaternion w x y z, of the end effector in the base frame. When it is no longer
+    valid, the equilibrium stays where it has come to.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -80,10 +88,18 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self._model = models.get_handle(f"{arm_id}_model")
         self._state = states.get_handle(f"{arm_id}_robot")
         self.joint_names = names
-        self.set_points = SetPointPort([
-            *(SetPointElement(axis, "m", -_REACH, _REACH) for axis in "xyz"),
-            *(SetPointElement(f"q{part}", "", -1.0, 1.0) for part in "wxyz"),
-        ])
+        timeout, action = read_command_timeout(params)
+        self.set_points = SetPointPort(
+            [
+                *(SetPointElement(axis, "m", -_REACH, _REACH) for axis in "xyz"),
+                *(SetPointElement(f"q{part}", "", -1.0, 1.0) for part in "wxyz"),
+            ],
+            timeout=timeout,
+        )
+        self._watched = WatchedSetPoint(
+            self.set_points, action, arm_id, self._equilibrium
+        )
+        self._followed: list[float] = []
         self._gains = dict(_DEFAULTS)
         self._position = self._target_position = np.zeros(3)
         self._rotation = self._target_rotation = np.array([1.0, 0.0, 0.0, 0.0])
@@ -103,6 +119,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self._damping = np.zeros(6)
         self._nullspace = self._gains["nullspace_stiffness"]
         self._rest = np.array(state.q)
+        self._watched.begin()
 
     @override
     def update(self, time: float, period: float) -> None:
@@ -138,9 +155,14 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
     def apply_gains(self, values: Mapping[str, float]) -> None:
         self._gains = dict(values)
 
+    def _equilibrium(self) -> list[float]:
+        """Return where the equilibrium is, as a set-point."""
+        return [*self._position.tolist(), *self._rotation.tolist()]
+
     def _follow_targets(self) -> None:
-        command = None if self.set_points is None else self.set_points.take()
-        if command is not None:
+        command = self._watched.newest()
+        if command is not self._followed:
+            self._followed = command
             rotation = np.array(command[3:])
             length = float(np.linalg.norm(rotation))
             if length == 0.0:
