@@ -51,3 +51,7 @@ def test_the_camera_looks_at_the_robot(shared_bench, height):
     base = (0.0, 0.0, height, 0.0, 0.0, 0.0)
     RobotScene(server, load_robot("example-robot-data:panda", base=base))
     assert server.initial_camera.look_at[2] == pytest.approx(height + 0.42, abs=0.02)
+
+
+def test_the_base_is_the_first_link(scene):
+    assert scene.base == "/robot/panda_link0"
