@@ -15,8 +15,11 @@ TWIST = ("vx", "vy", "vz", "wx", "wy", "wz")
 """Elements of a jog controller's set-point."""
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 """Elements of a streaming controller's set-point."""
-HELD_FOR = 0.15
-"""How long a button counts as held after its browser said so [s]."""
+HELD_FOR = 0.3
+"""How long a button counts as held after its browser said so [s].
+
+A browser that draws slowly says so late; that a button was let go, it says at once.
+"""
 PATIENCE = 3.0
 """How long a target is pursued without coming nearer [s]."""
 _NEAR = 1e-4
@@ -63,6 +66,15 @@ class HeldButtons:
             now: Monotonic time [s].
         """
         self._held_at[axis, sign] = now
+
+    def release(self, axis: int, sign: int) -> None:
+        """Note that a button was let go.
+
+        Args:
+            axis: Index in `TWIST`.
+            sign: 1 or -1.
+        """
+        self._held_at.pop((axis, sign), None)
 
     def let_go(self) -> None:
         """Forget all buttons; nothing is sent for them any more."""

@@ -67,6 +67,15 @@ def test_a_held_button_counts_for_a_moment_and_ends_with_one_zero():
     assert buttons.twist(5.0 + 1.2 * HELD_FOR, 0.1, 0.4) is None
 
 
+def test_a_button_that_was_let_go_ends_at_once():
+    buttons = HeldButtons()
+    buttons.hold(2, 1, now=0.0)
+    buttons.twist(0.0, 0.1, 0.4)
+    buttons.release(2, 1)
+
+    assert buttons.twist(0.01, 0.1, 0.4) == [0.0] * 6
+
+
 def test_several_buttons_share_the_speed():
     buttons = HeldButtons()
     for axis in (0, 1, 5):

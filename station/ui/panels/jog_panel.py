@@ -68,6 +68,10 @@ class JogPanel(Panel):
                     )
                     held = partial(self._on_hold, axis, sign)
                     button.on_hold(reporter.guarded(held), callback_hz=HEARTBEAT_HZ)
+                    # A click is a button that was let go.
+                    button.on_click(
+                        reporter.guarded(partial(self._on_release, axis, sign))
+                    )
                     self._handles.append(button)
 
     @override
@@ -134,6 +138,9 @@ class JogPanel(Panel):
             self._reporter.say("Not sent", self._operated.reason, event.client)
         else:
             self._buttons.hold(axis, sign, self._link.now())
+
+    async def _on_release(self, axis: int, sign: int, _event: Event[Any]) -> None:
+        self._buttons.release(axis, sign)
 
     def _fit(self, operated: Operated) -> None:
         """Let the speeds end at what the controller takes."""
