@@ -257,11 +257,11 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
     command.add_argument("controller")
     command.add_argument("values", nargs="+", type=float, metavar="V")
     goto = verbs.add(
-        "goto", "goto:goto", "move a trajectory controller's joints and wait for them"
+        "goto", "goto:goto", "move to a pose, or a controller's joints, and wait"
     )
-    goto.add_argument("controller")
+    goto.add_argument("name", help="a pose, e.g. `ready`, or a trajectory controller")
     goto.add_argument(
-        "values", nargs="+", type=float, metavar="V", help="positions [rad or m]"
+        "values", nargs="*", type=float, metavar="V", help="positions [rad or m]"
     )
     goto.add_argument(
         "--duration", type=float, metavar="S", help="without it: a calm one"

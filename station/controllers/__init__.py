@@ -38,6 +38,12 @@ CONTROLLERS: dict[str, str] = {
     "force_torque_sensor_controller/ForceTorqueSensorController": (
         "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
     ),
+    "franka_controllers/CartesianJogController": (
+        "station.controllers.cartesian_motion:CartesianJogController"
+    ),
+    "franka_controllers/CartesianStreamingController": (
+        "station.controllers.cartesian_motion:CartesianStreamingController"
+    ),
     "franka_example_controllers/CartesianImpedanceExampleController": (
         "station.controllers.franka_example_controllers:CartesianImpedanceExampleController"
     ),

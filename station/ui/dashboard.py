@@ -17,9 +17,11 @@ from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.markup import warning
 from station.ui.panels.controllers_panel import ControllersPanel
+from station.ui.panels.jog_panel import JogPanel
 from station.ui.panels.operate_panel import OperatePanel
 from station.ui.panels.recovery_panel import RecoveryPanel
 from station.ui.panels.simulation_panel import SimulationPanel
+from station.ui.panels.target_panel import TargetPanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
 from station.ui.robot_model import RobotModelError, joint_limits
@@ -79,6 +81,9 @@ class Dashboard:
         with tabs.add_tab("Operate"):
             limits = {} if urdf is None else joint_limits(urdf)
             self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
+            self._jog = JogPanel(server.gui, self._link, self._reporter)
+            base = "" if self._scene is None else self._scene.base
+            self._target = TargetPanel(server, self._link, self._reporter, base)
         with tabs.add_tab("Controllers"):
             controllers = ControllersPanel(server.gui, self._link, self._reporter)
         with tabs.add_tab("Tune"):
@@ -88,6 +93,8 @@ class Dashboard:
         self._panels: list[Panel] = [
             recovery,
             self._operate,
+            self._jog,
+            self._target,
             controllers,
             self._tune,
             simulation,
@@ -124,6 +131,8 @@ class Dashboard:
         async with self._client, asyncio.TaskGroup() as tasks:
             tasks.create_task(self._link.run())
             tasks.create_task(self._operate.run())
+            tasks.create_task(self._jog.run())
+            tasks.create_task(self._target.run())
             tasks.create_task(self._tune.run())
             tasks.create_task(self._repeat(self._show_robot, SCENE_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))

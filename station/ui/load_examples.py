@@ -11,6 +11,7 @@ _PID_BY_NUMBER = {
     "6": (150, 10),
     "7": (50, 5),
 }
+_OF_SEVERAL_JOINTS = ("Group", "Trajectory", "Streaming", "Jog")
 
 
 def usefulness(controller_type: str) -> tuple[bool, bool, str]:
@@ -26,7 +27,15 @@ def suggested_name(controller_type: str, taken: Iterable[str]) -> str:
     """Return a free controller name for a type, e.g. `effort_position`."""
     family, _, kind = controller_type.rpartition("/")
     base = family.removesuffix("_controllers").removesuffix("_controller") or "arm"
-    for word in ("Position", "Velocity", "Effort", "Trajectory", "Impedance"):
+    for word in (
+        "Position",
+        "Velocity",
+        "Effort",
+        "Trajectory",
+        "Streaming",
+        "Jog",
+        "Impedance",
+    ):
         if word in kind and word.lower() not in base:
             base = f"{base}_{word.lower()}"
     names = set(taken)
@@ -49,7 +58,10 @@ def example_parameters(controller_type: str, joints: Iterable[str]) -> str:
         return "publish_rate: 50\n"
     if not arm:
         return ""
-    grouped = "Group" in kind or "Trajectory" in kind
+    if family.startswith("franka_"):
+        prefix = arm[0].rpartition("_joint")[0]
+        return f"arm_id: {prefix}\njoint_names: [{', '.join(arm)}]\n"
+    grouped = any(word in kind for word in _OF_SEVERAL_JOINTS)
     pid = family == "effort_controllers" and "Effort" not in kind
     if not grouped:
         head = f"joint: {arm[0]}\n"

@@ -16,6 +16,7 @@ from station.ui.station_view import StationView
 HOLD = 1.0
 """How long a slider stays as it was left before it follows the robot again [s]."""
 POSITION_UNITS = frozenset({"rad", "m"})
+_OF_THE_END_EFFECTOR = frozenset({"x", "vx"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +34,16 @@ class Operated:
     reason: str = ""
 
 
+def is_of_joints(elements: Sequence[CommandElement]) -> bool:
+    """Say whether a set-point has one number for each of some joints."""
+    return bool(elements) and elements[0].name not in _OF_THE_END_EFFECTOR
+
+
 def choose_operated(view: StationView) -> Operated:
     """Return the running controller that takes set-points, or why there is none."""
     for controller in view.controllers:
         elements = view.elements.get(controller.name, ())
-        if controller.state == "running" and elements:
+        if controller.state == "running" and is_of_joints(elements):
             return Operated(controller.name, tuple(elements), view.blocked())
     if view.blocked():
         return Operated(reason=view.blocked())
@@ -45,6 +51,12 @@ def choose_operated(view: StationView) -> Operated:
     if trouble:
         return Operated(reason="An arm has stopped by itself. See above what to do.")
     running = [c.name for c in view.controllers if c.state == "running"]
+    cartesian = [name for name in running if view.elements.get(name)]
+    if cartesian:
+        return Operated(
+            reason=f"{cartesian[0]} moves the end effector, see below. To move single "
+            "joints, start a group controller in its place in the Controllers tab."
+        )
     what = f"Only {', '.join(running)} runs" if running else "No controller runs"
     return Operated(
         reason=f"{what}, and nothing that runs takes set-points. Start a group "

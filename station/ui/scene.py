@@ -43,6 +43,9 @@ class RobotScene:
         server: The scene's server.
         urdf: The robot, with its visual meshes loaded.
 
+    Attributes:
+        base: Scene node of the robot's first link.
+
     Raises:
         RobotModelError: Something in its meshes cannot be drawn.
     """
@@ -60,6 +63,8 @@ class RobotScene:
                 f"The robot cannot be drawn: {type(exc).__name__}: {exc}. Its meshes "
                 "must be surfaces of triangles."
             ) from exc
+        roots = [j.child for j in urdf.joint_map.values() if j.parent == urdf.base_link]
+        self.base = _node_name(urdf.scene.graph, roots[0]) if roots else _ROOT
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the robot's joints.

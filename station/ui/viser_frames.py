@@ -11,7 +11,14 @@ from station.ui.sessions import Role
 _CAMERA = "ViewerCameraMessage"
 _WIDGET_VALUE = "GuiUpdateMessage"
 _VIEWER_MESSAGES = frozenset({_CAMERA})
-_OPERATOR_MESSAGES = frozenset({_CAMERA, _WIDGET_VALUE})
+_OPERATOR_MESSAGES = frozenset({
+    _CAMERA,
+    _WIDGET_VALUE,
+    "GuiButtonHoldMessage",
+    "TransformControlsUpdateMessage",
+    "TransformControlsDragStartMessage",
+    "TransformControlsDragEndMessage",
+})
 
 
 def may_pass(frame: bytes, role: Role) -> bool:
@@ -22,8 +29,9 @@ def may_pass(frame: bytes, role: Role) -> bool:
         role: Role of the browser's session.
 
     Returns:
-        True for the camera's pose from everybody and for widget values from an
-        operator; False for everything else, malformed frames included.
+        True for the camera's pose from everybody, and for widget values, held
+        buttons and dragged frames from an operator; False for everything else,
+        malformed frames included.
     """
     try:
         message = msgspec.msgpack.decode(frame)

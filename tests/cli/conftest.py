@@ -66,6 +66,7 @@ class FakeStation:
         self.faults: dict[str, str] = {}
         self.failed: dict[str, str] = {}
         self.goals: list[Goal] = []
+        self.trajectory_controllers: list[str] = []
         self.refusal: BaseException | None = None
         self.simulation = FakeSimulation(self)
 
@@ -82,7 +83,12 @@ class FakeStation:
 
     def controllers(self):
         self._record("controllers")
-        return [self.controller(name) for name in self.states]
+        found = [self.controller(name) for name in self.states]
+        for name in self.trajectory_controllers:
+            kind = f"{name.partition('_')[0]}_controllers/JointTrajectoryController"
+            update = {"name": name, "type": kind, "state": "initialized"}
+            found.append(found[0].model_copy(update=update))
+        return found
 
     def controller(self, name):
         claims = [{"hardware_interface": "PositionJoint", "resources": ["j1", "j2"]}]
@@ -101,6 +107,13 @@ class FakeStation:
         return [ControllerType(type=GROUP, base_class="Base")]
 
     def query_state(self, name):
+        if name in self.trajectory_controllers:
+            return DesiredState(
+                name=[f"panda_joint{number}" for number in range(1, 8)],
+                position=[0.0] * 7,
+                velocity=[0.0] * 7,
+                acceleration=[0.0] * 7,
+            )
         return DesiredState(
             name=["j1", "j2"],
             position=[0.5, None],

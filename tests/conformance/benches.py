@@ -110,6 +110,7 @@ class Bench:
     """
 
     def __init__(self, robot_type: str = "mock_hw/MockRobotHW") -> None:
+        self.clock = ManualClock()
         self.parameters = Parameters()
         if robot_type != "franka_hw/FrankaCombinedHW":  # which describes both arms
             self.parameters.set("robot_description", panda().xml)
@@ -117,7 +118,7 @@ class Bench:
         self.parameters.set("hw", dict(ROBOT_PARAMETERS.get(robot_type, {})))
         self.robot.init(self.parameters, self.parameters.namespace("hw"))
         self.manager = ControllerManager(
-            self.robot, self.parameters, [TableLoader(CONTROLLERS)], ManualClock()
+            self.robot, self.parameters, [TableLoader(CONTROLLERS)], self.clock
         )
         self.manager.pump = self.step
         self.time = 0.0
@@ -130,9 +131,33 @@ class Bench:
             self.manager.update(self.time, PERIOD)
             self.robot.write(self.time, PERIOD)
 
-    def load(self, controller_type: str) -> None:
-        """Load a controller under the name `it`."""
-        self.parameters.set("it", {**CONTROLLER_PARAMETERS, "type": controller_type})
+    def pause(self, cycles: int = 1) -> None:
+        """Run cycles in which simulated time stands still."""
+        for _ in range(cycles):
+            self.robot.read(self.time, 0.0)
+            self.manager.update(self.time, 0.0)
+            self.robot.write(self.time, 0.0)
+
+    def resting_set_point(self) -> list[float]:
+        """Return a set-point with which hardly anything moves."""
+        controller = self.manager.get_controller("it")
+        port = controller.set_points
+        names = [] if port is None else [element.name for element in port.elements]
+        if "qw" in names:
+            quaternion = {"qx": 1.0}
+            position = {"x": 0.307, "z": 0.487}
+            return [{**quaternion, **position}.get(name, 0.0) for name in names]
+        units = [] if port is None else [element.unit for element in port.elements]
+        return [
+            POSE[JOINTS.index(name)] if unit == "rad" else 0.0
+            for name, unit in zip(names, units, strict=True)
+        ]
+
+    def load(self, controller_type: str, **more: object) -> None:
+        """Load a controller under the name `it`, with more parameters."""
+        self.parameters.set(
+            "it", {**CONTROLLER_PARAMETERS, "type": controller_type, **more}
+        )
         self.manager.load_controller("it")
 
     def commands(self) -> list[float]:
@@ -145,22 +170,23 @@ class Bench:
         return commands
 
 
-def bench_for(controller_type: str) -> Bench:
+def bench_for(controller_type: str, **more: object) -> Bench:
     """Return a bench with the controller loaded: the mock, or else Franka arms.
 
     Args:
         controller_type: A key of `CONTROLLERS`.
+        more: More parameters of the controller.
     """
     if controller_type in TWO_ARMED:
         bench = Bench("franka_hw/FrankaCombinedHW")
-        bench.load(controller_type)
+        bench.load(controller_type, **more)
         return bench
     bench = Bench()
     try:
-        bench.load(controller_type)
+        bench.load(controller_type, **more)
     except ControllerLoadError as error:
         if "hardware_interface" not in error.details:
             raise
         bench = Bench("franka_hw/FrankaHW")
-        bench.load(controller_type)
+        bench.load(controller_type, **more)
     return bench

@@ -16,6 +16,17 @@ def bench(request):
     return bench_for(request.param)
 
 
+def takes_set_points(controller_type):
+    return (
+        bench_for(controller_type).manager.get_controller("it").set_points is not None
+    )
+
+
+@pytest.fixture(params=[t for t in CONTROLLERS if takes_set_points(t)])
+def controller_type_with_set_points(request):
+    return request.param
+
+
 def start(bench):
     return bench.manager.switch_controller(SwitchRequest(start=["it"]))
 
@@ -155,3 +166,49 @@ def test_without_parameters_it_is_refused_with_a_reason_or_works(controller_type
         assert bench.manager.list_controllers() == []
     else:
         assert start(bench).ok
+
+
+def test_a_set_point_times_out_on_the_wall_clock_while_simulated_time_stands(
+    controller_type_with_set_points,
+):
+    bench = bench_for(controller_type_with_set_points, command_timeout=0.2)
+    start(bench)
+    bench.step(3)
+    port = bench.manager.get_controller("it").set_points
+    values = bench.resting_set_point()
+    port.check(values)
+    port.post(values)
+    bench.pause(3)
+    assert port.last == pytest.approx(values)
+    taken = port.last
+    bench.clock.advance(0.19)
+    bench.pause()
+    assert port.last is taken
+
+    bench.clock.advance(0.02)
+    bench.pause()
+
+    assert port.last is not taken
+    assert status(bench).state.value == "running"
+
+
+def test_a_timeout_can_stop_the_controller_also_while_simulated_time_stands(
+    controller_type_with_set_points,
+):
+    bench = bench_for(
+        controller_type_with_set_points,
+        command_timeout=0.2,
+        command_timeout_action="stop",
+    )
+    start(bench)
+    bench.step(3)
+    port = bench.manager.get_controller("it").set_points
+    port.post(bench.resting_set_point())
+    bench.pause(3)
+    assert status(bench).state.value == "running"
+
+    bench.clock.advance(0.21)
+    bench.pause()
+
+    assert status(bench).state.value != "running"
+    assert "arrived in time" in status(bench).fault

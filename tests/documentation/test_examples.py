@@ -1,5 +1,8 @@
 """Every shell example works: curl and `station` lines run against a real station."""
 
+import re
+import time
+
 import httpx
 import pytest
 
@@ -9,12 +12,17 @@ from station.api.server import ApiServer
 from station.app.composition import compose
 from station.cli.arguments import build_parser
 from station.cli.main import main, normalise
+from station.client import StationClient
 from station.config import load_config
 from station.core.switching import SwitchRequest
 from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
 
 OPERATOR = "operator-token"
-TRIED = [ROOT / "README.md", ROOT / "docs" / "api.md"]
+TRIED = [
+    ROOT / "README.md",
+    ROOT / "docs" / "api.md",
+    ROOT / "docs" / "controllers.md",
+]
 ENDLESS = {"run", "ui", "doctor"}
 VERBS = [
     pytest.param(command.words[1:], id=command.text)
@@ -81,3 +89,19 @@ def send(words: list[str]) -> httpx.Response:
 @pytest.mark.parametrize("words", VERBS)
 def test_the_command_line_understands_the_example(words):
     assert build_parser().parse_args(normalise(words)).handler
+
+
+@pytest.mark.slow
+def test_the_square_of_the_page_on_controllers_is_driven(url, monkeypatch):
+    monkeypatch.setenv("STATION_URL", url)
+    monkeypatch.setenv("STATION_TOKEN", OPERATOR)
+    page = (ROOT / "docs" / "controllers.md").read_text()
+    (example,) = re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    names: dict[str, object] = {}
+
+    exec(example, names)
+
+    with StationClient(url, OPERATOR) as client:
+        time.sleep(0.5)  # the end of the way
+        state = client.controller_state("cartesian_streaming_controller")
+    assert state.actual == pytest.approx(names["pose"], abs=2e-3)

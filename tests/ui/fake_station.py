@@ -7,19 +7,21 @@ request is remembered.
 import asyncio
 import json
 import time
-from dataclasses import dataclass, field
 
 from starlette.applications import Starlette
 from starlette.responses import JSONResponse
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocketDisconnect
 
+from tests.ui.fake_answers import JOINTS, NO_TIMES, FakeController, problem
 from tests.ui.served import Served
 
 OPERATOR = "operator-token"
 VIEWER = "viewer-token"
-JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
 GROUP_TYPE = "effort_controllers/JointGroupPositionController"
+HERE = [0.3, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]
+POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
+TWIST = ("vx", "vy", "vz", "wx", "wy", "wz")
 START = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 SIMULATION = {
     "paused": False,
@@ -27,31 +29,6 @@ SIMULATION = {
     "time": 2.5,
     "steps_due": 0,
 }
-_NO_TIMES = {"p50": 0.0, "p99": 1.2e-4, "p999": 2e-4, "max": 1e-3, "count": 10}
-
-
-@dataclass
-class FakeController:
-    """A loaded controller."""
-
-    name: str
-    type: str
-    state: str = "initialized"
-    gains: dict = field(default_factory=dict)
-
-    def as_json(self):
-        """Return it as the API does."""
-        claims = {"hardware_interface": "hardware_interface::EffortJointInterface"}
-        return {
-            "name": self.name,
-            "type": self.type,
-            "state": self.state,
-            "claimed_resources": [{**claims, "resources": JOINTS}],
-            "fault": "",
-            "traceback": "",
-            "fallback": [],
-            "time": _NO_TIMES,
-        }
 
 
 class FakeStation:
@@ -60,6 +37,7 @@ class FakeStation:
     def __init__(self):
         self.positions = list(START)
         self.desired = list(START)
+        self.pose = list(HERE)
         self.controllers = {}
         self.stop_state = "armed"
         self.arms = {}  # arm_id to mode
@@ -97,6 +75,7 @@ class FakeStation:
             ("PATCH", "/controllers/{name}/gains"): self._set_gains,
             ("GET", "/controllers/{name}/command"): self._command_info,
             ("PUT", "/controllers/{name}/command"): self._command,
+            ("GET", "/controllers/{name}/state"): self._controller_state,
             ("GET", "/controller-types"): self._types,
             ("GET", "/scene"): self._scene,
             ("GET", "/simulation"): self._simulated,
@@ -147,9 +126,7 @@ class FakeStation:
             "real_time_factor": 1.0,
             "achieved_real_time_factor": 1.0,
             "scheduler": "fifo 80",
-            **dict.fromkeys(
-                ("lateness", "read", "update", "write", "total"), _NO_TIMES
-            ),
+            **dict.fromkeys(("lateness", "read", "update", "write", "total"), NO_TIMES),
         }
         return JSONResponse({
             "boot_id": self.boot_id,
@@ -259,22 +236,45 @@ class FakeStation:
             "cycle": 12,
         })
 
-    def _command_info(self, *_):
-        elements = [
-            {"name": name, "unit": "rad", "minimum": -2.8, "maximum": 2.8}
-            for name in JOINTS
-        ]
-        return JSONResponse({"elements": elements, "last": self.desired})
+    def _elements(self, name):
+        kind = self.controllers[name].type
+        if "CartesianJog" in kind:
+            return TWIST, "m/s", 0.3, [0.0] * 6
+        if "CartesianStreaming" in kind:
+            return POSE, "m", 2.0, self.pose
+        return JOINTS, "rad", 2.8, self.desired
 
-    def _command(self, _name, body, _token):
+    def _command_info(self, name, *_):
+        names, unit, bound, last = self._elements(name)
+        elements = [
+            {"name": each, "unit": unit, "minimum": -bound, "maximum": bound}
+            for each in names
+        ]
+        return JSONResponse({"elements": elements, "last": last})
+
+    def _controller_state(self, name, *_):
+        names, _, _, last = self._elements(name)
+        return JSONResponse({
+            "stamp": 0.0,
+            "name": list(names),
+            **dict.fromkeys(("desired", "actual", "error", "output"), last),
+            "published": {"state": {"message": ""}},
+        })
+
+    def _command(self, name, body, _token):
         if body.get("epoch", self.epoch) != self.epoch:
             return problem(409, "stale_epoch", "A stop came since.", "Look again.")
+        if self._elements(name)[0] is not JOINTS:
+            if len(body["command"]) == len(POSE):
+                self.pose = body["command"]
+            return JSONResponse({"epoch": self.epoch}, 202)
         self.desired = body["command"]
         self.positions = list(self.desired)
         return JSONResponse({"epoch": self.epoch}, 202)
 
     def _types(self, *_):
-        kinds = [GROUP_TYPE, "joint_state_controller/JointStateController"]
+        jog = "franka_controllers/CartesianJogController"
+        kinds = [GROUP_TYPE, jog, "joint_state_controller/JointStateController"]
         return JSONResponse({
             "controller_types": [
                 {"type": kind, "base_class": "Controller", "description": ""}
@@ -361,6 +361,11 @@ class FakeStation:
                 "velocity": zeros,
                 "effort": zeros,
             }
+        name = topic.removeprefix("controller_state/")
+        names, _, _, last = self._elements(name)
+        if names is not JOINTS:
+            keys = ("desired", "actual", "error", "output")
+            return {"stamp": stamp, "name": list(names), **dict.fromkeys(keys, last)}
         return {
             "stamp": stamp,
             "name": JOINTS,
@@ -369,19 +374,3 @@ class FakeStation:
             "error": zeros,
             "output": zeros,
         }
-
-
-def problem(status, code, detail, remedy=""):
-    """Return a refusal as the API words it."""
-    return JSONResponse(
-        {
-            "type": f"urn:control-station:problem:{code}",
-            "title": code,
-            "status": status,
-            "detail": detail,
-            "code": code,
-            "remedy": remedy,
-        },
-        status,
-        media_type="application/problem+json",
-    )

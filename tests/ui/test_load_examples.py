@@ -47,3 +47,24 @@ def test_names_are_short_and_free():
 def test_group_position_controllers_are_offered_first():
     kinds = ["a/JointEffortController", "b/JointGroupPositionController"]
     assert sorted(kinds, key=usefulness)[0] == kinds[1]
+
+
+@pytest.mark.parametrize(
+    "kind", ["CartesianJogController", "CartesianStreamingController"]
+)
+def test_cartesian_examples_name_the_arm(kind):
+    kind = f"franka_controllers/{kind}"
+
+    assert yaml.safe_load(example_parameters(kind, JOINTS)) == {
+        "arm_id": "panda",
+        "joint_names": JOINTS[:2],
+    }
+    assert (
+        suggested_name("franka_controllers/CartesianJogController", []) == "franka_jog"
+    )
+
+
+def test_streaming_and_jogging_take_all_joints():
+    kind = "position_controllers/JointStreamingController"
+
+    assert yaml.safe_load(example_parameters(kind, JOINTS)) == {"joints": JOINTS[:2]}

@@ -88,3 +88,13 @@ def test_a_touched_slider_stays_for_a_moment_then_follows(ramp):
 
 def test_sliders_are_left_alone_while_nothing_is_known():
     assert SetPointRamp([element()]).shown(0, now=0.0) is None
+
+
+def test_sliders_are_not_for_the_end_effector():
+    running = view(
+        controller("jog", "running"), elements={"jog": (element("vx", "m/s"),)}
+    )
+
+    chosen = choose_operated(running)
+    assert chosen.name == ""
+    assert chosen.reason.startswith("jog moves the end effector")

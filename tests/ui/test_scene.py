@@ -88,3 +88,7 @@ def test_meshes_that_are_no_surfaces_are_refused(shared_bench, monkeypatch):
     monkeypatch.setattr(server.scene, "add_mesh_trimesh", fail)
     with pytest.raises(RobotModelError, match="no triangles"):
         RobotScene(server, robot)
+
+
+def test_the_base_is_the_first_link(scene):
+    assert scene.base == "/robot/panda_link0"

@@ -4,7 +4,8 @@ import asyncio
 
 from station.client import AsyncStationClient
 from station.ui.station_link import StationLink
-from tests.ui.fake_station import JOINTS, OPERATOR, START
+from tests.ui.fake_answers import JOINTS
+from tests.ui.fake_station import OPERATOR, START
 
 
 def _follow(url, script):

@@ -5,6 +5,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
+from station.cli.named_poses import check_name, positions_of, ready_controller
 from station.cli.output import say, say_model
 
 if TYPE_CHECKING:
@@ -27,24 +28,42 @@ _FINAL = {"succeeded", "aborted", "preempted"}
 def goto(options: Namespace) -> int:
     """Move a trajectory controller's joints; 1 when they do not arrive.
 
+    Without numbers, the name is that of a pose, and the controller is the trajectory
+    controller that runs, or else one that is started for it and goes on holding.
+
     Raises:
+        UsageError: There is no such pose.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
     with open_client(options) as client:
-        here = client.query_state(options.controller)
-        request = _request(here.name, here.position, options.values, options.duration)
-        goal = client.submit_goal(options.controller, request)
+        controller, values = options.name, options.values
+        if not values:
+            controller = _controller_for(client, options.name)
+        here = client.query_state(controller)
+        values = values or positions_of(options.name, here.name)
+        request = _request(here.name, here.position, values, options.duration)
+        goal = client.submit_goal(controller, request)
         try:
-            goal = _wait(client, options.controller, goal)
+            goal = _wait(client, controller, goal)
         except KeyboardInterrupt:
-            client.cancel_goal(options.controller, goal.id)
+            client.cancel_goal(controller, goal.id)
             raise
     if options.json:
         say_model(goal)
     else:
         why = goal.result.message if goal.result else ""
-        say(f"{options.controller}: the goal {goal.status}. {why}".rstrip())
+        say(f"{controller}: the goal {goal.status}. {why}".rstrip())
     return 0 if goal.status == "succeeded" else 1
+
+
+def _controller_for(client: "StationClient", pose: str) -> str:
+    """Return the controller that goes to a pose; nothing is started for a wrong name.
+
+    Raises:
+        UsageError: There is no such pose, or no such controller.
+    """
+    check_name(pose)
+    return ready_controller(client)
 
 
 def _request(

@@ -14,8 +14,10 @@ from station.controllers.forward_command_controller.joint_names import (
     read_joint_names,
 )
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
+from station.controllers.forward_command_controller.watched_set_point import (
+    WatchedSetPoint,
+)
 from station.core.controller import Controller
-from station.core.errors import CommandTimeoutError
 from station.core.interfaces import JointCommandInterface, JointGroup
 from station.core.parameters import Parameters
 from station.core.robot_description import (
@@ -49,7 +51,6 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             set-point ends by itself.
         group: The joints.
         joints: What is known about them, same order.
-        rates: How fast the set-point in force changes, shape (n,); empty when unknown.
     """
 
     quantity: ClassVar[JointQuantity]
@@ -61,10 +62,9 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         super().__init__()
         self.group = JointGroup([])
         self.joints: list[JointDescription] = []
-        self._port = SetPointPort([])
-        self._timeout_action = TimeoutAction.HOLD
-        self._set_point: list[float] = []
-        self.rates: list[float] = []
+        self._watched = WatchedSetPoint(
+            SetPointPort([]), TimeoutAction.HOLD, "", self.rest
+        )
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
@@ -76,15 +76,17 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             JointDescription(name) if description is None else description.joint(name)
             for name in self.joint_names
         ]
-        timeout, self._timeout_action = read_command_timeout(
+        timeout, action = read_command_timeout(
             params, self.default_timeout, longest=self.longest_timeout
         )
-        self._port = SetPointPort(
+        self.set_points = SetPointPort(
             [self._element(joint) for joint in self.joints],
             timeout=timeout,
             longest=self.longest_timeout,
         )
-        self.set_points = self._port
+        self._watched = WatchedSetPoint(
+            self.set_points, action, ", ".join(self.joint_names), self.rest
+        )
 
     def find_description(self, params: Parameters) -> RobotDescription | None:
         """Return the robot description; None when the controller can do without.
@@ -101,42 +103,21 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         return [0.0] * len(self.joints)
 
     def newest_set_point(self) -> list[float]:
-        """Return the set-point in force, shape (n,); never change the list.
-
-        It is kept within the joints' limits, whoever posted it. When it is no longer
-        valid, or was made void by a stop, a reset or a recovery, rest takes its place.
+        """Return the set-point in force, see `WatchedSetPoint.newest`.
 
         Raises:
             CommandTimeoutError: It is no longer valid and the action is `stop`.
         """
-        if self._port.take_void():
-            self._set_point, self.rates = self.rest(), []
-        newest = self._port.take()
-        if newest is not None:
-            # The rates follow the values, if there are any.
-            self._set_point = [
-                min(max(value, element.minimum), element.maximum)
-                for value, element in zip(newest, self._port.elements, strict=False)
-            ]
-            self.rates = newest[len(self._set_point) :]
-        if self._port.take_expiry():
-            self._set_point, self.rates = self._timed_out(), []
-        return self._set_point
+        return self._watched.newest()
 
-    def _timed_out(self) -> list[float]:
-        if self._timeout_action is TimeoutAction.STOP:
-            raise CommandTimeoutError(
-                f"No set-point for {', '.join(self.joint_names)} arrived in time.",
-                remedy="Start the controller again and send set-points at a faster "
-                "pace than its timeout.",
-            )
-        rest = self.rest()
-        self._port.last = rest
-        return rest
+    @property
+    def rates(self) -> list[float]:
+        """How fast the set-point in force changes, shape (n,); empty when unknown."""
+        return self._watched.rates
 
     @override
     def starting(self, time: float) -> None:
-        self._set_point, self.rates = self.rest(), []
+        self._watched.begin()
 
     def _element(self, joint: JointDescription) -> SetPointElement:
         lower, upper = self.quantity.range(joint)

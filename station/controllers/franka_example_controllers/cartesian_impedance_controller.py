@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_impedance_example_controller.cpp; differs: the equilibrium pose arrives as
-a set-point of 7 numbers, the stiffnesses are gains.
+a set-point of 7 numbers that may time out, the stiffnesses are gains.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
     Stiffness,
 )
-from station.controllers.franka_example_controllers.pose_port import PosePort
+from station.controllers.franka_example_controllers.pose_port import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     quaternion_of,
@@ -55,9 +55,10 @@ _SCHEMA = {
 class CartesianImpedanceExampleController(MultiInterfaceController):
     """A spring between the end effector and an equilibrium pose.
 
-    Parameters: `arm_id`; `joint_names`, 7 names. Set-point, topic `equilibrium_pose` of
-    the original: position [m], then quaternion w x y z, of the end effector in the base
-    frame.
+    Parameters: `arm_id`; `joint_names`, 7 names; `command_timeout` and
+    `command_timeout_action`, see `TimeoutAction`. Set-point, topic `equilibrium_pose`
+    of the original: position [m], then quaternion w x y z, of the end effector in the
+    base frame. When it is no longer valid, the equilibrium stays where it has come to.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -76,18 +77,19 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
             _rotation_error,
         )
         self.joint_names = names
-        self._poses = PosePort()
-        self.set_points = self._poses
+        self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
+        self.set_points = self._target.port
         self._gains = dict(_DEFAULTS)
 
     @override
     def starting(self, time: float) -> None:
         """Take the present pose as equilibrium; the spring begins without force."""
         self._spring.begin(self._gains["nullspace_stiffness"])
+        self._target.begin()
 
     @override
     def update(self, time: float, period: float) -> None:
-        pose = self._poses.take_pose()
+        pose = self._target.newest()
         if pose is not None:
             self._spring.set_target(*pose)
         gains = self._gains

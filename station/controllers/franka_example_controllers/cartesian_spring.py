@@ -91,6 +91,10 @@ class CartesianSpring:
         """Return the measured pose O_T_EE, shape (4, 4)."""
         return np.reshape(self._state.get_robot_state().O_T_EE, (4, 4)).T
 
+    def equilibrium(self) -> list[float]:
+        """Return the equilibrium: position [m], then quaternion w x y z, shape (7,)."""
+        return [*self._position.tolist(), *self._rotation.tolist()]
+
     def begin(self, nullspace: float) -> None:
         """Take the present pose as equilibrium, without any force.
 

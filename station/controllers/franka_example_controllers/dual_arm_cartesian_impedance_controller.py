@@ -26,7 +26,7 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
     Stiffness,
 )
-from station.controllers.franka_example_controllers.pose_port import PosePort
+from station.controllers.franka_example_controllers.pose_port import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     matrix_of,
@@ -70,9 +70,11 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
     start, with the axes of the left one.
 
     Parameters: `left/arm_id`, `right/arm_id`; `left/joint_names`, `right/joint_names`,
-    7 names each. Set-point, topic `centering_frame_target_pose` of the original:
+    7 names each; `command_timeout` and `command_timeout_action`, see `TimeoutAction`.
+    Set-point, topic `centering_frame_target_pose` of the original:
     position [m], then quaternion w x y z, of the centering frame in
-    `<left/arm_id>_link0`.
+    `<left/arm_id>_link0`. When it is no longer valid, the frame stays where it has come
+    to.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -99,8 +101,8 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         xml = Parameters(params.tree).get_str(ROBOT_DESCRIPTION)
         self._left_T_right = base_transform(xml, left, right)
         self._frame_id = left
-        self._poses = PosePort()
-        self.set_points = self._poses
+        self._target = PoseTarget(params, "the centering frame", self._center)
+        self.set_points = self._target.port
         self._gains = {
             f"{arm}_{kind}_stiffness": value
             for arm in ARMS
@@ -120,11 +122,12 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         back = self._right_to_left[:3, :3].T @ self._right_to_left[:3, 3]
         self._left_to_center = np.eye(4)
         self._left_to_center[:3, 3] = -0.5 * back
+        self._target.begin()
         self._timer.start(time, at_once=True)
 
     @override
     def update(self, time: float, period: float) -> None:
-        target = self._poses.take_pose()
+        target = self._target.newest()
         if target is not None:
             self._set_target(*target)
         for arm, spring in self._springs.items():
@@ -155,6 +158,14 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         """Return `centering_frame`, in the form of a set-point."""
         found = self._centering_frame
         return {} if found is None else {"centering_frame": found}
+
+    def _center(self) -> list[float]:
+        """Return where the springs want the centering frame, as a set-point."""
+        pose = self._springs["left"].equilibrium()
+        left = np.eye(4)
+        left[:3, :3], left[:3, 3] = matrix_of(np.array(pose[3:])), pose[:3]
+        center = left @ self._left_to_center
+        return [*center[:3, 3].tolist(), *quaternion_of(center[:3, :3]).tolist()]
 
     def _set_target(
         self, position: NDArray[np.float64], rotation: NDArray[np.float64]

@@ -1,12 +1,20 @@
 """Set-points that are poses: position [m], then quaternion w x y z."""
 
+from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_timeout import (
+    read_command_timeout,
+)
+from station.controllers.forward_command_controller.watched_set_point import (
+    WatchedSetPoint,
+)
 from station.core.errors import InvalidCommandError
+from station.core.parameters import Parameters
 from station.core.set_point import SetPointElement, SetPointPort
 
 _REACH = 2.0
@@ -14,13 +22,20 @@ _LENGTH_TOLERANCE = 1e-3
 
 
 class PosePort(SetPointPort):
-    """Takes poses of 7 numbers; the quaternion must have unit length."""
+    """Takes poses of 7 numbers; the quaternion must have unit length.
 
-    def __init__(self) -> None:
-        super().__init__([
-            *(SetPointElement(axis, "m", -_REACH, _REACH) for axis in "xyz"),
-            *(SetPointElement(f"q{part}", "", -1.001, 1.001) for part in "wxyz"),
-        ])
+    Args:
+        timeout: How long a pose is valid on the wall clock [s]; 0: for ever.
+    """
+
+    def __init__(self, timeout: float = 0.0) -> None:
+        super().__init__(
+            [
+                *(SetPointElement(axis, "m", -_REACH, _REACH) for axis in "xyz"),
+                *(SetPointElement(f"q{part}", "", -1.001, 1.001) for part in "wxyz"),
+            ],
+            timeout=timeout,
+        )
 
     @override
     def check(
@@ -50,12 +65,41 @@ class PosePort(SetPointPort):
                 details={"length": length},
             )
 
-    def take_pose(
-        self,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-        """Return position (3,) and unit quaternion (4,) of the newest pose, if any."""
-        command = self.take()
-        if command is None:
+
+class PoseTarget:
+    """The pose in force: the newest, or where it has come to when that is not valid.
+
+    Args:
+        params: `command_timeout` and `command_timeout_action`, see `TimeoutAction`.
+        subject: What is commanded, for messages.
+        rest: Returns the pose to stay at, 7 numbers.
+
+    Attributes:
+        port: Where poses arrive.
+    """
+
+    def __init__(
+        self, params: Parameters, subject: str, rest: Callable[[], list[float]]
+    ) -> None:
+        timeout, action = read_command_timeout(params)
+        self.port = PosePort(timeout)
+        self._watched = WatchedSetPoint(self.port, action, subject, rest)
+        self._followed: list[float] = []
+
+    def begin(self) -> None:
+        """Stay; call it when the controller starts."""
+        self._watched.begin()
+        self._followed = self._watched.values
+
+    def newest(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Return position (3,) and unit quaternion (4,) of a new pose, if there is one.
+
+        Raises:
+            CommandTimeoutError: The last one is not valid and the action is `stop`.
+        """
+        pose = self._watched.newest()
+        if pose is self._followed:
             return None
-        rotation = np.array(command[3:])
-        return np.array(command[:3]), rotation / np.linalg.norm(rotation)
+        self._followed = pose
+        rotation = np.array(pose[3:])
+        return np.array(pose[:3]), rotation / np.linalg.norm(rotation)

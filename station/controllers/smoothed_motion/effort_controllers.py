@@ -8,6 +8,7 @@ from typing_extensions import override
 from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.pid_command_controller import JointPids, read_joint_pids
 from station.controllers.smoothed_motion.jog import JointJogControllerBase
+from station.controllers.smoothed_motion.motion_limits import read_max_lead
 from station.controllers.smoothed_motion.smoothed_motion_controller import (
     SmoothedMotionController,
 )
@@ -20,14 +21,19 @@ from station.core.tunables import Tunable
 class _EffortCommands(SmoothedMotionController[EffortJointInterface]):
     """Commands what PIDs make of the errors of position and velocity.
 
+    A joint that is blocked is not run away from: the desired motion waits while one
+    is too far behind, and goes on when the joint has come nearer or the set-point leads
+    back.
+
     Parameters, besides those of the base: the gains of every joint, see
-    `read_joint_pids`.
+    `read_joint_pids`; `max_lead`, see `read_max_lead`.
     """
 
     hardware_interface: ClassVar[type] = EffortJointInterface
 
     def __init__(self) -> None:
         super().__init__()
+        self._max_lead: list[float] = []
         self._pids = JointPids(
             [], [], error=JointQuantity.POSITION, command=JointQuantity.EFFORT
         )
@@ -35,11 +41,33 @@ class _EffortCommands(SmoothedMotionController[EffortJointInterface]):
     @override
     def init(self, interface: EffortJointInterface, params: Parameters) -> None:
         super().init(interface, params)
+        self._max_lead = read_max_lead(params, self.joints)
         self._pids = JointPids(
             self.joints,
             read_joint_pids(params, self.joints),
             error=JointQuantity.POSITION,
             command=JointQuantity.EFFORT,
+        )
+
+    @override
+    def steer(self, set_point: list[float], period: float) -> None:
+        if self._runs_away(set_point):
+            self.wait()
+        else:
+            super().steer(set_point, period)
+
+    def _runs_away(self, set_point: list[float]) -> bool:
+        """Say whether a joint is too far behind and would fall behind further."""
+        ahead = zip(
+            self.generator.positions,
+            self.group.get_positions(),
+            self.heading(set_point),
+            self._max_lead,
+            strict=True,
+        )
+        return any(
+            abs(desired - actual) > bound and (desired - actual) * direction > 0.0
+            for desired, actual, direction, bound in ahead
         )
 
     @override

@@ -25,6 +25,10 @@ class JointJogControllerBase(SmoothedMotionController[CommandInterfaceT]):
     quantity: ClassVar[JointQuantity] = JointQuantity.VELOCITY
 
     @override
+    def heading(self, set_point: list[float]) -> list[float]:
+        return set_point
+
+    @override
     def steer(self, set_point: list[float], period: float) -> None:
         if not any(set_point) and not any(self.generator.velocities):
             self.generator.brake()

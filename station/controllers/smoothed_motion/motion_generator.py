@@ -10,6 +10,7 @@ from ruckig import (
     OutputParameter,
     Result,
     Ruckig,
+    RuckigError,
     Synchronization,
     Trajectory,
 )
@@ -65,6 +66,34 @@ class MotionGenerator:
         self._input.target_acceleration = [0.0] * self._size
         self.brake()
 
+    def state(self) -> tuple[list[float], list[float], list[float]]:
+        """Return positions, velocities and accelerations, shape (n,) each."""
+        return self.positions, self.velocities, self.accelerations
+
+    def restore(self, state: tuple[list[float], list[float], list[float]]) -> None:
+        """Go back to what `state` returned; give the target anew afterwards."""
+        self.positions, self.velocities, accelerations = state
+        self._input.current_position = self.positions
+        self._input.current_velocity = self.velocities
+        self._input.current_acceleration = accelerations
+
+    @property
+    def accelerations(self) -> list[float]:
+        """Desired accelerations [rad/s^2 or m/s^2], shape (n,), a new list."""
+        result: list[float] = self._input.current_acceleration
+        return result
+
+    def relocate(self, positions: list[float]) -> None:
+        """Call the present positions otherwise; the motion goes on as it is.
+
+        Give the target anew afterwards.
+
+        Args:
+            positions: What the positions are now [rad or m], shape (n,).
+        """
+        self.positions = positions
+        self._input.current_position = positions
+
     def go_to(self, positions: list[float]) -> None:
         """Go to positions and rest there; all joints arrive together.
 
@@ -112,12 +141,19 @@ class MotionGenerator:
 
         Raises:
             InvalidCommandError: No motion to the target can be worked out.
+            RuckigError: The same, found otherwise.
         """
         if period == 0.0:
             return
         if period != self._ruckig.delta_time:
             self._ruckig.delta_time = period
-        _check(self._ruckig.update(self._input, self._output))
+        try:
+            result = self._ruckig.update(self._input, self._output)
+        except RuckigError:
+            # Now and then it finds no motion in which all joints arrive together.
+            self._input.synchronization = Synchronization.No
+            result = self._ruckig.update(self._input, self._output)
+        _check(result)
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity

@@ -12,6 +12,10 @@ TIME_TO_SPEED = 0.5
 """Default acceleration: full velocity after about this time [s]."""
 TIME_TO_ACCELERATION = 0.1
 """Default jerk: full acceleration after this time [s]."""
+LEAD = 0.2
+"""Default lead of a desired position, turning joints [rad]."""
+LINEAR_LEAD = 0.05
+"""The same for linear joints [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +61,22 @@ def read_motion_limits(
         params, "max_jerk", [each / TIME_TO_ACCELERATION for each in acceleration]
     )
     return MotionLimits(tuple(velocity), tuple(acceleration), tuple(jerk))
+
+
+def read_max_lead(params: Parameters, joints: list[JointDescription]) -> list[float]:
+    """Read `max_lead`, how far a desired position may be ahead of the joint [rad or m].
+
+    One number for all joints or a list with one for each; see `LEAD` without it.
+
+    Args:
+        params: The controller's namespace.
+        joints: The joints.
+
+    Raises:
+        ParameterError: A value is not above 0.
+    """
+    default = [LINEAR_LEAD if joint.is_linear() else LEAD for joint in joints]
+    return _read(params, "max_lead", default)
 
 
 def _read(params: Parameters, key: str, default: list[float]) -> list[float]:

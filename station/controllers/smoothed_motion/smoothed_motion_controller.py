@@ -76,6 +76,18 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         """
         raise NotImplementedError
 
+    def heading(self, set_point: list[float]) -> list[float]:
+        """Return in which direction each joint shall go, shape (n,).
+
+        Args:
+            set_point: The set-point in force, shape (n,).
+        """
+        raise NotImplementedError
+
+    def wait(self) -> None:
+        """Let the smoothed motion come to rest in this cycle instead of `steer`."""
+        self.generator.brake()
+
     def reset_command(self) -> None:
         """Forget what happened before; called when the controller starts."""
 

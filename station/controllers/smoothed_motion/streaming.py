@@ -35,6 +35,16 @@ class JointStreamingControllerBase(SmoothedMotionController[CommandInterfaceT]):
         return self._resting
 
     @override
+    def heading(self, set_point: list[float]) -> list[float]:
+        here = self.generator.positions
+        return [there - now for there, now in zip(set_point, here, strict=True)]
+
+    @override
+    def wait(self) -> None:
+        self._followed = []
+        super().wait()
+
+    @override
     def steer(self, set_point: list[float], period: float) -> None:
         if set_point is self._followed:
             return

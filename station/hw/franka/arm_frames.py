@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from station.core.interfaces.franka_model import Frame
 from station.core.interfaces.franka_robot_state import RobotState
+from station.core.rigid_motion import times
 from station.hw.franka.franka_kinematics import compose, frame_pose, zero_jacobian
 from station.hw.franka.load import Load, combine_loads
-from station.hw.franka.rigid_motion import times
 
 MAX_EXTENSION = -0.467002423653011
 """Position of joint 4 at which the arm is stretched out most [rad]."""

@@ -20,8 +20,8 @@ import numpy as np
 
 from station.core.interfaces.franka_model import Frame
 from station.core.interfaces.franka_robot_state import RobotMode, RobotState
+from station.core.rigid_motion import rotation_between
 from station.hw.franka.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.rigid_motion import rotation_between
 from station.hw.mujoco.world_joints import WorldJoints
 
 DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)

@@ -14,9 +14,9 @@ from station.core.interfaces.franka_errors import ERROR_INDEX, ArmError
 from station.core.interfaces.franka_model import Frame
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.interfaces.franka_services import ArmRecord
+from station.core.rigid_motion import rotation_between, times
 from station.hw.franka.arm_limits import ArmLimits
 from station.hw.franka.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.rigid_motion import rotation_between, times
 from station.hw.franka.self_collision import clearance
 
 LOG_LENGTH = 50

@@ -15,6 +15,7 @@ from station.core.interfaces import (
     FrankaVelocityCartesianInterface,
 )
 from station.core.interfaces.franka_robot_state import RobotState
+from station.core.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_kinematics import IDENTITY
@@ -28,7 +29,6 @@ from station.hw.franka.rate_limiter import (
     low_pass,
     with_margins,
 )
-from station.hw.franka.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.robot_arm import RobotArm
 
 # libfranka's margin for the rotation of a pose.

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from station.core.interfaces.franka_errors import ArmError
 from station.core.interfaces.franka_model import Frame
 from station.core.interfaces.franka_robot_state import RobotState
+from station.core.rigid_motion import displace, twist_between
 from station.hw.franka.arm_frames import elbow_of
 from station.hw.franka.arm_limits import ArmLimits
 from station.hw.franka.franka_kinematics import frame_pose, zero_jacobian
@@ -26,11 +27,7 @@ from station.hw.franka.motion_checks import (
     twist_errors,
 )
 from station.hw.franka.rate_limiter import RateLimits, limit_velocity
-from station.hw.franka.rigid_motion import (
-    displace,
-    transform_problem,
-    twist_between,
-)
+from station.hw.franka.rigid_motion import transform_problem
 
 # Of the Newton step, as a share of the matrix: full accuracy, and near singular poses.
 _FINE_DAMPING = 1e-9

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
+from station.core.rigid_motion import displace, twist_between
 from station.hw.franka.rate_limiter import PERIOD
-from station.hw.franka.rigid_motion import displace, twist_between
 
 FASTEST_RETURN = 15.0
 """Of the arm to the commanded poses, as a critically damped spring [1/s]."""

@@ -65,3 +65,28 @@ def test_an_interrupt_cancels_the_goal(run, station, monkeypatch):
     run("goto arm 1 2")
 
     assert station.calls[-1] == ("cancel_goal", "arm", "7")
+
+
+def test_a_pose_starts_a_trajectory_controller_and_goes_there(run, station):
+    station.trajectory_controllers = ["effort_arm", "position_arm"]
+    station.goals = [goal("succeeded")]
+
+    outcome = run("goto ready")
+
+    assert outcome.code == 0
+    assert station.calls[1] == ("switch", {"start": ["position_arm"]})
+    name, controller, request = station.calls[2]
+    assert (name, controller) == ("submit_goal", "position_arm")
+    (point,) = request["trajectory"]["points"]
+    assert point["positions"] == pytest.approx(
+        [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], abs=1e-4
+    )
+    assert point["time_from_start"] > 4.0  # 2.4 rad at 0.5 rad/s
+
+
+def test_an_unknown_pose_is_told_with_those_there_are(run, station):
+    outcome = run("goto kitchen")
+
+    assert outcome.code == 2
+    assert "There is no pose 'kitchen'; there are ready" in outcome.err
+    assert station.calls == []

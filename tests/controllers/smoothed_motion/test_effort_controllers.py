@@ -47,3 +47,57 @@ def test_gains_are_required_and_can_be_changed(robot):
 
     assert controller.gains()["slide/p"] == 10.0
     assert set(controller.gain_schema()) == set(values)
+
+
+def run_with_wall(robot, controller, cycles, wall):
+    """Run with the slide kept below `wall` [m]; return its largest lead."""
+    largest = 0.0
+    for _ in range(cycles):
+        robot.run_with_effort(controller, 1)
+        if robot.position[0] > wall:
+            robot.position[0], robot.velocity[0] = wall, 0.0
+        lead = controller.sample.desired[0] - controller.sample.actual[0]
+        largest = max(largest, abs(lead))
+    return largest
+
+
+@pytest.mark.parametrize(
+    ("kind", "command"),
+    [(JointStreamingController, [0.45, 0.0]), (JointJogController, [0.3, 0.0])],
+)
+def test_a_blocked_joint_is_waited_for_and_makes_no_leap(robot, send, kind, command):
+    controller = robot.start(kind, **LIMITS, **GAINS, max_lead=0.03)
+    largest = 0.0
+    for _ in range(30):
+        send(controller, command)
+        largest = max(largest, run_with_wall(robot, controller, 100, wall=0.1))
+    # Beyond the bound by the way to rest at most: v^2 / (2 a) + v a / (2 j).
+    assert largest <= 0.03 + 0.5**2 / 4.0 + 0.5 * 2.0 / 80.0 + 1e-3
+    waiting = controller.generator.positions[0]
+    assert waiting < 0.25
+    fastest = 0.0
+    for _ in range(20):  # free again
+        send(controller, command)
+        robot.run_with_effort(controller, 100)
+        fastest = max(fastest, abs(robot.velocity[0]))
+
+    assert robot.position[0] > waiting + 0.1
+    assert fastest < 2.5  # the spring of the lead alone, sqrt(900) * 0.1
+
+
+def test_a_blocked_joint_can_be_led_back(robot, send):
+    controller = robot.start(JointJogController, **LIMITS, **GAINS, max_lead=0.03)
+    for _ in range(10):
+        send(controller, [0.3, 0.0])
+        run_with_wall(robot, controller, 100, wall=0.05)
+    for _ in range(5):
+        send(controller, [-0.3, 0.0])
+        run_with_wall(robot, controller, 100, wall=0.05)
+
+    assert robot.position[0] < 0.03
+
+
+@pytest.mark.parametrize("lead", [0.0, [0.1], -1.0])
+def test_an_impossible_lead_is_refused(robot, lead):
+    with pytest.raises(ParameterError, match="max_lead"):
+        robot.load(JointJogController, **LIMITS, **GAINS, max_lead=lead)

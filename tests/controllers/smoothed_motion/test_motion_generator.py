@@ -78,3 +78,44 @@ def test_a_start_in_motion_is_continued_and_ended(generator):
     run(generator, 3_000)
 
     assert generator.velocities == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_what_cannot_arrive_together_arrives_all_the_same():
+    # Found among random streams: ruckig 0.19.4 finds no synchronised motion here.
+    axis = 1.0 / 3.0**0.5
+    limits = MotionLimits(
+        (0.3 * axis,) * 3 + (1.0 * axis,) * 3,
+        (1.5 * axis,) * 3 + (4.0 * axis,) * 3,
+        (15.0 * axis,) * 3 + (40.0 * axis,) * 3,
+    )
+    state = (
+        [-0.06613950721805234, -0.04032492418378759, 0.020162907568371042, 0, 0, 0],
+        [-0.0984789103623339, -0.09864162820588442, -0.017276930192972936,
+         -0.1330875211303574, -0.01554849796155242, 0.3683946537007316],
+        [0.23914478537466075, 0.266812457161681, 0.1299038105676672,
+         -1.2701705922171787, 0.5748711963334194, 0.3464101615137785],
+    )  # fmt: skip
+    target = [0.10044507167952277, -0.3360004623804792, -0.48923567579073046,
+              1.5365225122103698, 0.7406612576758644, 1.142515625784421]  # fmt: skip
+    generator = MotionGenerator(limits)
+    generator.start(state[0], state[1])
+    generator.restore(state)
+    generator.go_to(target)
+    run(generator, 6_000)
+
+    assert generator.positions == pytest.approx(target, abs=1e-9)
+
+
+def test_positions_can_be_counted_anew_and_a_step_taken_back(generator):
+    generator.go_at([1.0, 0.0])
+    run(generator, 300)
+    before = generator.state()
+    run(generator, 1)
+    generator.restore(before)
+    generator.relocate([5.0, 0.5])
+    generator.go_at([1.0, 0.0])
+    run(generator, 1)
+
+    assert generator.velocities[0] > before[1][0]
+    assert generator.accelerations[0] == pytest.approx(2.0)
+    assert generator.positions[0] == pytest.approx(5.0 + before[1][0] * 1e-3, abs=1e-5)

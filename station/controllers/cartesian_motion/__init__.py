@@ -1,0 +1,14 @@
+"""Cartesian motion that is smoothed within limits of velocity, acceleration and jerk.
+
+`CartesianStreamingController` follows poses that arrive 10 to 100 times a second,
+`CartesianJogController` moves an end effector while somebody holds a button.
+"""
+
+from station.controllers.cartesian_motion.cartesian_jog_controller import (
+    CartesianJogController,
+)
+from station.controllers.cartesian_motion.cartesian_streaming_controller import (
+    CartesianStreamingController,
+)
+
+__all__ = ["CartesianJogController", "CartesianStreamingController"]

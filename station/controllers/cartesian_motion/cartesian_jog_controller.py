@@ -1,0 +1,106 @@
+"""Move an end effector while somebody holds a button."""
+
+from collections.abc import Mapping
+
+from typing_extensions import override
+
+from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
+from station.controllers.cartesian_motion.cartesian_motion_controller import (
+    LONGEST_TIMEOUT,
+    CartesianMotionController,
+)
+from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
+from station.core.controller import ControllerSample
+from station.core.errors import InvalidGainError, ParameterError
+from station.core.interfaces import Frame
+from station.core.interfaces.franka_robot_state import RobotState
+from station.core.parameters import Parameters
+from station.core.rigid_motion import times, to_inner_axes, to_outer_axes
+from station.core.robot_hw import RobotHW
+from station.core.set_point import SetPointPort
+from station.core.tunables import Tunable
+
+FRAMES = ("O", "EE")
+"""In whose axes a twist may be: the base's, or the end effector's."""
+_FRAME = "frame"
+
+
+class CartesianJogController(CartesianMotionController):
+    """Moves at the twist of the set-point, for as long as it is repeated.
+
+    A set-point is the velocity of the end effector's origin [m/s] and the angular
+    velocity [rad/s]. Every set-point is a heartbeat: when the next one stays out for
+    `command_timeout`, or is zero, the end effector comes to rest.
+
+    Parameters, besides those of the base: `frame`, `O` or `EE`, whose axes set-points
+    are in; at run time 0 or 1.
+    """
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        super().init(hw, params)
+        name = params.get_str(_FRAME, FRAMES[0])
+        if name not in FRAMES:
+            raise ParameterError(
+                f"Parameter '{params.resolve(_FRAME)}' is '{name}'; it must be O, the "
+                "base, or EE, the end effector.",
+                remedy="Choose one of them.",
+                details={"parameter": params.resolve(_FRAME)},
+            )
+        self._frame = FRAMES.index(name)
+
+    @override
+    def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
+        return TwistSetPointPort(limits, timeout=timeout, longest=LONGEST_TIMEOUT)
+
+    @override
+    def rest(self) -> list[float]:
+        return [0.0] * 6
+
+    @override
+    def steer(self, set_point: list[float]) -> None:
+        if self._frame == 0:
+            self.generator.go_at(set_point)
+            return
+        pose = self.generator.pose
+        self.generator.go_at([
+            *to_outer_axes(pose, set_point[:3]),
+            *to_outer_axes(pose, set_point[3:]),
+        ])
+
+    @override
+    def sample_of(self, time: float, state: RobotState) -> ControllerSample:
+        desired = self.generator.twist
+        if self._frame == 0:
+            jacobian = self.model.get_zero_jacobian(Frame.END_EFFECTOR)
+        else:
+            pose = self.generator.pose
+            desired = [
+                *to_inner_axes(pose, desired[:3]),
+                *to_inner_axes(pose, desired[3:]),
+            ]
+            jacobian = self.model.get_body_jacobian(Frame.END_EFFECTOR)
+        actual = times(jacobian, state.dq)
+        errors = [d - a for d, a in zip(desired, actual, strict=True)]
+        return ControllerSample(time, desired, actual, errors, desired)
+
+    @override
+    def gain_schema(self) -> Mapping[str, Tunable]:
+        text = "axes of the twist: 0 of the base, 1 of the end effector"
+        return {_FRAME: Tunable("", 0.0, 1.0, text)}
+
+    @override
+    def gains(self) -> dict[str, float]:
+        return {_FRAME: float(self._frame)}
+
+    @override
+    def check_gains(self, values: Mapping[str, float]) -> None:
+        if values[_FRAME] not in {0.0, 1.0}:
+            raise InvalidGainError(
+                f"Gain '{_FRAME}' is {values[_FRAME]}; it must be 0 or 1.",
+                remedy="0: axes of the base; 1: axes of the end effector.",
+            )
+
+    @override
+    def apply_gains(self, values: Mapping[str, float]) -> None:
+        self._frame = int(values[_FRAME])

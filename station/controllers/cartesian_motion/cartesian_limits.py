@@ -1,0 +1,118 @@
+"""Limits of smoothed Cartesian motion: the parameters and what they may be."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+from station.controllers.smoothed_motion.motion_limits import MotionLimits
+from station.core.errors import ParameterError
+from station.core.parameters import Parameters
+
+SHARE_OF_AN_AXIS = 1.0 / sqrt(3.0)
+"""With this share of a limit along each of three axes, no vector is beyond it."""
+
+
+@dataclass(frozen=True, slots=True)
+class VectorLimits:
+    """Bounds of the length of a vector, translation [m] or rotation [rad].
+
+    Attributes:
+        velocity: Per second, > 0.
+        acceleration: Per second squared, > 0.
+        jerk: Per second cubed, > 0.
+    """
+
+    velocity: float
+    acceleration: float
+    jerk: float
+
+
+TRANSLATION = VectorLimits(0.3, 1.0, 10.0)
+"""Defaults of the end effector's translation."""
+ROTATION = VectorLimits(1.0, 2.5, 25.0)
+"""Defaults of its rotation."""
+LARGEST_TRANSLATION = VectorLimits(1.7, 9.0, 4500.0)
+"""What both kinds of Franka arms allow.
+
+Source: Franka Control Interface documentation, Robot and interface specifications.
+"""
+LARGEST_ROTATION = VectorLimits(2.5, 17.0, 8500.0)
+"""The same for the rotation."""
+
+
+@dataclass(frozen=True, slots=True)
+class CartesianLimits:
+    """Bounds of a motion of the end effector.
+
+    Attributes:
+        translation: Of its origin.
+        rotation: Of its orientation.
+    """
+
+    translation: VectorLimits
+    rotation: VectorLimits
+
+    def of_axes(self) -> MotionLimits:
+        """Return bounds along x y z and about x y z that keep within all of these."""
+        three = [SHARE_OF_AN_AXIS] * 3
+        both = (self.translation, self.rotation)
+        return MotionLimits(
+            velocity=tuple(each.velocity * s for each in both for s in three),
+            acceleration=tuple(each.acceleration * s for each in both for s in three),
+            jerk=tuple(each.jerk * s for each in both for s in three),
+        )
+
+
+def read_cartesian_limits(params: Parameters) -> CartesianLimits:
+    """Read `max_translational_velocity` and its like.
+
+    Args:
+        params: The controller's namespace.
+
+    Raises:
+        ParameterError: A value is not above 0, or beyond what the arms allow.
+    """
+    translation = VectorLimits(
+        _read(
+            params,
+            "max_translational_velocity",
+            TRANSLATION.velocity,
+            LARGEST_TRANSLATION.velocity,
+        ),
+        _read(
+            params,
+            "max_translational_acceleration",
+            TRANSLATION.acceleration,
+            LARGEST_TRANSLATION.acceleration,
+        ),
+        _read(
+            params, "max_translational_jerk", TRANSLATION.jerk, LARGEST_TRANSLATION.jerk
+        ),
+    )
+    rotation = VectorLimits(
+        _read(
+            params,
+            "max_rotational_velocity",
+            ROTATION.velocity,
+            LARGEST_ROTATION.velocity,
+        ),
+        _read(
+            params,
+            "max_rotational_acceleration",
+            ROTATION.acceleration,
+            LARGEST_ROTATION.acceleration,
+        ),
+        _read(params, "max_rotational_jerk", ROTATION.jerk, LARGEST_ROTATION.jerk),
+    )
+    return CartesianLimits(translation, rotation)
+
+
+def _read(params: Parameters, key: str, default: float, largest: float) -> float:
+    value = params.get_float(key, default)
+    if not 0.0 < value <= largest:
+        raise ParameterError(
+            f"Parameter '{params.resolve(key)}' is {value}; it must be above 0 and at "
+            f"most {largest}.",
+            remedy="Give a value that the arm allows, or leave it out.",
+            details={"parameter": params.resolve(key)},
+        )
+    return value

@@ -1,0 +1,183 @@
+"""The base of the controllers that move an end effector smoothly."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.cartesian_motion.cartesian_limits import (
+    CartesianLimits,
+    read_cartesian_limits,
+)
+from station.controllers.cartesian_motion.cartesian_motion_generator import (
+    CartesianMotionGenerator,
+)
+from station.controllers.cartesian_motion.joint_lookahead import (
+    JointLookahead,
+    Obstacle,
+)
+from station.controllers.cartesian_motion.lookahead_settings import (
+    read_lookahead_settings,
+)
+from station.controllers.forward_command_controller.command_timeout import (
+    read_command_timeout,
+)
+from station.controllers.forward_command_controller.watched_set_point import (
+    WatchedSetPoint,
+)
+from station.controllers.franka_example_controllers.start_pose import (
+    read_arm_id,
+    read_joint_names,
+)
+from station.core.controller import ControllerSample, MultiInterfaceController
+from station.core.interfaces import (
+    FrankaCartesianPoseHandle,
+    FrankaModelHandle,
+    FrankaModelInterface,
+    FrankaPoseCartesianInterface,
+)
+from station.core.interfaces.franka_robot_state import RobotState
+from station.core.parameters import Parameters
+from station.core.robot_description import require_robot_description
+from station.core.robot_hw import RobotHW
+from station.core.set_point import SetPointPort
+
+DEFAULT_TIMEOUT = 0.2
+"""How long a set-point is valid without `command_timeout` [s]."""
+LONGEST_TIMEOUT = 1.0
+"""Longest validity of a set-point [s]: whoever commands has to go on saying so."""
+# So long what was in the way is still told, when it is not in every cycle [s].
+_TOLD_FOR = 0.1
+_TEXTS = {
+    Obstacle.NONE: "",
+    Obstacle.JOINT_LIMIT: "{joint} is near its position limit; the arm waits there.",
+    Obstacle.SINGULARITY: "A singular pose is near; the arm waits there.",
+    Obstacle.JOINT_SPEED: "{joint} would be too fast; the arm goes more slowly.",
+}
+
+
+class CartesianMotionController(MultiInterfaceController):
+    """Moves an end effector within limits of velocity, acceleration and jerk.
+
+    When it starts, and when set-points stay out, it comes to rest within the limits and
+    holds. It does so too before the joints reach what they cannot do, and says it in
+    `published`; it goes on by itself when the set-point leads elsewhere. Subclasses say
+    what a set-point means.
+
+    Parameters: `arm_id`; `joint_names`, 7 names; see `read_cartesian_limits`,
+    `read_lookahead_settings`; `command_timeout` [s], 0.2, at most 1.0;
+    `command_timeout_action`, `hold` or `stop`. `robot_description` in this or an outer
+    namespace gives the limits of the joints.
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = (
+        FrankaPoseCartesianInterface,
+        FrankaModelInterface,
+    )
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        arm_id, names = read_arm_id(params), read_joint_names(params)
+        poses, models = (
+            hw.get(FrankaPoseCartesianInterface),
+            hw.get(FrankaModelInterface),
+        )
+        if poses is None or models is None:
+            return  # refused before, by required_interfaces
+        description = require_robot_description(params)
+        self.handle: FrankaCartesianPoseHandle = poses.get_handle(f"{arm_id}_robot")
+        self.model: FrankaModelHandle = models.get_handle(f"{arm_id}_model")
+        self.limits = read_cartesian_limits(params)
+        self.generator = CartesianMotionGenerator(self.limits)
+        self.lookahead = JointLookahead(
+            self.model,
+            [description.joint(name) for name in names],
+            read_lookahead_settings(params),
+        )
+        timeout, action = read_command_timeout(
+            params, DEFAULT_TIMEOUT, longest=LONGEST_TIMEOUT
+        )
+        self.set_points = self.make_port(self.limits, timeout)
+        self.joint_names = [element.name for element in self.set_points.elements]
+        self._watched = WatchedSetPoint(self.set_points, action, arm_id, self.rest)
+        self._obstacle, self._joint, self._until = Obstacle.NONE, "", 0.0
+
+    def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
+        """Return where set-points arrive.
+
+        Args:
+            limits: Of the motion.
+            timeout: How long a set-point is valid [s].
+        """
+        raise NotImplementedError
+
+    def rest(self) -> list[float]:
+        """Brake; return the set-point that means rest."""
+        raise NotImplementedError
+
+    def steer(self, set_point: list[float]) -> None:
+        """Tell the generator where to go in this cycle.
+
+        Args:
+            set_point: The set-point in force.
+        """
+        raise NotImplementedError
+
+    def sample_of(self, time: float, state: RobotState) -> ControllerSample:
+        """Return what was done, in the terms of the set-point.
+
+        Args:
+            time: Station time [s].
+            state: The arm's state.
+        """
+        raise NotImplementedError
+
+    @override
+    def starting(self, time: float) -> None:
+        """Begin where the end effector is meant to be."""
+        state = self.handle.get_robot_state()
+        self.generator.start(state.O_T_EE_d)
+        self.lookahead.start(state)
+        self._obstacle, self._joint, self._until = Obstacle.NONE, "", time
+        self.handle.set_command(self.generator.pose)
+        self._watched.begin()
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        """Go on if the joints can, else brake; report the smoothed motion."""
+        self.steer(self._watched.newest())
+        self._advance(time, period)
+        self.handle.set_command(self.generator.pose)
+        self.sample = self.sample_of(time, self.handle.get_robot_state())
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return `state`: what is in the way, and of which joint."""
+        obstacle, joint = self._obstacle, self._joint
+        return {
+            "state": {
+                "obstacle": obstacle.value,
+                "joint": joint,
+                "message": _TEXTS[obstacle].format(joint=joint),
+            }
+        }
+
+    def _advance(self, time: float, period: float) -> None:
+        generator = self.generator
+        generator.advance(period)
+        if period == 0.0 or generator.is_at_rest():
+            self._tell(Obstacle.NONE, "", time)
+            return
+        can_rest = self.lookahead.allows(generator)
+        self._tell(self.lookahead.obstacle, self.lookahead.joint, time)
+        if not can_rest or not generator.stays_within_speed():
+            # From where it was, it can brake: that was looked at in the cycle before.
+            generator.undo()
+            generator.brake()
+            generator.advance(period)
+
+    def _tell(self, obstacle: Obstacle, joint: str, time: float) -> None:
+        if obstacle is not Obstacle.NONE:
+            self._obstacle, self._joint, self._until = obstacle, joint, time + _TOLD_FOR
+        elif time > self._until:
+            self._obstacle, self._joint = Obstacle.NONE, ""

@@ -1,0 +1,163 @@
+"""Poses that follow targets within limits of velocity, acceleration and jerk.
+
+The motion has six coordinates: the position, and a rotation vector in the axes of the
+base that is counted from the present orientation. Counting it anew in every cycle makes
+its rates the angular velocity and acceleration themselves, so that the limits hold for
+any turn, and the way to a target is always the short one.
+"""
+
+from math import copysign, sqrt
+
+from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
+from station.controllers.smoothed_motion.motion_generator import MotionGenerator
+from station.core.rigid_motion import displace, rotation_between
+
+# Rounding of a motion that has ended [m/s, rad/s and per second].
+_AT_REST = 1e-12
+
+
+class CartesianMotionGenerator:
+    """The smooth motion of a pose. Control thread only.
+
+    The lengths of the vectors of velocity, acceleration and jerk stay within the
+    limits, of the translation as well as of the rotation.
+
+    Args:
+        limits: The limits.
+
+    Attributes:
+        pose: Desired pose, 16 numbers, a new list each cycle.
+    """
+
+    def __init__(self, limits: CartesianLimits) -> None:
+        self._limits = limits
+        self._axes = limits.of_axes()
+        self._generator = MotionGenerator(self._axes)
+        self._target: list[float] = []
+        self._last = (self._generator.state(), [0.0] * 16)
+        self.pose = [0.0] * 16
+
+    @property
+    def twist(self) -> list[float]:
+        """Desired velocity [m/s], then angular velocity [rad/s], axes of the base."""
+        return self._generator.velocities
+
+    @property
+    def acceleration(self) -> list[float]:
+        """Desired acceleration [m/s^2], then angular one [rad/s^2], same axes."""
+        return self._generator.accelerations
+
+    def braking(self) -> list[float]:
+        """Return the largest acceleration of each axis on the way to rest, shape (6,).
+
+        In m/s^2 and rad/s^2, axes of the base.
+        """
+        return [
+            -copysign(min(largest, sqrt(abs(v) * jerk + a * a / 2.0)), v)
+            for v, a, largest, jerk in zip(
+                self._generator.velocities,
+                self._generator.accelerations,
+                self._axes.acceleration,
+                self._axes.jerk,
+                strict=True,
+            )
+        ]
+
+    def start(self, pose: list[float]) -> None:
+        """Begin anew, at rest.
+
+        Args:
+            pose: Where, 16 numbers.
+        """
+        self.pose = list(pose)
+        self._target = []
+        self._generator.start(_coordinates(pose), [0.0] * 6)
+
+    def go_to(self, pose: list[float]) -> None:
+        """Go to a pose and rest there; position and orientation arrive together.
+
+        Args:
+            pose: Where, 16 numbers.
+        """
+        self._target = pose
+
+    def go_at(self, twist: list[float]) -> None:
+        """Move at a twist.
+
+        Args:
+            twist: Velocity [m/s], then angular velocity [rad/s], axes of the base, each
+                of a length within its limit.
+        """
+        self._target = []
+        self._generator.go_at(twist)
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self.go_at([0.0] * 6)
+
+    def is_at_rest(self) -> bool:
+        """Say whether nothing moves and nothing is about to."""
+        now = self._generator
+        return max(map(abs, (*now.velocities, *now.accelerations))) < _AT_REST
+
+    def resting_pose(self) -> list[float]:
+        """Return where the motion would end if it braked now, 16 numbers.
+
+        Raises:
+            InvalidCommandError: No motion can be worked out.
+        """
+        end = self._generator.resting_positions()
+        shift = [end[i] - self.pose[12 + i] for i in range(3)]
+        return displace(self.pose, shift, end[3:])
+
+    def stays_within_speed(self) -> bool:
+        """Say whether no velocity is beyond its limit on the way to rest."""
+        peaks = [
+            max(abs(v), abs(v + a * abs(a) / (2.0 * jerk)))
+            for v, a, jerk in zip(
+                self._generator.velocities,
+                self._generator.accelerations,
+                self._axes.jerk,
+                strict=True,
+            )
+        ]
+        slack = 1.0 + 1e-9
+        return (
+            _length(peaks[:3]) <= self._limits.translation.velocity * slack
+            and _length(peaks[3:]) <= self._limits.rotation.velocity * slack
+        )
+
+    def advance(self, period: float) -> None:
+        """Move on.
+
+        Args:
+            period: Time since the last cycle [s], >= 0; nothing happens when it is 0.
+
+        Raises:
+            InvalidCommandError: No motion to the target can be worked out.
+        """
+        if period == 0.0:
+            return
+        generator = self._generator
+        self._last = (generator.state(), self.pose)
+        if self._target:
+            away = rotation_between(self.pose, self._target)
+            generator.go_to([*self._target[12:15], *away])
+        generator.advance(period)
+        reached = generator.positions
+        shift = [reached[i] - self.pose[12 + i] for i in range(3)]
+        self.pose = displace(self.pose, shift, reached[3:])
+        generator.relocate(_coordinates(self.pose))
+
+    def undo(self) -> None:
+        """Take the last `advance` back; the target stays."""
+        state, self.pose = self._last
+        self._generator.restore(state)
+
+
+def _coordinates(pose: list[float]) -> list[float]:
+    return [*pose[12:15], 0.0, 0.0, 0.0]
+
+
+def _length(vector: list[float]) -> float:
+    return sqrt(sum(value * value for value in vector))

@@ -1,0 +1,74 @@
+"""Follow poses that arrive 10 to 100 times a second, e.g. from a policy."""
+
+from typing_extensions import override
+
+from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
+from station.controllers.cartesian_motion.cartesian_motion_controller import (
+    LONGEST_TIMEOUT,
+    CartesianMotionController,
+)
+from station.controllers.cartesian_motion.pose_set_point import PoseSetPointPort
+from station.core.controller import ControllerSample
+from station.core.interfaces.franka_robot_state import RobotState
+from station.core.parameters import Parameters
+from station.core.rigid_motion import pose_of, quaternion_of
+from station.core.robot_hw import RobotHW
+from station.core.set_point import SetPointPort
+
+
+class CartesianStreamingController(CartesianMotionController):
+    """Goes to the newest pose on a fast way that the limits allow.
+
+    A set-point is the pose of the end effector in the base frame O: position [m], then
+    unit quaternion x y z w. It is where to rest unless another one follows; position
+    and orientation would arrive together. When none arrives within `command_timeout`,
+    the end effector comes to rest and holds.
+    """
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        super().init(hw, params)
+        self._followed: list[float] = []
+        self._resting: list[float] = []
+        self._target: list[float] = []
+        self._quaternion = [0.0, 0.0, 0.0, 1.0]
+
+    @override
+    def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
+        return PoseSetPointPort(timeout=timeout, longest=LONGEST_TIMEOUT)
+
+    @override
+    def rest(self) -> list[float]:
+        self._resting = _numbers(self.generator.resting_pose(), self._quaternion)
+        return self._resting
+
+    @override
+    def steer(self, set_point: list[float]) -> None:
+        if set_point is self._resting:
+            self.generator.brake()
+            return
+        if set_point is not self._followed:
+            self._followed = set_point
+            self._target = pose_of(set_point[:3], set_point[3:])
+        self.generator.go_to(self._target)
+
+    @override
+    def sample_of(self, time: float, state: RobotState) -> ControllerSample:
+        desired = _numbers(self.generator.pose, self._quaternion)
+        self._quaternion = desired[3:]
+        actual = _numbers(state.O_T_EE, self._quaternion)
+        errors = [d - a for d, a in zip(desired, actual, strict=True)]
+        return ControllerSample(time, desired, actual, errors, desired)
+
+
+def _numbers(pose: list[float], near: list[float]) -> list[float]:
+    """Return a pose as a set-point.
+
+    Args:
+        pose: The pose, 16 numbers.
+        near: The quaternion is given the sign that is nearer to this one.
+    """
+    quaternion = quaternion_of(pose)
+    if sum(a * b for a, b in zip(quaternion, near, strict=True)) < 0.0:
+        quaternion = [-value for value in quaternion]
+    return [*pose[12:15], *quaternion]

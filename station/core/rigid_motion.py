@@ -1,0 +1,170 @@
+"""Poses, rotation vectors and twists in plain floats.
+
+Poses have 16 numbers, flat and column-major: T(r, c) = T[4 c + r]; rotations are the
+upper left 3 x 3 of one.
+"""
+
+from collections.abc import Sequence
+from math import acos, atan2, cos, pi, sin, sqrt
+
+_SMALL = 1e-9
+
+
+def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[float]:
+    """Return the rotation vector [rad], shape (3,), that turns one pose to another.
+
+    It is in the axes in which both poses are given; its length is 0 to pi.
+
+    Args:
+        first: Pose to begin with.
+        second: Pose to end with.
+    """
+    # R = R_second R_first^T
+    r = [
+        sum(second[4 * k + row] * first[4 * k + column] for k in range(3))
+        for row in range(3)
+        for column in range(3)
+    ]
+    x, y, z = r[7] - r[5], r[2] - r[6], r[3] - r[1]
+    sine = sqrt(x * x + y * y + z * z) / 2.0
+    cosine = (r[0] + r[4] + r[8] - 1.0) / 2.0
+    if sine > _SMALL:
+        scale = atan2(sine, cosine) / (2.0 * sine)
+        return [scale * x, scale * y, scale * z]
+    if cosine > 0.0:
+        return [x / 2.0, y / 2.0, z / 2.0]
+    diagonal = [sqrt(max(0.0, (r[4 * i] + 1.0) / 2.0)) for i in range(3)]
+    largest = diagonal.index(max(diagonal))
+    axis = [r[3 * largest + i] / (2.0 * diagonal[largest]) for i in range(3)]
+    axis[largest] = diagonal[largest]
+    angle = pi if cosine <= -1.0 else acos(cosine)
+    return [angle * value for value in axis]
+
+
+def displace(
+    pose: Sequence[float], shift: Sequence[float], turn: Sequence[float]
+) -> list[float]:
+    """Return a pose moved by a shift and a rotation vector, in its outer axes.
+
+    The rotation is made exactly orthonormal again.
+
+    Args:
+        pose: The pose.
+        shift: Of the origin [m], shape (3,).
+        turn: Rotation vector [rad], shape (3,).
+    """
+    angle = sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    result = list(pose)
+    if angle > 0.0:
+        kx, ky, kz = (value / angle for value in turn)
+        c, s = cos(angle), sin(angle)
+        for column in (0, 4, 8):
+            vx, vy, vz = pose[column : column + 3]
+            dot = (kx * vx + ky * vy + kz * vz) * (1.0 - c)
+            result[column] = c * vx + s * (ky * vz - kz * vy) + kx * dot
+            result[column + 1] = c * vy + s * (kz * vx - kx * vz) + ky * dot
+            result[column + 2] = c * vz + s * (kx * vy - ky * vx) + kz * dot
+    _orthonormalise(result)
+    result[12] += shift[0]
+    result[13] += shift[1]
+    result[14] += shift[2]
+    return result
+
+
+def _orthonormalise(pose: list[float]) -> None:
+    """Make the rotation of a pose exact, keeping its x axis."""
+    ax, ay, az = pose[0:3]
+    length = sqrt(ax * ax + ay * ay + az * az)
+    ax, ay, az = ax / length, ay / length, az / length
+    bx, by, bz = pose[4:7]
+    dot = ax * bx + ay * by + az * bz
+    bx, by, bz = bx - dot * ax, by - dot * ay, bz - dot * az
+    length = sqrt(bx * bx + by * by + bz * bz)
+    bx, by, bz = bx / length, by / length, bz / length
+    pose[0:3] = [ax, ay, az]
+    pose[4:7] = [bx, by, bz]
+    pose[8:11] = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+
+
+def twist_between(
+    first: Sequence[float], second: Sequence[float], period: float
+) -> list[float]:
+    """Return the twist [m/s, rad/s], shape (6,), that leads from one pose to another.
+
+    Args:
+        first: Pose to begin with.
+        second: Pose to end with.
+        period: Time between them [s], > 0.
+    """
+    turn = rotation_between(first, second)
+    return [
+        (second[12] - first[12]) / period,
+        (second[13] - first[13]) / period,
+        (second[14] - first[14]) / period,
+        turn[0] / period,
+        turn[1] / period,
+        turn[2] / period,
+    ]
+
+
+def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[float]:
+    """Return a pose, 16 numbers.
+
+    Args:
+        position: Of the origin [m], shape (3,).
+        quaternion: x, y, z, w; of any length but 0, which does not count.
+    """
+    x, y, z, w = quaternion
+    s = 2.0 / (x * x + y * y + z * z + w * w)
+    return [
+        1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w), 0.0,
+        s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w), 0.0,
+        s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y), 0.0,
+        position[0], position[1], position[2], 1.0,
+    ]  # fmt: skip
+
+
+def quaternion_of(pose: Sequence[float]) -> list[float]:
+    """Return the unit quaternion x, y, z, w of a pose's rotation, with w >= 0."""
+    xx, yy, zz = pose[0], pose[5], pose[10]
+    # The largest of the four is found first: dividing by it is safe.
+    squares = [1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz]
+    squares.append(1.0 + xx + yy + zz)
+    largest = squares.index(max(squares))
+    xy, xz, yz = pose[1] + pose[4], pose[2] + pose[8], pose[6] + pose[9]
+    xw, yw, zw = pose[6] - pose[9], pose[8] - pose[2], pose[1] - pose[4]
+    row = (
+        (squares[0], xy, xz, xw),
+        (xy, squares[1], yz, yw),
+        (xz, yz, squares[2], zw),
+        (xw, yw, zw, squares[3]),
+    )[largest]
+    size = 2.0 * sqrt(squares[largest])
+    sign = -1.0 if row[3] < 0.0 else 1.0
+    return [sign * value / size for value in row]
+
+
+def to_outer_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
+    """Return a vector, given in the axes of a pose, in the pose's outer axes, (3,)."""
+    x, y, z = vector
+    return [pose[i] * x + pose[4 + i] * y + pose[8 + i] * z for i in range(3)]
+
+
+def to_inner_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
+    """Return a vector, given in the outer axes of a pose, in the pose's axes, (3,)."""
+    return [sum(pose[4 * i + k] * vector[k] for k in range(3)) for i in range(3)]
+
+
+def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
+    """Return J dq, shape (6,).
+
+    Args:
+        jacobian: 42 numbers, column-major.
+        dq: Joint velocities, shape (7,).
+    """
+    result = [0.0] * 6
+    for joint, rate in enumerate(dq):
+        if rate:
+            for row in range(6):
+                result[row] += jacobian[6 * joint + row] * rate
+    return result

@@ -1,0 +1,126 @@
+"""The target in the 3D view that the end effector goes to when it is dragged."""
+
+import asyncio
+import math
+
+import viser
+from typing_extensions import override
+
+from station.client import ApiError
+from station.ui.cartesian_model import POSE, TargetPose, choose_cartesian
+from station.ui.markup import good, hint, warning
+from station.ui.operate_model import Operated
+from station.ui.panels.panel import Panel
+from station.ui.reporter import Reporter
+from station.ui.station_link import StationLink
+from station.ui.station_view import StationView
+
+KIND = "CartesianStreamingController"
+_SEND_PERIOD = 0.04
+_SIZE = 0.18
+_HELD_FOR = 1.0
+
+
+class TargetPanel(Panel):
+    """A draggable frame at the end effector, and what becomes of it.
+
+    Args:
+        server: Where the frame and the text are shown.
+        link: The station.
+        reporter: Says what went wrong.
+        base: Scene node of the arm's base frame.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        link: StationLink,
+        reporter: Reporter,
+        base: str,
+    ) -> None:
+        self._link = link
+        self._reporter = reporter
+        self._operated = Operated()
+        self._target = TargetPose()
+        self._epoch: int | None = None
+        self._desired: list[float] = []
+        self._told = ""
+        self._dragged_at = -math.inf
+        with server.gui.add_folder("End effector: drag the target"):
+            self._state = server.gui.add_html(hint("Waiting for the station …"))
+        self._gizmo = server.scene.add_transform_controls(
+            f"{base}/target", scale=_SIZE, visible=False, depth_test=False
+        )
+        self._gizmo.on_update(self._on_drag)
+
+    @override
+    def watched(self) -> set[str]:
+        """Return the controller that follows the target."""
+        return {self._operated.name} if self._operated.name else set()
+
+    @override
+    def refresh(self, view: StationView) -> None:
+        """Let the target follow the arm until it is dragged; say why it is hidden."""
+        operated = choose_cartesian(view, POSE, KIND)
+        if operated.reason or operated.name != self._operated.name:
+            self._target.let_go()
+            self._desired = []
+            self._told = ""
+        if view.epoch != self._epoch:
+            self._target.let_go()
+            self._epoch = view.epoch
+        self._operated = operated
+        sample = view.samples.get(operated.name)
+        if sample is not None and len(sample.desired) == len(POSE):
+            known = [value for value in sample.desired if value is not None]
+            self._desired = known if len(known) == len(POSE) else []
+        self._show()
+
+    async def run(self) -> None:
+        """Send the target, for as long as it is pursued, until cancelled."""
+        while True:
+            await asyncio.sleep(_SEND_PERIOD)
+            if not self._desired or self._operated.reason:
+                continue
+            pose = self._target.command(self._desired, self._link.now())
+            if pose is not None:
+                await self._send(self._operated.name, pose)
+
+    async def _send(self, name: str, pose: list[float]) -> None:
+        client = self._link.client
+        try:
+            await client.command(name, pose, epoch=self._epoch)
+            said = (await client.controller_state(name)).published.get("state", {})
+        except ApiError as error:
+            self._target.let_go()
+            self._reporter.refused(error, None)
+        else:
+            self._told = str(said.get("message", ""))
+
+    def _show(self) -> None:
+        usable = bool(self._desired) and not self._operated.reason
+        self._gizmo.visible = usable
+        is_held = self._link.now() - self._dragged_at < _HELD_FOR
+        if usable and not self._target.is_pursued and not is_held:
+            x, y, z, qx, qy, qz, qw = self._desired
+            self._gizmo.position = (x, y, z)
+            self._gizmo.wxyz = (qw, qx, qy, qz)
+        self._state.content = self._markup()
+
+    def _markup(self) -> str:
+        if self._operated.reason:
+            return warning(self._operated.reason)
+        if self._told:
+            return warning(self._told)
+        if self._target.is_pursued:
+            return good(f"{self._operated.name} goes to the target.")
+        return good(f"Drag the target at the gripper; {self._operated.name} follows.")
+
+    async def _on_drag(self, event: viser.TransformControlsEvent) -> None:
+        """Take over where a person dragged the target."""
+        if event.client is None or self._operated.reason or not self._desired:
+            return
+        self._dragged_at = self._link.now()
+        x, y, z = (float(value) for value in event.target.position)
+        w, i, j, k = (float(value) for value in event.target.wxyz)
+        self._target.drag([x, y, z, i, j, k, w], self._link.now())
