@@ -93,6 +93,9 @@ class JogPanel(Panel):
         self._operated = operated
         for widget in (*self._handles, self._axes):
             widget.disabled = bool(operated.reason)
+        # Fourteen greyed widgets would bury what can be used.
+        for widget in (*self._handles, self._axes, self._speed, self._turn):
+            widget.visible = not operated.reason
         self._state.content = self._markup()
 
     async def run(self) -> None:
@@ -154,7 +157,7 @@ class JogPanel(Panel):
 
     def _markup(self) -> str:
         if self._operated.reason:
-            return warning(self._operated.reason)
+            return hint(self._operated.reason)
         if self._told:
             return warning(self._told)
         return good(f"Hold a button to move; let go to stop ({self._operated.name}).")

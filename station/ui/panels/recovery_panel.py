@@ -14,7 +14,7 @@ from station.ui.station_view import StationView
 
 
 class RecoveryPanel(Panel):
-    """Recovers arms and releases their user stops; not there without arms.
+    """Recovers arms and releases their user stops; there when something is wrong.
 
     Args:
         gui: Where it is built.
@@ -37,10 +37,10 @@ class RecoveryPanel(Panel):
     @override
     def refresh(self, view: StationView) -> None:
         """Show what is wrong and what the button does about it."""
-        has_arms = view.status is not None and bool(view.status.robots)
         rescue = choose_rescue(view)
         self._trouble.visible = bool(rescue.trouble)
-        self._button.visible = self._reason.visible = has_arms
+        is_needed = bool(rescue.trouble or rescue.action)
+        self._button.visible = self._reason.visible = is_needed
         self._trouble.content = warning(rescue.trouble) if rescue.trouble else ""
         self._button.label = rescue.label
         self._button.disabled = not rescue.action

@@ -109,7 +109,7 @@ class TargetPanel(Panel):
 
     def _markup(self) -> str:
         if self._operated.reason:
-            return warning(self._operated.reason)
+            return hint(self._operated.reason)
         if self._told:
             return warning(self._told)
         if self._target.is_pursued:

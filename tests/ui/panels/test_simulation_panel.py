@@ -13,12 +13,12 @@ def panel(bench):
 
 
 def test_time_is_stopped_and_goes_on_with_one_button(bench, panel):
-    assert "Running at 1 of real time" in panel._state.content
+    assert bench.wait(lambda: "Running at 1 of real time" in panel._state.content)
 
     bench.click(panel._pause)
     assert bench.wait(lambda: bench.station.simulation["paused"])
     assert bench.wait(lambda: panel._pause.label == "Resume")
-    assert "Paused at 2.500 s" in panel._state.content
+    assert bench.wait(lambda: "Paused at 2.500 s" in panel._state.content)
 
     bench.click(panel._pause)
     assert bench.wait(lambda: not bench.station.simulation["paused"])
