@@ -29,6 +29,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.InvalidCommandError: 422,
     errors.ArmCommandError: 409,
     errors.ArmNotFoundError: 404,
+    errors.GripperNotFoundError: 404,
+    errors.GripperCommandError: 409,
     errors.CommandTimeoutError: 409,
     errors.InvalidTrajectoryError: 422,
     errors.GoalNotFoundError: 404,

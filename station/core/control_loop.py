@@ -16,7 +16,11 @@ from station.core.clock import Clock
 from station.core.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
-from station.core.interfaces import JointStateGroup, JointStateInterface
+from station.core.interfaces import (
+    GripperServicesInterface,
+    JointStateGroup,
+    JointStateInterface,
+)
 from station.core.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.operations import Operations
 from station.core.pace import Pace
@@ -70,6 +74,8 @@ class ControlLoop:
         self.cycle = 0
         interface = hw.get(JointStateInterface)
         self._joints = JointStateGroup(interface.handles() if interface else [])
+        grippers = hw.get(GripperServicesInterface)
+        self._grippers = grippers.handles() if grippers else []
         self._meter = LoopMeter(clock)
         self._operations = Operations()
         self._thread: threading.Thread | None = None
@@ -219,10 +225,12 @@ class ControlLoop:
         """Make everything commanded so far void; control thread or between cycles.
 
         Args:
-            reason: Why, one sentence; the goals that end say it.
+            reason: Why, one sentence; the goals and gripper motions that end say it.
         """
         self.epoch += 1
         self.manager.void_commands(reason)
+        for gripper in self._grippers:
+            gripper.interrupt(reason)
         return self.epoch
 
     def begin_anew(self) -> None:

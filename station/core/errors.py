@@ -16,6 +16,8 @@ StationError
 ├── InvalidCommandError           a set-point is malformed (ValueError)
 ├── ArmNotFoundError              there is no arm of that name (KeyError)
 ├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
+├── GripperNotFoundError          there is no hand at that arm (KeyError)
+├── GripperCommandError           a hand cannot do that now (RuntimeError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
 ├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
 ├── GoalNotFoundError             no goal of that name is known (KeyError)
@@ -149,6 +151,18 @@ class ArmCommandError(StationError, RuntimeError):
     """An arm refuses a request in its present mode, or cannot do it at all."""
 
     code = "arm_command_refused"
+
+
+class GripperNotFoundError(StationError, KeyError):
+    """The arm has no hand."""
+
+    code = "gripper_not_found"
+
+
+class GripperCommandError(StationError, RuntimeError):
+    """A hand cannot do that now."""
+
+    code = "gripper_command_refused"
 
 
 class CommandTimeoutError(StationError, TimeoutError):

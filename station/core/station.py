@@ -17,6 +17,7 @@ from station.core.errors import (
     LoopError,
     ParameterError,
 )
+from station.core.grippers import Grippers
 from station.core.hardware_report import HardwareReport, report_hardware
 from station.core.loop_report import LoopReport, LoopState
 from station.core.motion_commands import MotionCommands
@@ -49,6 +50,7 @@ class Station(MotionCommands):
     Attributes:
         boot_id: Random name of this run.
         robots: The arms, their state, settings and recovery.
+        grippers: The hands of these arms.
         simulation: Pause, step and reset of a simulated robot.
     """
 
@@ -62,6 +64,7 @@ class Station(MotionCommands):
     ) -> None:
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
+        self.grippers = Grippers(loop, self.robots.names())
         self.simulation = Simulation(loop)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters

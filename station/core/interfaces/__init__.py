@@ -39,6 +39,17 @@ from station.core.interfaces.franka_state import (
     FrankaStateHandle,
     FrankaStateInterface,
 )
+from station.core.interfaces.gripper_services import (
+    DEFAULT_EPSILON,
+    DEFAULT_SPEED,
+    GraspRequest,
+    GripperAction,
+    GripperActivity,
+    GripperCommand,
+    GripperServices,
+    GripperServicesInterface,
+    GripperState,
+)
 from station.core.interfaces.imu_sensor import ImuSensorHandle, ImuSensorInterface
 from station.core.interfaces.interface_manager import (
     InterfaceManager,
@@ -81,6 +92,8 @@ __all__ = [
     "ArmError",
     "ArmRecord",
     "CollisionBehavior",
+    "DEFAULT_EPSILON",
+    "DEFAULT_SPEED",
     "EffortActuatorInterface",
     "EffortJointInterface",
     "FaultKind",
@@ -98,6 +111,13 @@ __all__ = [
     "FrankaStateHandle",
     "FrankaStateInterface",
     "FrankaVelocityCartesianInterface",
+    "GraspRequest",
+    "GripperAction",
+    "GripperActivity",
+    "GripperCommand",
+    "GripperServices",
+    "GripperServicesInterface",
+    "GripperState",
     "HardwareResourceManager",
     "ImuSensorHandle",
     "ImuSensorInterface",

@@ -11,6 +11,7 @@ from math import isfinite
 
 from station.core.interfaces import (
     EffortJointInterface,
+    GripperServicesInterface,
     JointCommandInterface,
     JointHandle,
     JointStateHandle,
@@ -18,6 +19,7 @@ from station.core.interfaces import (
     PositionJointInterface,
 )
 from station.core.robot_hw import ControllerInfo, ResourceConflict
+from station.hw.franka.hand_services import HandServices
 from station.hw.franka.simulated_gripper import SimulatedGripper
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
@@ -29,16 +31,26 @@ class FingerJoints:
     The fingers are coupled: a position is that of both, efforts act on both. Whoever
     claims one claims the hand, through one kind of interface at a time.
 
+    While nobody claims them they obey `hand`, the gripper's own commands.
+
     Args:
         gripper: The fingers' motor.
         names: Names of the two joints.
+        arm_id: The arm with that hand.
 
     Attributes:
         names: As given.
+        hand: Homing, move, grasp and stop.
+        services: The interface that has it.
     """
 
-    def __init__(self, gripper: SimulatedGripper, names: Sequence[str]) -> None:
+    def __init__(
+        self, gripper: SimulatedGripper, names: Sequence[str], arm_id: str
+    ) -> None:
         size = len(names)
+        self.hand = HandServices(arm_id, gripper)
+        self.services = GripperServicesInterface()
+        self.services.register_handle(self.hand)
         self.names = tuple(names)
         self._gripper = gripper
         self._positions = [gripper.read_position()] * size
@@ -47,6 +59,7 @@ class FingerJoints:
         self._position_commands = list(self._positions)
         self._effort_commands = [0.0] * size
         self._claimed: dict[str, str] = {}
+        self._owners: dict[str, str] = {}
         self.states = [
             JointStateHandle(
                 name, self._positions, self._velocities, self._efforts, index
@@ -81,6 +94,7 @@ class FingerJoints:
     def write(self) -> None:
         """Hand the commands of the claimed fingers on; the others follow."""
         if not self._claimed:
+            self.hand.advance()
             return
         kind = next(iter(self._claimed.values()))
         is_position = kind == PositionJointInterface.type_name
@@ -93,7 +107,8 @@ class FingerJoints:
             lower, upper = self._gripper.limits
             self._gripper.hold(2.0 * min(max(mean, lower), upper))
         else:
-            self._gripper.press(sum(claimed) / len(self.names))
+            limit, force = self._gripper.effort_limit, sum(claimed) / len(self.names)
+            self._gripper.press(min(max(force, -limit), limit))
 
     def find_conflicts(
         self, controllers: Sequence[ControllerInfo]
@@ -128,17 +143,21 @@ class FingerJoints:
         started = _holders(start, self.names)
         for _, _, name in stopped:
             self._claimed.pop(name, None)
+            self._owners.pop(name, None)
         if not stopped and not started:
             return
         self._gripper.hold(2.0 * self._gripper.read_position())
         self._position_commands[:] = [self._gripper.read_position()] * len(self.names)
         self._effort_commands[:] = [0.0] * len(self.names)
-        for _, kind, name in started:
+        for owner, kind, name in started:
             self._claimed[name] = kind
+            self._owners[name] = owner
+        self.hand.give_to(next(iter(self._owners.values()), ""))
 
     def begin_anew(self) -> None:
         """Forget the commands: the world was reset."""
         self.read()
+        self.hand.begin_anew()
         self._position_commands[:] = self._positions
         self._effort_commands[:] = [0.0] * len(self.names)
 

@@ -83,8 +83,8 @@ class FrankaHW(RobotHW):
     VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`;
     FrankaState, FrankaPoseCartesian and FrankaVelocityCartesian under `<arm_id>_robot`;
     FrankaModel under `<arm_id>_model` and, as the public documentation has it, also
-    under `<arm_id>_robot`; FrankaServices under `<arm_id>`. The fingers of a
-    simulated hand are in EffortJoint and PositionJoint, too.
+    under `<arm_id>_robot`; FrankaServices under `<arm_id>`. A simulated
+    hand has GripperServices there, its fingers are in EffortJoint and PositionJoint.
 
     Parameters are those of `franka_parameters`. `init` stores the URDF, with the names
     of this arm, as `robot_description` in the root namespace if there is none yet.
@@ -373,8 +373,9 @@ class FrankaHW(RobotHW):
         grippers = self.simulation.grippers if self.simulation is not None else {}
         if arm_id in grippers:
             names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
-            self._fingers = FingerJoints(grippers[arm_id], names)
+            self._fingers = FingerJoints(grippers[arm_id], names, arm_id)
             self._fingers.register(self.commands.interfaces())
+            self.register_interface(self._fingers.services)
 
     def _mode_after(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]

@@ -7,6 +7,8 @@ from station.hw.mujoco.world import World
 OPEN_WIDTH = 0.08
 """Distance between the fingers when the hand is open [m]. Source: the limits of the
 finger joints in panda.urdf, 0.04 m each."""
+MAX_FORCE = 140.0
+"""What each finger can press with [N]. Source: datasheet of the Franka Hand."""
 _STIFFNESS = 5000.0
 _SPEED = 0.2
 """How fast each finger goes to its place [m/s]. Source: the velocity limit of the
@@ -22,19 +24,25 @@ class SimulatedGripper:
         world: The world; its gravity compensation covers the fingers.
         finger_joint: The driven finger joint; the other one mimics it.
         width: Distance between the fingers [m], 0 to `OPEN_WIDTH`.
+
+    Attributes:
+        effort_limit: What the URDF lets the motor give each finger [N].
     """
 
     def __init__(
         self, world: World, finger_joint: str, *, width: float = OPEN_WIDTH
     ) -> None:
+        self._world = world
         self._finger = world.joints([finger_joint])
         # The second finger follows the first: the motor moves both.
         inertia = 2.0 * self._finger.read_inertia()[0]
         self._damping = 2.0 * sqrt(_STIFFNESS * inertia)
-        self._step = _SPEED * world.timestep
+        self.effort_limit = self._finger.effort_limits[0] / 2.0
+        self._finger.set_effort_limits([2.0 * MAX_FORCE])
         self._start_width = width
         self._force = 0.0
-        self._is_pressing = True
+        self._step = self._reach = 0.0
+        self._servo = (0.0, 0.0)
         self._target = self._place = 0.0
         self.hold(width)
         world.add_actor(self)
@@ -56,39 +64,56 @@ class SimulatedGripper:
         """Return what the motor gave each finger in the last step [N]."""
         return self._finger.read_motor_forces()[0] / 2.0
 
-    def hold(self, width: float) -> None:
+    def read_time(self) -> float:
+        """Return for how long the world has moved [s]; a reset does not change it."""
+        return self._world.step_count * self._world.timestep
+
+    def hold(
+        self, width: float, *, speed: float = 2.0 * _SPEED, force: float | None = None
+    ) -> None:
         """Go to a width and stay there.
 
         Args:
             width: Distance between the fingers [m].
+            speed: How fast the width changes, > 0 [m/s].
+            force: What each finger presses with at most, > 0 [N]; `effort_limit` when
+                None.
         """
-        if self._is_pressing:
-            self._finger.set_servo([_STIFFNESS], [self._damping])
-            self._is_pressing = False
+        if not self._servo[0]:
+            self._set_servo(_STIFFNESS, self._damping)
             self._place = self.read_position()
+        self._step = speed / 2.0 * self._world.timestep
+        # A place out of reach would be a larger force, and grow while blocked.
+        self._reach = 2.0 * (self.effort_limit if force is None else force) / _STIFFNESS
         self._target = width / 2.0
 
-    def press(self, force: float) -> None:
+    def press(self, force: float, *, is_damped: bool = False) -> None:
         """Let the motor give a force, whatever the width becomes.
 
         Args:
             force: On each finger [N], > 0 opens.
+            is_damped: Brake the fingers' motion.
         """
-        if not self._is_pressing:
-            self._finger.set_servo([0.0], [0.0])
-            self._is_pressing = True
+        self._set_servo(0.0, self._damping if is_damped else 0.0)
         self._force = force
 
     def before_step(self) -> None:
         """Set the motor's control."""
-        if self._is_pressing:
+        if not self._servo[0]:
             self._finger.set_controls([2.0 * self._force])
             return
         way = self._target - self._place
-        self._place += min(max(way, -self._step), self._step)
+        place = self._place + min(max(way, -self._step), self._step)
+        position = self.read_position()
+        self._place = min(max(place, position - self._reach), position + self._reach)
         self._finger.set_controls([_STIFFNESS * self._place])
 
     def after_reset(self) -> None:
         """Hold the width of the beginning again."""
         self.hold(self._start_width)
         self._place = self.read_position()
+
+    def _set_servo(self, stiffness: float, damping: float) -> None:
+        if (stiffness, damping) != self._servo:
+            self._finger.set_servo([stiffness], [damping])
+            self._servo = (stiffness, damping)

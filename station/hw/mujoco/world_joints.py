@@ -93,6 +93,8 @@ class WorldJoints:
         self._read_passive = _reader(data.qfrc_passive, dofs)
         self._read_actuators = _reader(data.qfrc_actuator, dofs)
         self._bias = model.actuator_biasprm
+        self._force_limited = model.actuator_forcelimited
+        self._force_range = model.actuator_forcerange
         self._motors = motors
         self._set_negative_damping = _writer(model.actuator_biasprm[:, 2], motors)
 
@@ -155,6 +157,17 @@ class WorldJoints:
         for motor, k, d in zip(self._motors, stiffness, damping, strict=True):
             self._bias[motor, 1] = -k
             self._bias[motor, 2] = -d
+
+    def set_effort_limits(self, limits: list[float]) -> None:
+        """Let motors give at most so much.
+
+        Args:
+            limits: > 0 [Nm or N], shape (n,).
+        """
+        for motor, limit in zip(self._motors, limits, strict=True):
+            self._force_limited[motor] = True
+            self._force_range[motor] = [-limit, limit]
+        self.effort_limits = list(limits)
 
     def set_damping(self, damping: list[float]) -> None:
         """Let motors give control - damping * velocity; the stiffness stays.
