@@ -283,9 +283,37 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
         action="store_true",
         help="start the controllers again that the error stopped",
     )
+    _add_gripper(verbs)
     release = verbs.add(
         "release", "motion:release", "take back a stop; nothing resumes by itself"
     )
     release.add_argument(
         "--arm", action="store_true", help="second step: allow motion again"
     )
+
+
+def _add_gripper(verbs: _Verbs) -> None:
+    gripper = verbs.add(
+        "gripper",
+        "gripper:gripper",
+        "home, open, close or stop an arm's gripper, and wait until it is done",
+    )
+    gripper.add_argument(
+        "words",
+        nargs="+",
+        metavar="WORD",
+        help="[ARM] state, stop, homing, move WIDTH or grasp WIDTH FORCE [m], [N]; an "
+        "only arm needs no name",
+    )
+    gripper.add_argument(
+        "--speed", type=float, default=0.1, metavar="M/S", help="how fast it opens"
+    )
+    for name, how in (("inner", "narrower"), ("outer", "wider")):
+        gripper.add_argument(
+            f"--{name}",
+            type=float,
+            default=0.005,
+            metavar="M",
+            help=f"how much {how} than WIDTH what is grasped may be",
+        )
+    gripper.add_argument("--no-wait", action="store_true", help="only begin")

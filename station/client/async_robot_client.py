@@ -25,6 +25,7 @@ from station.api.schemas import (
     StiffnessFrame,
 )
 from station.client import robot_calls as calls
+from station.client.async_gripper_client import AsyncGripperClient
 from station.client.calls import Call
 from station.client.robot_calls import Restart
 
@@ -40,11 +41,13 @@ class AsyncRobotClient:
 
     Attributes:
         arm_id: The arm.
+        gripper: Its gripper.
     """
 
     def __init__(self, do: Callable[[Call[Any]], Awaitable[Any]], arm_id: str) -> None:
         self._do = do
         self.arm_id = arm_id
+        self.gripper = AsyncGripperClient(do, arm_id)
 
     async def state(self) -> FrankaState:
         """Return the whole state."""

@@ -26,6 +26,7 @@ from station.api.schemas import (
 )
 from station.client import robot_calls as calls
 from station.client.calls import Call
+from station.client.gripper_client import GripperClient
 from station.client.robot_calls import Restart
 
 
@@ -40,11 +41,13 @@ class RobotClient:
 
     Attributes:
         arm_id: The arm.
+        gripper: Its gripper.
     """
 
     def __init__(self, do: Callable[[Call[Any]], Any], arm_id: str) -> None:
         self._do = do
         self.arm_id = arm_id
+        self.gripper = GripperClient(do, arm_id)
 
     def state(self) -> FrankaState:
         """Return the whole state."""

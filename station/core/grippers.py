@@ -40,7 +40,8 @@ class Grippers:
             GripperNotFoundError: It has no hand.
             LoopError: The loop died or hangs.
         """
-        return self._do(arm_id, lambda hand: None, moves=False)
+        hand = self._find(arm_id)
+        return self._loop.run_in_cycle(hand.get_state)
 
     def homing(self, arm_id: str) -> GripperState:
         """Begin to close and to open a hand all the way; see `GripperServices`.

@@ -39,6 +39,16 @@ from station.api.schemas.goals import (
     GoalStatusName,
     TrajectoryRequest,
 )
+from station.api.schemas.gripper import (
+    GraspEpsilon,
+    Gripper,
+    GripperActionName,
+    GripperActivityName,
+    GripperCommand,
+    GripperCommandStatus,
+    GripperGraspRequest,
+    GripperMoveRequest,
+)
 from station.api.schemas.hardware import (
     Clamp,
     ClampReasonName,
@@ -158,6 +168,14 @@ __all__ = [
     "GoalResult",
     "GoalStatusName",
     "Goals",
+    "GraspEpsilon",
+    "Gripper",
+    "GripperActionName",
+    "GripperActivityName",
+    "GripperCommand",
+    "GripperCommandStatus",
+    "GripperGraspRequest",
+    "GripperMoveRequest",
     "GuidingRequest",
     "Hardware",
     "HardwareInterface",

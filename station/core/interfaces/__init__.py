@@ -85,6 +85,8 @@ from station.core.interfaces.resource_manager import (
 )
 
 __all__ = [
+    "DEFAULT_EPSILON",
+    "DEFAULT_SPEED",
     "ActuatorCommandInterface",
     "ActuatorHandle",
     "ActuatorStateHandle",
@@ -92,8 +94,6 @@ __all__ = [
     "ArmError",
     "ArmRecord",
     "CollisionBehavior",
-    "DEFAULT_EPSILON",
-    "DEFAULT_SPEED",
     "EffortActuatorInterface",
     "EffortJointInterface",
     "FaultKind",

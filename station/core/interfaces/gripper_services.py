@@ -2,9 +2,9 @@
 
 Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp and
 franka_gripper_node.cpp, franka_gripper/action/*.action; libfranka@0.9.2
-include/franka/gripper.h, gripper_state.h; differs: a command begins at once and is asked
-about, and one that did not reach its aim is aborted with the reason, instead of having
-succeeded with `success` false.
+include/franka/gripper.h, gripper_state.h; differs: a command begins at once and is
+asked about, and one that did not reach its aim is aborted with the reason, instead of
+having succeeded with `success` false.
 """
 
 from abc import abstractmethod

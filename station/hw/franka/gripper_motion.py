@@ -56,15 +56,13 @@ class GripperOutcome:
     """How a motion ended.
 
     Attributes:
-        success: It reached its aim.
-        message: Why not; else empty.
+        message: Why it did not reach its aim; empty when it did.
     """
 
-    success: bool
     message: str = ""
 
 
-_DONE = GripperOutcome(True)
+_DONE = GripperOutcome()
 
 
 class GripperMotion:
@@ -167,7 +165,6 @@ class GripperMotion:
             return _DONE
         self.rest()
         return GripperOutcome(
-            False,
             f"The fingers came to rest at {width:.4f} m; expected was more than "
             f"{grasp.width - grasp.epsilon_inner:.4f} and less than "
             f"{grasp.width + grasp.epsilon_outer:.4f} m.",
@@ -188,7 +185,6 @@ class GripperMotion:
         width = self.width()
         self.rest()
         return GripperOutcome(
-            False,
             f"Something blocks the fingers at {width:.4f} m, on their way to "
             f"{self._target:.4f} m.",
         )

@@ -97,8 +97,8 @@ class HandServices(GripperServices):
         self._check("width", request.width, 0.0 <= request.width < self._open_width)
         self._check("force", request.force, WEAKEST <= request.force <= MAX_FORCE)
         self._check("speed", request.speed, 0.0 < request.speed <= FASTEST)
-        self._check("epsilon_inner", inner, 0.0 <= inner and isfinite(inner))
-        self._check("epsilon_outer", outer, 0.0 <= outer and isfinite(outer))
+        self._check("epsilon_inner", inner, inner >= 0.0 and isfinite(inner))
+        self._check("epsilon_outer", outer, outer >= 0.0 and isfinite(outer))
         self._begin(
             GripperAction.GRASP,
             {
@@ -143,7 +143,7 @@ class HandServices(GripperServices):
         """Let a motion go on; once per cycle."""
         outcome = self._motion.advance()
         if outcome is not None:
-            done = GoalStatus.SUCCEEDED if outcome.success else GoalStatus.ABORTED
+            done = GoalStatus.ABORTED if outcome.message else GoalStatus.SUCCEEDED
             self._end(done, outcome.message)
 
     def _begin(self, action: GripperAction, request: dict[str, float]) -> None:
@@ -182,7 +182,7 @@ class HandServices(GripperServices):
             "force": f"{WEAKEST:g} to {MAX_FORCE:g} N",
         }.get(name, "0 m or more")
         error = {
-            "field": f"body/{name}",
+            "field": f"body/{name.replace('epsilon_', 'epsilon/')}",
             "message": f"must be {allowed}",
             "value": f"{value}",
         }

@@ -1,0 +1,49 @@
+"""The synchronous client of one gripper: one method per route."""
+
+from collections.abc import Callable
+from typing import Any
+
+from station.api.schemas import Gripper, GripperGraspRequest, GripperMoveRequest
+from station.client import gripper_calls as calls
+from station.client.calls import Call
+
+
+class GripperClient:
+    """The gripper of an arm; `RobotClient.gripper`.
+
+    Homing, move and grasp begin and return at once; `state` tells how far they are.
+    Every method raises what the client's own methods raise.
+
+    Args:
+        do: Sends a call and returns its answer.
+        arm_id: The arm.
+    """
+
+    def __init__(self, do: Callable[[Call[Any]], Any], arm_id: str) -> None:
+        self._do = do
+        self.arm_id = arm_id
+
+    def state(self) -> Gripper:
+        """Return the state, with the command that is active and the last that ended."""
+        answer: Gripper = self._do(calls.state(self.arm_id))
+        return answer
+
+    def homing(self) -> Gripper:
+        """Begin to close and to open all the way."""
+        answer: Gripper = self._do(calls.act(self.arm_id, "homing"))
+        return answer
+
+    def move(self, request: GripperMoveRequest) -> Gripper:
+        """Begin to open or close to a width."""
+        answer: Gripper = self._do(calls.move(self.arm_id, request))
+        return answer
+
+    def grasp(self, request: GripperGraspRequest) -> Gripper:
+        """Begin to grasp something."""
+        answer: Gripper = self._do(calls.grasp(self.arm_id, request))
+        return answer
+
+    def stop(self) -> Gripper:
+        """Stand still and press no more: what is held can fall."""
+        answer: Gripper = self._do(calls.act(self.arm_id, "stop"))
+        return answer
