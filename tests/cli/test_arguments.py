@@ -26,6 +26,7 @@ LINES = {
     "gains": "gains show arm",
     "echo": "echo joint_states --rate full",
     "command": "command arm 1 2",
+    "gripper": "gripper panda grasp 0.03 20 --inner 0.01 --no-wait",
     "goto": "goto arm 1 -2 --duration 3",
     "stop": "stop",
     "release": "release --arm",

@@ -150,3 +150,13 @@ def test_a_reset_opens_the_hand_and_a_running_controller_holds_it(hw):
     run(hw, 300)
 
     assert positions(hw) == pytest.approx([0.04, 0.04], abs=1e-4)
+
+
+def test_efforts_of_controllers_stay_within_the_joints_limit(hw):
+    hw.do_switch([info(EffortJointInterface)], [])
+    command(hw, EffortJointInterface, -100.0)
+    run(hw, 500)
+
+    # 20 N in panda.urdf, for the motor that moves both fingers.
+    handle = hw.get(EffortJointInterface).get_handle(FINGERS[0])
+    assert handle.get_effort() == pytest.approx(-10.0)

@@ -42,3 +42,16 @@ def test_pressing_lets_the_width_go_and_holding_stops_it() -> None:
     for _ in range(10):
         world.step()
     assert gripper.read_position() == pytest.approx(0.04, abs=1e-4)
+
+
+def test_a_blocked_hold_presses_with_its_force_and_no_more() -> None:
+    description = load_robot_description("example-robot-data:panda")
+    simulation = simulate([ArmPlacement("panda", description)])
+    world, gripper = simulation.world, simulation.grippers["panda"]
+    gripper.hold(-1.0, speed=0.4, force=30.0)
+    for _ in range(1_000):
+        world.step()
+
+    assert gripper.read_position() == pytest.approx(0.0, abs=1e-3)
+    assert gripper.read_force() == pytest.approx(-30.0, rel=1e-3)
+    assert gripper.read_time() == pytest.approx(1.0)

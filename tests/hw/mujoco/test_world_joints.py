@@ -98,3 +98,15 @@ def test_joint_with_several_degrees_of_freedom_is_refused(
 ) -> None:
     with pytest.raises(HardwareInterfaceError, match=f"slide joint '{name}'"):
         joint_position_address(model, name)
+
+
+def test_motors_give_no_more_than_their_new_limit(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    joints = WorldJoints(model, data, ["hinge", "slide"])
+    joints.set_effort_limits([5.0, 2.0])
+    joints.set_controls([9.0, -9.0])
+
+    mujoco.mj_step(model, data)
+
+    assert joints.effort_limits == [5.0, 2.0]
+    assert joints.read_motor_forces() == [5.0, -2.0]
