@@ -157,6 +157,6 @@ def test_efforts_of_controllers_stay_within_the_joints_limit(hw):
     command(hw, EffortJointInterface, -100.0)
     run(hw, 500)
 
-    # 20 N in panda.urdf, for the motor that moves both fingers.
+    # 100 N in panda.urdf, for the motor that moves both fingers.
     handle = hw.get(EffortJointInterface).get_handle(FINGERS[0])
-    assert handle.get_effort() == pytest.approx(-10.0)
+    assert handle.get_effort() == pytest.approx(-50.0)

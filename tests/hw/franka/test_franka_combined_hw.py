@@ -120,3 +120,11 @@ def test_recovery_of_all_is_one_of_none_while_a_user_stop_is_pressed(station):
     station.robots.set_user_stop("right", pressed=False)
     station.robots.recover_all()
     assert station.robots.report("left").mode is RobotMode.IDLE
+
+
+def test_every_arm_has_its_own_hand(station):
+    station.grippers.move("left", 0.02)
+    station.loop.step(1_000)
+
+    assert station.grippers.state("left").width == pytest.approx(0.02, abs=1e-3)
+    assert station.grippers.state("right").width == pytest.approx(0.08, abs=1e-3)
