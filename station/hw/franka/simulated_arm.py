@@ -134,7 +134,7 @@ class SimulatedArm(ArmRecovery):
     ) -> str:
         mode = self.state.robot_mode
         if self._world.diverged_because:
-            return self._world.diverged_because
+            return f"{self._world.diverged_because}; {self.remedy()}"
         if mode in HALTED:
             return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
         is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
