@@ -12,7 +12,7 @@ from station.core.interfaces.franka_robot_state import RobotMode
 from station.hw.franka.command_sender import CommandSender, arm_modes
 from station.hw.franka.control_mode import ControlMode
 from station.hw.franka.franka_parameters import CommandSettings
-from station.hw.franka.robot_arm import RobotArm
+from station.hw.franka.robot_arm import REST_VELOCITY, RobotArm
 
 LONGEST_WAIT = 500
 """Cycles of the arm after which a motion begins although the arm still trembles."""
@@ -54,10 +54,12 @@ class MotionStart:
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
         reason = arm.refusal(*arm_modes(mode, settings))
-        if not reason and motion and mode & _FROM_REST and not arm.is_at_rest():
+        velocities = (*arm.state.dq, *arm.state.dq_d)
+        moves = any(abs(velocity) > REST_VELOCITY for velocity in velocities)
+        if not reason and motion and mode & _FROM_REST and moves:
             reason = (
-                f"that would interrupt its motion by {motion.describe()}; wait until "
-                "it rests, or stop and start that controller in the same switch"
+                f"that would interrupt its motion by {motion.describe()}; let it come "
+                "to rest, or stop its controllers, then start them together"
             )
         return reason
 

@@ -85,8 +85,8 @@ def test_motion_that_goes_on_is_not_interrupted_to_add_torques(hw):
 
 def test_torques_are_added_to_a_motion_that_rests():
     hw = make()
-    hw.do_switch(controllers("cp"), [])
-    run(hw, 1)
+    hw.do_switch(controllers("jv"), [])
+    drive(hw, VelocityJointInterface, [1e-6] * 7, 20)  # hardly moves
 
     hw.prepare_switch(controllers("jt"), [])
     hw.do_switch(controllers("jt"), [])
