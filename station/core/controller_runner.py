@@ -265,8 +265,7 @@ class ControllerRunner(ControllerLifecycle):
             problem = "the hardware could not switch" if failed else ""
         except CONTAINED as error:  # shown in the result
             problem = reason_of("switch_result", error)
-        if not problem and pending.is_late(time):
-            problem = "the hardware was not ready in time"
+        problem = problem or pending.lateness(time)
         for one in pending.start:
             self._wait_or_abort(pending, one, time, problem)
         return bool(problem)
@@ -297,8 +296,7 @@ class ControllerRunner(ControllerLifecycle):
             problem = "the hardware could not switch" if failed else ""
         except CONTAINED as error:  # shown in the result
             problem = reason_of("switch_result_for", error)
-        if not problem and pending.is_late(time):
-            problem = "the hardware was not ready in time"
+        problem = problem or pending.lateness(time)
         self._wait_or_abort(pending, one, time, problem)
 
     def _wait_or_abort(

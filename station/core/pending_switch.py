@@ -89,6 +89,14 @@ class PendingSwitch:
         since = self.time
         return timeout > 0.0 and since is not None and time - since > timeout + 1e-9
 
+    def lateness(self, time: float) -> str:
+        """Return why it fails at station time `time` [s]; empty while it may go on."""
+        if not self.is_late(time):
+            return ""
+        if time == self.time:
+            return "the hardware cannot get ready while station time stands still"
+        return "the hardware was not ready in time"
+
     def result(self) -> SwitchResult:
         """Return what the finished switch did.
 

@@ -58,7 +58,7 @@ class ArmModelReport:
         frame: Frame of the pose and the Jacobians.
         mass: [kg m^2], shape (49,).
         coriolis: [Nm], shape (7,).
-        gravity: [Nm], shape (7,).
+        gravity: That hold the arm where it is mounted, O_ddP_O [Nm], shape (7,).
         pose: Of the frame in the base frame, shape (16,).
         zero_jacobian: Axes of the base, shape (42,).
         body_jacobian: Axes of the frame, shape (42,).
@@ -133,7 +133,7 @@ class Robots:
                 frame,
                 model.get_mass(),
                 model.get_coriolis(),
-                model.get_gravity(),
+                model.get_gravity(arm.get_robot_state().O_ddP_O),
                 model.get_pose(frame),
                 model.get_zero_jacobian(frame),
                 model.get_body_jacobian(frame),

@@ -46,6 +46,8 @@ def test_it_is_late_when_its_caller_gives_up():
     switch.expired = True
 
     assert switch.is_late(1.0)
+    assert "station time stands still" in switch.lateness(1.0)  # e.g. paused
+    assert "not ready in time" in switch.lateness(1.5)
 
 
 def test_a_controller_that_was_started_after_all_has_not_failed():

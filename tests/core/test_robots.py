@@ -66,6 +66,18 @@ def test_state_and_model_are_of_this_cycle(station):
     assert len(model.zero_jacobian) == len(model.body_jacobian) == 42
 
 
+def test_model_s_gravity_is_the_one_of_the_world():
+    station = make_franka_station(gravity=[1.0, -2.0, -1.62])
+    station.loop.step(1000)
+
+    state = station.robots.state("panda")
+    model = station.robots.model("panda", Frame.FLANGE)
+
+    assert state.O_ddP_O == pytest.approx([1.0, -2.0, -1.62])
+    assert abs(model.gravity[0]) > 0.5
+    assert model.gravity == pytest.approx(state.tau_J, abs=0.02)
+
+
 def test_reflex_stops_controllers_in_the_same_cycle(moving):
     epoch = moving.epoch
     moving.robots.inject("panda", HIT)

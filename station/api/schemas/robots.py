@@ -281,7 +281,7 @@ class ArmModel(ResponseModel):
         frame: Frame of pose and Jacobians.
         mass: [kg m^2], 7 x 7.
         coriolis: [Nm].
-        gravity: [Nm].
+        gravity: That hold the arm where it is mounted (`O_ddP_O`) [Nm].
         pose: In the base frame, 4 x 4.
         zero_jacobian: Axes of the base, 6 x 7.
         body_jacobian: Axes of the frame, 6 x 7.

@@ -55,7 +55,7 @@ class ArmRecovery(ArmSettings):
     def check_recovery(self) -> None:
         if self._world.diverged_because:
             raise ArmCommandError(
-                self._world.diverged_because, remedy="reset the simulation"
+                f"cannot recover: {self._world.diverged_because}", remedy=self.remedy()
             )
         if self.state.robot_mode is RobotMode.USER_STOPPED:
             raise ArmCommandError(

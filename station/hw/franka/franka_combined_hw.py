@@ -101,6 +101,13 @@ class FrankaCombinedHW(CombinedRobotHW):
                 "there must be at least one, each with an arm_id of its own.",
                 remedy="Correct robot_hardware and the arm_id of each.",
             )
+        gravities = {one.gravity for one in parameters}
+        if len(gravities) > 1:
+            raise ParameterError(
+                f"The arms of '{hw_params.resolve('robot_hardware')}' are in one world "
+                f"and have {len(gravities)} vectors of gravity: {sorted(gravities)}.",
+                remedy="Give all arms the same gravity.",
+            )
         placements = [placement_of(one) for one in parameters]
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, combine_descriptions(placements))

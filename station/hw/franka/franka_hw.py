@@ -46,7 +46,7 @@ from station.hw.franka.arm_placement import placement_of
 from station.hw.franka.arm_services import ArmServices
 from station.hw.franka.cartesian_commands import CartesianCommands
 from station.hw.franka.command_filter import CommandFilter
-from station.hw.franka.command_sender import CommandSender, arm_modes
+from station.hw.franka.command_sender import CommandSender
 from station.hw.franka.control_mode import (
     ControlMode,
     control_mode_of,
@@ -294,11 +294,12 @@ class FrankaHW(RobotHW):
                 details={"control_mode": mode.describe()},
             )
         if mode and (mode != self.control_mode or self.is_interrupted()):
-            refusal = self.arm.refusal(*arm_modes(mode, settings))
+            kept = mode & ~self._control_mode_of(start)
+            refusal = self._motion.refusal(mode, settings, kept)
             if refusal:
                 raise SwitchRefusedError(
                     f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
-                    remedy="Recover the arm, or choose other controllers.",
+                    remedy="Do that first, or choose other controllers.",
                     details={"control_mode": mode.describe()},
                 )
         self._settings = settings

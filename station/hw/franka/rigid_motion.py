@@ -9,6 +9,7 @@ from math import isfinite, sqrt
 from station.core.errors import InvalidCommandError
 
 _UNIT_TOLERANCE = 1e-5
+_ROTATION_TOLERANCE = 1e-4
 
 
 def transform_problem(pose: Sequence[float]) -> str:
@@ -35,7 +36,10 @@ def transform_problem(pose: Sequence[float]) -> str:
 
 
 def check_transform(pose: Sequence[float], what: str) -> list[float]:
-    """Return the pose as a new list.
+    """Return the pose as a new list; stricter than `transform_problem`.
+
+    Axes that are not at right angles, or left-handed, are refused as well: frames that
+    are set stay for long, and every pose and wrench after it would be wrong.
 
     Args:
         pose: The numbers.
@@ -45,6 +49,8 @@ def check_transform(pose: Sequence[float], what: str) -> list[float]:
         InvalidCommandError: It is no homogeneous transform.
     """
     problem = transform_problem(pose)
+    if not problem and abs(_determinant(pose) - 1.0) > _ROTATION_TOLERANCE:
+        problem = "the axes of its rotation must be at right angles and right-handed"
     if problem:
         raise InvalidCommandError(
             f"{what} {list(pose)} is no transform: {problem}",
@@ -56,3 +62,13 @@ def check_transform(pose: Sequence[float], what: str) -> list[float]:
             },
         )
     return list(pose)
+
+
+def _determinant(pose: Sequence[float]) -> float:
+    """Return the determinant of the rotation: x . (y x z) of its columns."""
+    a, b, c = pose[0:3], pose[4:7], pose[8:11]
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )

@@ -16,6 +16,9 @@ from station.core.interfaces.franka_robot_state import RobotState
 from station.core.interfaces.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.load import Load
 
+REST_VELOCITY = 2e-4
+"""Joints slower than this are at rest [rad/s]."""
+
 
 class ControllerMode(Enum):
     """Who makes the torques during a motion."""

@@ -18,13 +18,16 @@ from station.hw.franka.arm_supervisor import ArmSupervisor, SupervisorLimits
 from station.hw.franka.contact_estimate import ContactEstimate
 from station.hw.franka.desired_motion import DesiredMotion
 from station.hw.franka.motion_follower import CARTESIAN_GENERATORS, MotionFollower
-from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.robot_arm import (
+    REST_VELOCITY,
+    ControllerMode,
+    MotionGeneratorMode,
+)
 from station.hw.franka.sensor_faults import SensorFaults
 from station.hw.mujoco.push import WORLD, as_push
 from station.hw.mujoco.world import World
 
-# Torque control begins below this speed [rad/s], or after this long at rest [s].
-_REST_VELOCITY = 2e-4
+# Torque control begins at rest, or so long after the desired motion has ended [s].
 _LONGEST_SETTLING = 0.5
 # What a hand that guides the arm feels [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
@@ -134,7 +137,7 @@ class SimulatedArm(ArmRecovery):
     ) -> str:
         mode = self.state.robot_mode
         if self._world.diverged_because:
-            return self._world.diverged_because
+            return f"{self._world.diverged_because}; {self.remedy()}"
         if mode in HALTED:
             return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
         is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
@@ -144,7 +147,7 @@ class SimulatedArm(ArmRecovery):
 
     @override
     def is_at_rest(self) -> bool:
-        return self._motion.is_at_rest and self._speed() < _REST_VELOCITY
+        return self._motion.is_at_rest and self._speed() < REST_VELOCITY
 
     @override
     def start_motion(
@@ -326,7 +329,7 @@ class SimulatedArm(ArmRecovery):
 
     def _let_torques_act_when_settled(self) -> None:
         self._settling_time += self.cycle_time
-        if self._speed() < _REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
+        if self._speed() < REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
             self.motors.engage_torques()
 
     def _speed(self) -> float:

@@ -53,6 +53,21 @@ def test_both_arms_are_in_one_world(station):
     assert station.latest().mode == "move"
 
 
+def test_arms_in_one_world_have_one_gravity():
+    tree = Parameters()
+    tree.set("robot", {"robot_hardware": ["l", "r"]})
+    for name, arm_id, z in (("l", "left", -9.81), ("r", "right", -1.62)):
+        values = {
+            "arm_id": arm_id,
+            "robot_description": URDF,
+            "gravity": [0.0, 0.0, z],
+        }
+        tree.set(f"robot/{name}", values)
+
+    with pytest.raises(ParameterError, match="2 vectors of gravity"):
+        create_robot("franka_hw/FrankaCombinedHW").init(tree, tree.namespace("robot"))
+
+
 def test_error_of_one_arm_stops_both_until_it_is_recovered(station):
     station.robots.inject("left", SimulatedFault(FaultKind.COLLISION, 30))
     station.loop.step(100)

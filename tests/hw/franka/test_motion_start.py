@@ -1,7 +1,8 @@
-"""A Cartesian motion waits until the arm has come to rest."""
+"""Cartesian motions and torques wait until the arm has come to rest."""
 
 import pytest
 
+from station.core.errors import SwitchRefusedError
 from station.core.interfaces import (
     FrankaPoseCartesianInterface,
     FrankaServicesInterface,
@@ -57,6 +58,39 @@ def test_switch_is_ongoing_until_the_arm_rests(hw):
 
 def test_joint_motion_takes_over_at_once(hw):
     hw.do_switch(controllers("jp"), controllers("jv"))
+
+    assert hw.switch_result() is SwitchState.DONE
+    assert hw.robot_state.robot_mode is RobotMode.MOVE
+
+
+def test_torques_begin_where_the_arm_has_come_to_rest(hw):
+    hw.do_switch(controllers("jt"), controllers("jv"))
+
+    assert hw.switch_result() is SwitchState.ONGOING
+    run(hw, LONGEST_WAIT)
+    assert hw.switch_result() is SwitchState.DONE
+    assert hw.robot_state.tau_J_d == [0.0] * 7
+    assert max(map(abs, hw.robot_state.dq)) < 1e-3
+
+
+def test_motion_that_goes_on_is_not_interrupted_to_add_torques(hw):
+    with pytest.raises(SwitchRefusedError, match="interrupt its motion by joint_vel"):
+        hw.prepare_switch(controllers("jt"), [])
+    assert hw.robot_state.robot_mode is RobotMode.MOVE
+
+    hw.prepare_switch(
+        [*controllers("jt"), *controllers("jv")], controllers("jv")
+    )  # begins anew
+
+
+def test_torques_are_added_to_a_motion_that_rests():
+    hw = make()
+    hw.do_switch(controllers("jv"), [])
+    drive(hw, VelocityJointInterface, [1e-6] * 7, 20)  # hardly moves
+
+    hw.prepare_switch(controllers("jt"), [])
+    hw.do_switch(controllers("jt"), [])
+    run(hw, 10)
 
     assert hw.switch_result() is SwitchState.DONE
     assert hw.robot_state.robot_mode is RobotMode.MOVE
