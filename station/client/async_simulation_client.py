@@ -60,8 +60,8 @@ class AsyncSimulationClient:
         """Put the world back to its start; what was commanded before is void.
 
         Args:
-            joint_positions: Joint name to position [rad or m]; the others are put
-                where the last reset put them.
+            joint_positions: Joint name to position [rad or m]; the others go back
+                to where they began.
         """
         answer: Simulation = await self._do(
             calls.reset_simulation(joint_positions or {})

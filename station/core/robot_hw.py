@@ -224,8 +224,8 @@ class RobotHW(InterfaceManager):
         The loop voids all commands and restarts the running controllers after it.
 
         Args:
-            positions: Joint name to position [rad or m]; the others are put where the
-                last reset put them, at first where they began.
+            positions: Joint name to position [rad or m]; the others go back to
+                where they began.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world; nothing changed.

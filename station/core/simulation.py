@@ -153,8 +153,8 @@ class Simulation:
         A new epoch begins: set-points and goals from before are void.
 
         Args:
-            positions: Joint name to position [rad or m]; the other joints are put
-                where the last reset put them, at first where they began.
+            positions: Joint name to position [rad or m]; the other joints go
+                back to where they began.
 
         Raises:
             ParameterError: A joint is unknown, or would be outside of its limits;

@@ -47,8 +47,8 @@ class ResetRequest(RequestModel):
     """Put the world back to its start.
 
     Attributes:
-        joint_positions: Joint name to position [rad] or [m]; the others are put where
-            the last reset put them, at first where they began.
+        joint_positions: Joint name to position [rad] or [m]; the others go back
+            to where they began.
     """
 
     joint_positions: dict[str, float] = Field(

@@ -6,7 +6,7 @@ controller that claims only some joints of an arm is refused; after an error of 
 the controllers of all are stopped and wait for a recovery, instead of running on.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from typing_extensions import override
 
@@ -142,6 +142,13 @@ class FrankaCombinedHW(CombinedRobotHW):
                 one for one in robot.check_for_conflict(controllers) if one not in found
             ]
         return found
+
+    @override
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:
+        for robot in self.arms[:1]:  # one world for all of them
+            robot.reset_simulation(positions)
+        for robot in self.arms[1:]:
+            robot.begin_anew()
 
     @override
     def prepare_switch(

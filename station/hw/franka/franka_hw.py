@@ -357,12 +357,15 @@ class FrankaHW(RobotHW):
     def reset_simulation(self, positions: Mapping[str, float]) -> None:
         if self.simulation is None:
             super().reset_simulation(positions)
-            return
-        self.simulation.world.reset(positions)
+        else:
+            self.simulation.world.reset(positions)
+            self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Go on in the present mode after a reset of the world."""
         if self._fingers is not None:
             self._fingers.begin_anew()
-        mode = self.control_mode
-        self._motion.enter(mode, self._settings, ControlMode.NONE)
+        self._motion.enter(self.control_mode, self._settings, ControlMode.NONE)
 
     def joint_limit_warnings(self) -> list[str]:
         """Return one sentence per joint that is close to a position limit."""
@@ -390,10 +393,8 @@ class FrankaHW(RobotHW):
     def _simulate(
         self, placement: ArmPlacement, objects: Sequence[SceneObject]
     ) -> RobotArm:
-        parameters = self._parameters
-        self.simulation = simulate(
-            [placement], gravity=parameters.gravity, objects=objects
-        )
-        arm = self.simulation.arms[parameters.arm_id]
-        arm.set_collision_behavior(parameters.collision_behavior)
+        own = self._parameters
+        self.simulation = simulate([placement], gravity=own.gravity, objects=objects)
+        arm = self.simulation.arms[own.arm_id]
+        arm.set_collision_behavior(own.collision_behavior)
         return arm

@@ -133,7 +133,7 @@ def simulate(
         add_object(spec, one)
     world = World(compile_world(spec), objects)
     world.limit_velocities(limits)
-    world.reset(_start_positions(placements, urdfs))
+    world.begin_at(_start_positions(placements, urdfs))
     arms = {p.arm_id: _make_arm(world, p, urdfs[p.arm_id], gravity) for p in placements}
     grippers = {
         arm_id: SimulatedGripper(world, f"{arm_id}_finger_joint1")

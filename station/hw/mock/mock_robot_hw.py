@@ -234,9 +234,9 @@ class MockRobotHW(RobotHW):
     def reset_simulation(self, positions: Mapping[str, float]) -> None:
         places = {self._place(name): p for name, p in positions.items()}
         self._time = 0.0
-        for index, position in places.items():
-            self._start[index] = position
-        self.joints.place(self._start)
+        self.joints.place([
+            places.get(index, start) for index, start in enumerate(self._start)
+        ])
 
     def _place(self, joint: str) -> int:
         if joint not in self.joint_names:

@@ -55,7 +55,7 @@ def simulate_robot(
             f"{description.urdf_path}: {exc.message}", remedy=exc.remedy
         ) from exc
     world = World(model, objects)
-    world.reset(_start_positions(urdf, parameters.initial_positions))
+    world.begin_at(_start_positions(urdf, parameters.initial_positions))
     return world
 
 

@@ -66,7 +66,8 @@ class World:
         self._qvel = self.data.qvel
         self._actors: list[WorldActor] = []
         self.brakes = OverspeedBrakes(model, self.data)
-        self._initial_qpos: list[float] = self.data.qpos.tolist()
+        self._start_qpos: list[float] = self.data.qpos.tolist()
+        self._initial_qpos = self._start_qpos
         self._step_count = 0
         self._diverged_because = ""
         self._pushes: dict[int, AppliedPush] = {}  # by body
@@ -167,22 +168,36 @@ class World:
         else:
             self.brakes.act()
 
-    def reset(self, positions: Mapping[str, float] | None = None) -> None:
-        """Set time and velocities to zero and the joints to a pose.
+    def begin_at(self, positions: Mapping[str, float]) -> None:
+        """Let the world start at a pose, and reset it.
 
         Args:
-            positions: Joint name to position [rad or m]; joints that are not named
-                keep the position of the last reset, at first that of the model.
+            positions: Joint name to position [rad or m]; the others start where the
+                model has them.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world; nothing changed.
         """
-        wanted = {
-            joint_position_address(self.model, name): position
-            for name, position in (positions or {}).items()
-        }
-        for address, position in wanted.items():
-            self._initial_qpos[address] = position
+        self._start_qpos = self._qpos_with(positions)
+        self.reset()
+
+    def _qpos_with(self, positions: Mapping[str, float]) -> list[float]:
+        qpos = list(self._start_qpos)
+        for name, position in positions.items():
+            qpos[joint_position_address(self.model, name)] = position
+        return qpos
+
+    def reset(self, positions: Mapping[str, float] | None = None) -> None:
+        """Set time and velocities to zero and the joints to a pose.
+
+        Args:
+            positions: Joint name to position [rad or m]; joints that are not named go
+                to their start.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world; nothing changed.
+        """
+        self._initial_qpos = self._qpos_with(positions or {})
         self._return_to_start()
         self._diverged_because = ""
         for actor in self._actors:

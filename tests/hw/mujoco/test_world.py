@@ -27,7 +27,7 @@ def world() -> World:
     urdf = parse_urdf(load_robot_description("example-robot-data:panda"))
     add_robot(spec, urdf, RobotOptions())
     world = World(compile_world(spec))
-    world.reset(dict(zip(ARM, START, strict=True)))
+    world.begin_at(dict(zip(ARM, START, strict=True)))
     return world
 
 
@@ -132,7 +132,14 @@ def test_actors_act_once_per_step_and_hear_of_a_reset(world: World) -> None:
     assert actor.calls == ["before_step", "before_step", "after_reset"]
 
 
-def test_reset_returns_to_the_pose_of_the_last_reset(world: World) -> None:
+def test_reset_puts_joints_elsewhere_once(world: World) -> None:
+    world.reset({ARM[1]: 0.1})
+    assert world.joints(ARM).read_positions() == [START[0], 0.1, *START[2:]]
+    world.reset({ARM[0]: 0.2})
+    assert world.joints(ARM).read_positions() == [0.2, *START[1:]]
+
+
+def test_reset_returns_to_the_start(world: World) -> None:
     world.data.qvel[:7] = 1.0
     for _ in range(100):
         world.step()
