@@ -17,6 +17,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Mapping, Sequence
+from math import inf
 
 from typing_extensions import override
 
@@ -252,6 +253,14 @@ class FrankaHW(RobotHW):
                 1.0 / period,
                 1.0 / _SLOWEST_TORQUE_PERIOD,
             )
+
+    @override
+    def longest_period(self) -> float:
+        """Return how long the simulated world goes on without the loop [s]."""
+        lost = self._parameters.most_lost_packets
+        if self.simulation is None or lost >= MOST_LOST_PACKETS:
+            return inf
+        return (self._nominal_cycles + lost) * self.arm.cycle_time
 
     @override
     def check_for_conflict(
