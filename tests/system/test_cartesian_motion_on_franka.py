@@ -72,8 +72,7 @@ def test_a_square_streamed_at_fifty_hertz_is_driven(robot) -> None:
 def test_a_jog_button_held_to_the_end_of_the_workspace_is_no_error(
     robot, axis, sign
 ) -> None:
-    # The hand may come near the forearm: that is nothing the joints could tell.
-    station = start("Jog", supervisor={"self_collision_distance": -1.0}, **robot)
+    station = start("Jog", **robot)
     twist = [0.0] * 6
     twist[axis] = sign * (0.3 if axis < 3 else 1.0)
     for _ in range(250):

@@ -52,6 +52,7 @@ _TEXTS = {
     Obstacle.NONE: "",
     Obstacle.JOINT_LIMIT: "{joint} is near its position limit; the arm waits there.",
     Obstacle.SINGULARITY: "A singular pose is near; the arm waits there.",
+    Obstacle.SELF_COLLISION: "Two parts of the arm are close; the arm waits there.",
     Obstacle.JOINT_SPEED: "{joint} would be too fast; the arm goes more slowly.",
 }
 
