@@ -25,19 +25,14 @@ class ArmConfiguration:
 
     Args:
         q: Joint positions [rad], shape (7,).
-        pose: Of the end effector, 16 numbers.
         jacobian: Of the end effector in the axes of the base, 42 numbers, column-major.
 
     Attributes:
         q: As given.
-        pose: As given.
     """
 
-    def __init__(
-        self, q: list[float], pose: list[float], jacobian: Sequence[float]
-    ) -> None:
+    def __init__(self, q: list[float], jacobian: Sequence[float]) -> None:
         self.q = q
-        self.pose = pose
         matrix = np.zeros((_DOF, _DOF))
         matrix[:6] = np.reshape(jacobian, (_DOF, 6)).T
         matrix[6, ELBOW] = 1.0

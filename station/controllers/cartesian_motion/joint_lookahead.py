@@ -70,9 +70,9 @@ class JointLookahead:
         self.joint = ""
         self._state = RobotState()
         self._elbow = 0.0
-        nowhere = ArmConfiguration([0.0] * 7, [0.0] * 16, [0.0] * 42)
+        nowhere = ArmConfiguration([0.0] * 7, [0.0] * 42)
         self._present = self._resting = nowhere
-        self._rest = [0.0] * 7
+        self._rest, self._pose = [0.0] * 7, [0.0] * 16
         self._dexterity = 0.0
         self._clearance, self._clear_at = 0.0, [0.0] * 7
 
@@ -87,7 +87,7 @@ class JointLookahead:
         self.obstacle, self.joint = Obstacle.NONE, ""
         q = list(state.q_d)
         self._present = self._resting = self._configuration(q)
-        self._rest = q
+        self._rest, self._pose = q, self._pose_at(q)
         self._dexterity = self._resting.dexterity()
         self._clearance, self._clear_at = self._model.clearance(q), q
 
@@ -100,7 +100,7 @@ class JointLookahead:
             motion: The motion after the step.
         """
         resting = self._resting
-        away = twist_between(resting.pose, motion.resting_pose(), 1.0)
+        away = twist_between(self._pose, motion.resting_pose(), 1.0)
         step = resting.joint_step(away, self._elbow)
         q = [a + b for a, b in zip(resting.q, step, strict=True)]
         if max(map(abs, step)) > _NEAR:
@@ -111,7 +111,9 @@ class JointLookahead:
             self.obstacle = self._speed_obstacle(resting, motion)
         if self.obstacle is not Obstacle.NONE:
             return False
-        self._resting, self._rest = resting, q
+        if resting is not self._resting:
+            self._resting, self._pose = resting, self._pose_at(q)
+        self._rest = q
         return True
 
     def _obstacle_at(self, q: list[float], resting: ArmConfiguration) -> Obstacle:
@@ -156,11 +158,12 @@ class JointLookahead:
 
     def _configuration(self, q: list[float]) -> ArmConfiguration:
         state, model, frame = self._state, self._model, Frame.END_EFFECTOR
-        return ArmConfiguration(
-            q,
-            model.pose(frame, q, state.F_T_EE, state.EE_T_K),
-            model.zero_jacobian(frame, q, state.F_T_EE, state.EE_T_K),
-        )
+        jacobian = model.zero_jacobian(frame, q, state.F_T_EE, state.EE_T_K)
+        return ArmConfiguration(q, jacobian)
+
+    def _pose_at(self, q: list[float]) -> list[float]:
+        state, frame = self._state, Frame.END_EFFECTOR
+        return self._model.pose(frame, q, state.F_T_EE, state.EE_T_K)
 
     def _joint_at_limit(self, q: list[float]) -> str:
         margin = self._settings.joint_limit_margin
@@ -173,4 +176,4 @@ class JointLookahead:
 
 
 def _distance(q: Sequence[float], other: Sequence[float]) -> float:
-    return sum([abs(a - b) for a, b in zip(q, other, strict=True)])
+    return sum(abs(a - b) for a, b in zip(q, other, strict=True))

@@ -11,7 +11,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - A command or a reading that is not finite stops the arm's motion instead of the
   process.
 - A late loop loses packets, as there; with `realtime_config: ignore` the simulated
-  world waits for a loop that is so late that the arm would stop.
+  world waits, before the arm would stop, and time stands still.
 - An unsupported mode is refused with its reason, before anything is stopped.
 """
 
@@ -119,8 +119,7 @@ class FrankaHW(RobotHW):
             RobotDescriptionError: The URDF cannot be used.
         """
         self._parameters = read_parameters(hw_params)
-        self._settings = read_command_settings(hw_params)
-        self._hw_params = hw_params
+        self._settings, self._hw_params = read_command_settings(hw_params), hw_params
         placement = placement_of(self._parameters)
         if self._arm is None:
             self._arm = self._simulate(placement, read_scene(root_params))
@@ -258,9 +257,8 @@ class FrankaHW(RobotHW):
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
         lost = self._parameters.most_lost_packets
-        if self.simulation is None or lost >= MOST_LOST_PACKETS:
-            return inf
-        return (self._nominal_cycles + lost) * self.arm.cycle_time
+        waits = self.simulation is not None and lost < MOST_LOST_PACKETS
+        return (self._nominal_cycles + lost) * self.arm.cycle_time if waits else inf
 
     @override
     def check_for_conflict(
@@ -319,8 +317,7 @@ class FrankaHW(RobotHW):
         self._motion.has_failed = False
         started = self._control_mode_of(start)
         if started or self._control_mode_of(stop):
-            mode = self._mode_after(start, stop)
-            self._motion.enter(mode, self._settings, started)
+            self._motion.enter(self._mode_after(start, stop), self._settings, started)
         if self._fingers is not None:
             self._fingers.do_switch(start, stop)
 
@@ -347,8 +344,8 @@ class FrankaHW(RobotHW):
         arm = self.arm
         if self._blind:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
-        causes = self._sender.refusal
-        causes = causes or "; ".join(error.describe() for error in arm.errors())
+        errors = "; ".join(error.describe() for error in arm.errors())
+        causes = self._sender.refusal or errors
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
@@ -369,13 +366,12 @@ class FrankaHW(RobotHW):
         self.simulation.world.reset(positions)
         if self._fingers is not None:
             self._fingers.begin_anew()
-        mode = self.control_mode
-        self._motion.enter(mode, self._settings, ControlMode.NONE)
+        self._motion.enter(self.control_mode, self._settings, ControlMode.NONE)
 
     def joint_limit_warnings(self) -> list[str]:
         """Return one sentence per joint that is close to a position limit."""
-        threshold = self._parameters.joint_limit_warning_threshold
-        return joint_limit_warnings(self._joints, self.robot_state.q, threshold)
+        share = self._parameters.joint_limit_warning_threshold
+        return joint_limit_warnings(self._joints, self.robot_state.q, share)
 
     def _add_fingers(self, arm_id: str) -> None:
         """Add the finger joints of a simulated hand to the arm's interfaces."""
@@ -398,10 +394,8 @@ class FrankaHW(RobotHW):
     def _simulate(
         self, placement: ArmPlacement, objects: Sequence[SceneObject]
     ) -> RobotArm:
-        parameters = self._parameters
-        self.simulation = simulate(
-            [placement], gravity=parameters.gravity, objects=objects
-        )
-        arm = self.simulation.arms[parameters.arm_id]
-        arm.set_collision_behavior(parameters.collision_behavior)
+        own = self._parameters
+        self.simulation = simulate([placement], gravity=own.gravity, objects=objects)
+        arm = self.simulation.arms[own.arm_id]
+        arm.set_collision_behavior(own.collision_behavior)
         return arm

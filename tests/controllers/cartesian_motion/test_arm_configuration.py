@@ -17,8 +17,7 @@ STEP = 1e-5
 
 
 def configuration(q):
-    pose = frame_pose(Frame.END_EFFECTOR, q)
-    return ArmConfiguration(list(q), pose, zero_jacobian(Frame.END_EFFECTOR, q))
+    return ArmConfiguration(list(q), zero_jacobian(Frame.END_EFFECTOR, q))
 
 
 def twist_of(q, dq):
