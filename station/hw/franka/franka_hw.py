@@ -10,8 +10,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - The limits of the commanded kinds are enforced, those of the others are not.
 - A command or a reading that is not finite stops the arm's motion instead of the
   process.
-- A late loop loses packets, as there; with `realtime_config: ignore` the simulated
-  world waits, before the arm would stop, and time stands still.
+- A late loop loses packets; with `realtime_config: ignore` world and time wait for it.
 - An unsupported mode is refused with its reason, before anything is stopped.
 """
 
