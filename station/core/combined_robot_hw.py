@@ -6,6 +6,7 @@ raises with its reason.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from math import inf
 
 from typing_extensions import override
 
@@ -107,6 +108,11 @@ class CombinedRobotHW(RobotHW):
         """
         for robot in self.robots.values():
             robot.check_period(period)
+
+    @override
+    def longest_period(self) -> float:
+        """Return that of the robot that waits least [s]."""
+        return max((one.longest_period() for one in self.robots.values()), default=inf)
 
     @override
     def prepare_switch(

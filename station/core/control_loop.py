@@ -2,7 +2,8 @@
 
 Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
 never made up for: the next cycle gets the longer `period`, which is the scheduled time
-since the last cycle and so a multiple of the nominal period.
+since the last cycle and so a multiple of the nominal period, up to what the robot
+waits for.
 
 While it is paused the thread goes on waking: posted operations, the stop and switches
 are carried out, the robot is not written to and no controller is updated.
@@ -300,6 +301,7 @@ class ControlLoop:
             deadline += (1 + skipped) * wall_period
 
     def _cycle(self, period: float) -> None:
+        period = min(period, self.hw.longest_period())
         meter = self._meter
         self.time += period
         self.cycle += 1

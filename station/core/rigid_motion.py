@@ -19,24 +19,33 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
         first: Pose to begin with.
         second: Pose to end with.
     """
-    # R = R_second R_first^T
-    r = [
-        sum(second[4 * k + row] * first[4 * k + column] for k in range(3))
-        for row in range(3)
-        for column in range(3)
-    ]
-    x, y, z = r[7] - r[5], r[2] - r[6], r[3] - r[1]
+    # R = R_second R_first^T, by elements: this runs several times in every cycle.
+    a0, a1, a2, _, b0, b1, b2, _, c0, c1, c2 = first[:11]
+    d0, d1, d2, _, e0, e1, e2, _, f0, f1, f2 = second[:11]
+    x = d2 * a1 + e2 * b1 + f2 * c1 - d1 * a2 - e1 * b2 - f1 * c2
+    y = d0 * a2 + e0 * b2 + f0 * c2 - d2 * a0 - e2 * b0 - f2 * c0
+    z = d1 * a0 + e1 * b0 + f1 * c0 - d0 * a1 - e0 * b1 - f0 * c1
+    diagonal = (
+        d0 * a0 + e0 * b0 + f0 * c0,
+        d1 * a1 + e1 * b1 + f1 * c1,
+        d2 * a2 + e2 * b2 + f2 * c2,
+    )
     sine = sqrt(x * x + y * y + z * z) / 2.0
-    cosine = (r[0] + r[4] + r[8] - 1.0) / 2.0
+    cosine = (diagonal[0] + diagonal[1] + diagonal[2] - 1.0) / 2.0
     if sine > _SMALL:
         scale = atan2(sine, cosine) / (2.0 * sine)
         return [scale * x, scale * y, scale * z]
     if cosine > 0.0:
         return [x / 2.0, y / 2.0, z / 2.0]
-    diagonal = [sqrt(max(0.0, (r[4 * i] + 1.0) / 2.0)) for i in range(3)]
-    largest = diagonal.index(max(diagonal))
-    axis = [r[3 * largest + i] / (2.0 * diagonal[largest]) for i in range(3)]
-    axis[largest] = diagonal[largest]
+    # Half a turn: R = 2 k k^T - 1, a column of which leads along the axis k.
+    lengths = [sqrt(max(0.0, (value + 1.0) / 2.0)) for value in diagonal]
+    largest = lengths.index(max(lengths))
+    axis = [
+        sum(second[4 * k + i] * first[4 * k + largest] for k in range(3))
+        / (2.0 * lengths[largest])
+        for i in range(3)
+    ]
+    axis[largest] = lengths[largest]
     angle = pi if cosine <= -1.0 else acos(cosine)
     return [angle * value for value in axis]
 

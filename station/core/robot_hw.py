@@ -8,6 +8,7 @@ and a refused switch raises with its reason instead of returning `False`.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
 
 from station.core.errors import SimulationError
 from station.core.interfaces.interface_manager import InterfaceManager
@@ -151,6 +152,14 @@ class RobotHW(InterfaceManager):
         Raises:
             HardwareInterfaceError: The loop is too fast or too slow for the robot.
         """
+
+    def longest_period(self) -> float:
+        """Return the most time that passes for the robot in one cycle [s].
+
+        A simulated world may wait for a loop that is very late; time stands still for
+        the controllers too, then. Infinite for a robot that nothing waits for.
+        """
+        return inf
 
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]

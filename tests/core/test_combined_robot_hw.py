@@ -1,5 +1,7 @@
 """Several robots as one (CM-110 … CM-117)."""
 
+from math import inf
+
 import pytest
 
 from station.core.clock import ManualClock
@@ -119,6 +121,14 @@ def test_reading_and_writing_reach_every_robot(combined):
 
     assert combined.robots["right"].joints.position[0] > 0.0
     assert combined.get(EffortJointInterface).get_handle("r1").get_position() > 0.0
+
+
+def test_time_waits_no_longer_than_every_robot_does(combined, monkeypatch):
+    first, second = combined.robots.values()
+    monkeypatch.setattr(first, "longest_period", lambda: 0.02)
+    assert combined.longest_period() == inf
+    monkeypatch.setattr(second, "longest_period", lambda: 0.05)
+    assert combined.longest_period() == 0.05
 
 
 def test_every_robot_sees_its_part_of_the_lists(combined):

@@ -70,6 +70,18 @@ def test_step_runs_exactly_that_many_cycles_with_the_nominal_period():
     assert loop.cycle == 5
 
 
+def test_time_stands_still_while_the_robot_waits(monkeypatch):
+    hw = OneJoint()
+    monkeypatch.setattr(hw, "longest_period", lambda: 20 * PERIOD)
+    loop = _loop(hw)
+    for late in (19, 300):
+        loop.delay_next_cycle(late)
+        loop.step()
+
+    assert hw.periods == pytest.approx([20 * PERIOD] * 2)
+    assert loop.time == pytest.approx(40 * PERIOD)
+
+
 def test_every_cycle_leaves_a_snapshot():
     loop = _loop(OneJoint())
     loop.step(3)

@@ -72,8 +72,7 @@ def test_a_square_streamed_at_fifty_hertz_is_driven(robot) -> None:
 def test_a_jog_button_held_to_the_end_of_the_workspace_is_no_error(
     robot, axis, sign
 ) -> None:
-    # The hand may come near the forearm: that is nothing the joints could tell.
-    station = start("Jog", supervisor={"self_collision_distance": -1.0}, **robot)
+    station = start("Jog", **robot)
     twist = [0.0] * 6
     twist[axis] = sign * (0.3 if axis < 3 else 1.0)
     for _ in range(250):
@@ -129,5 +128,52 @@ def test_late_cycles_are_no_error(robot) -> None:
         station.loop.period = 1e-3 * random.randrange(2, 9)
         step(station, 1)
         station.loop.period = 1e-3
+
+    check_content(station)
+
+
+def stall(station: Station, random: Random) -> None:
+    """Let some cycles in a row be late, by 1 to 300 ms each."""
+    for _ in range(random.randrange(1, 5)):
+        late = random.randrange(1, random.choice([2, 4, 11, 31, 101, 301]))
+        station.loop.delay_next_cycle(late)
+        step(station, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("robot", [{}, UNLIMITED], ids=["limiter", "no limiter"])
+def test_stalls_in_a_streamed_square_are_no_error(robot, seed) -> None:
+    station = start("Streaming", realtime_config="ignore", **robot)
+    random = Random(seed)
+    pose = list(station.controller_sample("cartesian").desired)
+    for axis, side in ((1, 0.1), (2, 0.1), (1, -0.1), (2, -0.1)):
+        for _ in range(50):
+            pose[axis] += side / 50.0
+            station.set_command("cartesian", pose)
+            step(station, random.randrange(1, EVERY))
+            if random.random() < 0.3:
+                stall(station, random)
+    for _ in range(50):
+        station.set_command("cartesian", pose)
+        step(station, EVERY)
+
+    check_content(station)
+    assert math.dist(position(station), pose[:3]) < 0.001
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", range(6))
+def test_stalls_while_a_jog_button_is_held_are_no_error(axis) -> None:
+    robot, random = UNLIMITED if axis % 2 else {}, Random(axis)
+    station = start("Jog", realtime_config="ignore", **robot)
+    twist = [0.0] * 6
+    for number in range(300):
+        if number % 100 == 0:  # to the end of the workspace, and back
+            twist[axis] = (0.3 if axis < 3 else 1.0) * (-1.0) ** (number // 100)
+        station.set_command("cartesian", twist)
+        step(station, random.randrange(1, EVERY))
+        if random.random() < 0.3:
+            stall(station, random)
 
     check_content(station)

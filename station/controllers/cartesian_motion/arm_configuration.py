@@ -14,10 +14,14 @@ _DAMPING = 1e-9
 _DOF = 7
 ELBOW = 2
 """Index of the joint that stays."""
+# Of the products dq_i dq_j in the acceleration of the end effector: its translation
+# counts those of different joints twice, its rotation has none of one joint.
+_OF_TRANSLATION = np.triu(np.full((_DOF, _DOF), 2.0)) - np.eye(_DOF)
+_OF_ROTATION = np.triu(np.ones((_DOF, _DOF)), 1)
 
 
 class ArmConfiguration:
-    """One configuration of an arm with seven joints.
+    """One configuration of an arm with seven joints, and what holds around it.
 
     Args:
         q: Joint positions [rad], shape (7,).
@@ -33,8 +37,11 @@ class ArmConfiguration:
         matrix[:6] = np.reshape(jacobian, (_DOF, 6)).T
         matrix[6, ELBOW] = 1.0
         self._matrix = matrix
-        gram = matrix.T @ matrix + _DAMPING * np.eye(_DOF)
+        gram = matrix.T @ matrix
+        gram.flat[:: _DOF + 1] += _DAMPING
         self._inverse = np.linalg.solve(gram, matrix.T)
+        self._of_twist = self._inverse[:, :6].copy()
+        self._drift = self._of_twist @ _drift_of(matrix)  # (7, 49)
 
     def dexterity(self) -> float:
         """Return the least singular value of the map from joints to end effector."""
@@ -54,42 +61,40 @@ class ArmConfiguration:
         result: list[float] = (self._inverse @ right).tolist()
         return result
 
-    def joint_velocities(self, twist: Sequence[float]) -> NDArray[np.float64]:
-        """Return the joint velocities of a twist [rad/s], shape (7,).
+    def joint_motion(
+        self, twist: Sequence[float], accelerations: Sequence[Sequence[float]]
+    ) -> NDArray[np.float64]:
+        """Return the motion of the joints that belongs to one of the end effector.
 
         Args:
             twist: Of the end effector [m/s, rad/s], axes of the base, shape (6,).
-        """
-        result: NDArray[np.float64] = self._inverse[:, :6] @ np.array(twist)
-        return result
+            accelerations: Of the end effector [m/s^2, rad/s^2], same axes, shape
+                (n, 6).
 
-    def joint_accelerations(
-        self, dq: NDArray[np.float64], accelerations: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Return joint accelerations [rad/s^2], shape (7, n).
-
-        Args:
-            dq: Joint velocities [rad/s], shape (7,).
-            accelerations: Of the end effector [m/s^2, rad/s^2], one in each column,
-                shape (6, n).
+        Returns:
+            Velocities [rad/s], then for each of the accelerations those of the joints
+            [rad/s^2], then those without any; shape (n + 2, 7).
         """
-        v, z = self._matrix[:3], self._matrix[3:6]
-        turning = z * dq
-        after = np.cumsum(turning, axis=1)  # of the links, shape (3, 7)
-        before = after - turning
-        drift = np.concatenate([
-            _cross_sum(after + before, v * dq),
-            _cross_sum(before, turning),
-        ])
-        result: NDArray[np.float64] = self._inverse[:, :6] @ (
-            accelerations - drift[:, None]
-        )
+        count = len(accelerations)
+        result = np.zeros((count + 2, _DOF))
+        given = np.array([twist, *accelerations])
+        np.matmul(given, self._of_twist.T, out=result[: count + 1])
+        dq = result[0]
+        result[1:] -= self._drift @ np.multiply.outer(dq, dq).ravel()
         return result
 
 
-def _cross_sum(
-    first: NDArray[np.float64], second: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the sum of the cross products of columns, shape (3,)."""
-    (a, b, c), (x, y, z) = first, second
-    return np.array([b @ z - c @ y, c @ x - a @ z, a @ y - b @ x])
+def _drift_of(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return what the products of joint velocities accelerate, shape (6, 49)."""
+    result = np.empty((6, _DOF, _DOF))
+    (a, b, c), z = matrix[3:6, :, None], matrix[3:6]
+    for rows, (x, y, w), weight in (
+        (slice(0, 3), matrix[:3], _OF_TRANSLATION),
+        (slice(3, 6), z, _OF_ROTATION),
+    ):
+        part = result[rows]
+        part[0] = b * w - c * y
+        part[1] = c * x - a * w
+        part[2] = a * y - b * x
+        part *= weight
+    return result.reshape(6, _DOF * _DOF)

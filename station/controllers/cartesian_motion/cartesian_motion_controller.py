@@ -52,6 +52,7 @@ _TEXTS = {
     Obstacle.NONE: "",
     Obstacle.JOINT_LIMIT: "{joint} is near its position limit; the arm waits there.",
     Obstacle.SINGULARITY: "A singular pose is near; the arm waits there.",
+    Obstacle.SELF_COLLISION: "Two parts of the arm are close; the arm waits there.",
     Obstacle.JOINT_SPEED: "{joint} would be too fast; the arm goes more slowly.",
 }
 
@@ -128,14 +129,14 @@ class CartesianMotionController(MultiInterfaceController):
 
         Args:
             time: Station time [s].
-            state: The arm's state.
+            state: The arm's state, without what has to be worked out from it.
         """
         raise NotImplementedError
 
     @override
     def starting(self, time: float) -> None:
         """Begin where the end effector is meant to be."""
-        state = self.handle.get_robot_state()
+        self._state = state = self.handle.get_robot_state()
         self.generator.start(state.O_T_EE_d)
         self.lookahead.start(state)
         self._obstacle, self._joint, self._until = Obstacle.NONE, "", time
@@ -148,7 +149,7 @@ class CartesianMotionController(MultiInterfaceController):
         self.steer(self._watched.newest())
         self._advance(time, period)
         self.handle.set_command(self.generator.pose)
-        self.sample = self.sample_of(time, self.handle.get_robot_state())
+        self.sample = self.sample_of(time, self._state)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

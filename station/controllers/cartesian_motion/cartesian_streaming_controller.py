@@ -9,6 +9,7 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
 )
 from station.controllers.cartesian_motion.pose_set_point import PoseSetPointPort
 from station.core.controller import ControllerSample
+from station.core.interfaces import Frame
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.parameters import Parameters
 from station.core.rigid_motion import pose_of, quaternion_of
@@ -56,7 +57,7 @@ class CartesianStreamingController(CartesianMotionController):
     def sample_of(self, time: float, state: RobotState) -> ControllerSample:
         desired = _numbers(self.generator.pose, self._quaternion)
         self._quaternion = desired[3:]
-        actual = _numbers(state.O_T_EE, self._quaternion)
+        actual = _numbers(self.model.get_pose(Frame.END_EFFECTOR), self._quaternion)
         errors = [d - a for d, a in zip(desired, actual, strict=True)]
         return ControllerSample(time, desired, actual, errors, desired)
 

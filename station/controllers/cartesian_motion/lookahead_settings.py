@@ -21,6 +21,7 @@ class LookaheadSettings:
         joint_limit_margin: Distance to the position limits of the joints [rad], 0 to 1.
         least_dexterity: Smallest singular value of the Jacobian of the end effector and
             joint 3, 0.01 to 1; it is 0 at a singular pose, 0.2 in the middle.
+        least_clearance: Distance between two parts of the arm [m], 0 to 0.3.
         joint_velocity_share: Share of the joints' velocity limits, 0.01 to 1.
         max_joint_acceleration: Of each joint [rad/s^2], shape (7,), above 0 and at most
             `LARGEST_JOINT_ACCELERATION`.
@@ -28,6 +29,7 @@ class LookaheadSettings:
 
     joint_limit_margin: float = 0.05
     least_dexterity: float = 0.05
+    least_clearance: float = 0.05
     joint_velocity_share: float = 0.5
     max_joint_acceleration: tuple[float, ...] = (7.0, 5.0, 7.0, 7.0, 7.0, 7.0, 7.0)
 
@@ -47,6 +49,7 @@ def read_lookahead_settings(params: Parameters) -> LookaheadSettings:
     return LookaheadSettings(
         _read(params, "joint_limit_margin", default.joint_limit_margin, (0.0, 1.0)),
         _read(params, "least_dexterity", default.least_dexterity, (0.01, 1.0)),
+        _read(params, "least_clearance", default.least_clearance, (0.0, 0.3)),
         _read(
             params, "joint_velocity_share", default.joint_velocity_share, (0.01, 1.0)
         ),

@@ -37,6 +37,7 @@ class MotionGenerator:
         self.positions = [0.0] * size
         self.velocities = [0.0] * size
         self._size = size
+        self._held: list[float] = []  # the velocities to move at, if it is these
         self._ruckig = Ruckig(size, _NOMINAL_PERIOD)
         self._input = InputParameter(size)
         self._output = OutputParameter(size)
@@ -100,6 +101,7 @@ class MotionGenerator:
         Args:
             positions: Where [rad or m], shape (n,).
         """
+        self._held = []
         self._input.control_interface = ControlInterface.Position
         self._input.synchronization = Synchronization.Time
         self._input.target_position = positions
@@ -111,6 +113,9 @@ class MotionGenerator:
         Args:
             velocities: How fast [rad/s or m/s], shape (n,), within the limits.
         """
+        if velocities == self._held:
+            return
+        self._held = list(velocities)
         self._input.control_interface = ControlInterface.Velocity
         self._input.synchronization = Synchronization.No
         self._input.target_velocity = velocities

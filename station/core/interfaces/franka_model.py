@@ -147,6 +147,16 @@ class FrankaModel(ABC):
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
 
+    @abstractmethod
+    def clearance(self, q: Sequence[float]) -> float:
+        """Return how far the two closest parts of the arm are apart [m]; about 0.1 ms.
+
+        A hand counts as mounted. Negative when they overlap.
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+        """
+
 
 class FrankaModelHandle(ResourceHandle):
     """Evaluates the model of one arm. Control thread only.

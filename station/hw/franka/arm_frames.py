@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from station.core.interfaces.franka_model import Frame
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.rigid_motion import times
-from station.hw.franka.franka_kinematics import compose, frame_pose, zero_jacobian
+from station.hw.franka.franka_kinematics import compose, frame_pose, pose_and_jacobian
 from station.hw.franka.load import Load, combine_loads
 
 MAX_EXTENSION = -0.467002423653011
@@ -94,8 +94,7 @@ class ArmFrames:
         self._refreshed_at = state.time
         F_T_EE = state.F_T_EE  # noqa: N806 - libfranka's name
         state.O_T_EE[:] = frame_pose(Frame.END_EFFECTOR, state.q, F_T_EE)
-        state.O_T_EE_d[:] = frame_pose(Frame.END_EFFECTOR, state.q_d, F_T_EE)
-        jacobian = zero_jacobian(Frame.END_EFFECTOR, state.q_d, F_T_EE)
+        state.O_T_EE_d[:], jacobian = pose_and_jacobian(state.q_d, F_T_EE)
         state.O_dP_EE_d[:] = times(jacobian, state.dq_d)
         state.elbow[:] = elbow_of(state.q)
         state.elbow_d[:] = elbow_of(state.q_d)

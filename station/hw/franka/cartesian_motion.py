@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.core.interfaces.franka_errors import ArmError
-from station.core.interfaces.franka_model import Frame
 from station.core.interfaces.franka_robot_state import RobotState
 from station.core.rigid_motion import displace, twist_between
 from station.hw.franka.arm_frames import elbow_of
 from station.hw.franka.arm_limits import ArmLimits
-from station.hw.franka.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.franka_kinematics import pose_and_jacobian
 from station.hw.franka.motion_checks import (
     START_ELBOW_TOLERANCE,
     START_ROTATION_TOLERANCE,
@@ -74,8 +73,7 @@ class CartesianMotion:
     def begin(self) -> None:
         """Start where the desired joint motion is, as fast as it is."""
         state = self._state
-        jacobian = zero_jacobian(Frame.END_EFFECTOR, state.q_d, state.F_T_EE)
-        state.O_T_EE_c[:] = frame_pose(Frame.END_EFFECTOR, state.q_d, state.F_T_EE)
+        state.O_T_EE_c[:], jacobian = pose_and_jacobian(state.q_d, state.F_T_EE)
         state.O_dP_EE_c[:] = _twist_of(jacobian, state.dq_d)
         state.O_ddP_EE_c[:] = _twist_of(jacobian, state.ddq_d)
         state.elbow_c[:] = elbow_of(state.q_d)
@@ -196,17 +194,15 @@ class CartesianMotion:
     def _inverse_kinematics(self) -> list[float]:
         state = self._state
         q, target = state.q_d, state.O_T_EE_c
-        pose = frame_pose(Frame.END_EFFECTOR, q, state.F_T_EE)
+        pose, jacobian = pose_and_jacobian(q, state.F_T_EE)
         matrix = np.zeros((7, 7))
-        jacobian = zero_jacobian(Frame.END_EFFECTOR, q, state.F_T_EE)
         matrix[:6] = np.reshape(jacobian, (7, 6)).T
         matrix[6, 2] = 1.0
         error = np.array([*twist_between(pose, target, 1.0), self._elbow - q[2]])
         step = _solve(matrix, error, _FINE_DAMPING)
-        if not np.abs(step).max() < _LARGEST_STEP:
+        if not max(map(abs, step)) < _LARGEST_STEP:
             step = _solve(matrix, error, _COARSE_DAMPING)
-        result: list[float] = (np.array(q) + step).tolist()
-        return result
+        return [a + b for a, b in zip(q, step, strict=True)]
 
 
 def _moved(pose: Sequence[float], twist: Sequence[float], period: float) -> list[float]:
@@ -225,7 +221,9 @@ def _twist_of(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
 
 def _solve(
     matrix: NDArray[np.float64], error: NDArray[np.float64], damping: float
-) -> NDArray[np.float64]:
+) -> list[float]:
     """Return the least-squares step with Tikhonov damping."""
-    gram = matrix.T @ matrix + damping * np.eye(7)
-    return np.asarray(np.linalg.solve(gram, matrix.T @ error), dtype=np.float64)
+    gram = matrix.T @ matrix
+    gram.flat[::8] += damping
+    step: list[float] = np.linalg.solve(gram, matrix.T @ error).tolist()
+    return step

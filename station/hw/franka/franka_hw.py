@@ -10,13 +10,13 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - The limits of the commanded kinds are enforced, those of the others are not.
 - A command or a reading that is not finite stops the arm's motion instead of the
   process.
-- A late loop loses packets, as there; with `realtime_config: ignore` the simulated
-  world waits for a loop that is so late that the arm would stop.
+- A late loop loses packets; with `realtime_config: ignore` world and time wait for it.
 - An unsupported mode is refused with its reason, before anything is stopped.
 """
 
 import logging
 from collections.abc import Mapping, Sequence
+from math import inf
 
 from typing_extensions import override
 
@@ -118,8 +118,7 @@ class FrankaHW(RobotHW):
             RobotDescriptionError: The URDF cannot be used.
         """
         self._parameters = read_parameters(hw_params)
-        self._settings = read_command_settings(hw_params)
-        self._hw_params = hw_params
+        self._settings, self._hw_params = read_command_settings(hw_params), hw_params
         placement = placement_of(self._parameters)
         if self._arm is None:
             self._arm = self._simulate(placement, read_scene(root_params))
@@ -254,6 +253,13 @@ class FrankaHW(RobotHW):
             )
 
     @override
+    def longest_period(self) -> float:
+        """Return how long the simulated world goes on without the loop [s]."""
+        lost = self._parameters.most_lost_packets
+        waits = self.simulation is not None and lost < MOST_LOST_PACKETS
+        return (self._nominal_cycles + lost) * self.arm.cycle_time if waits else inf
+
+    @override
     def check_for_conflict(
         self, controllers: Sequence[ControllerInfo]
     ) -> list[ResourceConflict]:
@@ -311,8 +317,7 @@ class FrankaHW(RobotHW):
         self._motion.has_failed = False
         started = self._control_mode_of(start)
         if started or self._control_mode_of(stop):
-            mode = self._mode_after(start, stop)
-            self._motion.enter(mode, self._settings, started)
+            self._motion.enter(self._mode_after(start, stop), self._settings, started)
         if self._fingers is not None:
             self._fingers.do_switch(start, stop)
 
@@ -339,8 +344,8 @@ class FrankaHW(RobotHW):
         arm = self.arm
         if self._blind:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
-        causes = self._sender.refusal
-        causes = causes or "; ".join(error.describe() for error in arm.errors())
+        errors = "; ".join(error.describe() for error in arm.errors())
+        causes = self._sender.refusal or errors
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
@@ -369,8 +374,8 @@ class FrankaHW(RobotHW):
 
     def joint_limit_warnings(self) -> list[str]:
         """Return one sentence per joint that is close to a position limit."""
-        threshold = self._parameters.joint_limit_warning_threshold
-        return joint_limit_warnings(self._joints, self.robot_state.q, threshold)
+        share = self._parameters.joint_limit_warning_threshold
+        return joint_limit_warnings(self._joints, self.robot_state.q, share)
 
     def _add_fingers(self, arm_id: str) -> None:
         """Add the finger joints of a simulated hand to the arm's interfaces."""

@@ -38,14 +38,16 @@ IDENTITY = (
 
 def compose(first: Sequence[float], second: Sequence[float]) -> list[float]:
     """Return T_a_c of the poses T_a_b and T_b_c, each with 16 numbers."""
+    a, b, c, d, e, f, g, h, i, j, k, m, x, y, z, w = first
     result = []
-    for column in range(0, 16, 4):
-        x, y, z, w = second[column : column + 4]
+    for column in (0, 4, 8, 12):
+        p, q, r, s = second[column : column + 4]
         result += [
-            first[row] * x + first[4 + row] * y + first[8 + row] * z
-            + first[12 + row] * w
-            for row in range(4)
-        ]  # fmt: skip
+            a * p + e * q + i * r + x * s,
+            b * p + f * q + j * r + y * s,
+            c * p + g * q + k * r + z * s,
+            d * p + h * q + m * r + w * s,
+        ]
     return result
 
 
@@ -82,6 +84,20 @@ def zero_jacobian(
     """
     poses = link_poses(q)
     return _jacobian(frame, poses, _pose_of(frame, poses, F_T_EE, EE_T_K))
+
+
+def pose_and_jacobian(
+    q: Sequence[float], F_T_EE: Sequence[float]
+) -> tuple[list[float], list[float]]:
+    """Return `frame_pose` and `zero_jacobian` of the end effector.
+
+    Args:
+        q: Joint positions [rad], shape (7,).
+        F_T_EE: End effector in the flange frame, 16 numbers.
+    """
+    poses, frame = link_poses(q), Frame.END_EFFECTOR
+    pose = _pose_of(frame, poses, F_T_EE, IDENTITY)
+    return pose, _jacobian(frame, poses, pose)
 
 
 def body_jacobian(

@@ -8,6 +8,7 @@ from station.core.interfaces.franka_model import GRAVITY_EARTH, Frame, FrankaMod
 from station.hw.franka import franka_kinematics as kinematics
 from station.hw.franka.franka_dynamics import FrankaDynamics
 from station.hw.franka.load import Load
+from station.hw.franka.self_collision import clearance
 from station.hw.robot_description import RobotDescription
 
 
@@ -88,3 +89,7 @@ class ArmModel(FrankaModel):
         EE_T_K: Sequence[float],
     ) -> list[float]:
         return kinematics.body_jacobian(frame, q, F_T_EE, EE_T_K)
+
+    @override
+    def clearance(self, q: Sequence[float]) -> float:
+        return clearance(q, has_hand=True).distance

@@ -27,10 +27,9 @@ def transform_problem(pose: Sequence[float]) -> str:
         return "it must be 16 finite numbers"
     if pose[3] or pose[7] or pose[11] or pose[15] != 1.0:
         return "its last row must be 0, 0, 0, 1"
-    for i in range(3):
-        column = sqrt(sum(pose[4 * i + k] ** 2 for k in range(3)))
-        row = sqrt(sum(pose[4 * k + i] ** 2 for k in range(3)))
-        if abs(column - 1.0) > _UNIT_TOLERANCE or abs(row - 1.0) > _UNIT_TOLERANCE:
+    a, b, c, _, d, e, f, _, g, h, i = pose[:11]
+    for x, y, z in ((a, b, c), (d, e, f), (g, h, i), (a, d, g), (b, e, h), (c, f, i)):
+        if abs(sqrt(x * x + y * y + z * z) - 1.0) > _UNIT_TOLERANCE:
             return "the rows and columns of its rotation must have length 1"
     return ""
 

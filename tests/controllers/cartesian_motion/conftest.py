@@ -23,6 +23,7 @@ from station.hw.franka.franka_kinematics import (
     frame_pose,
     zero_jacobian,
 )
+from station.hw.franka.self_collision import clearance
 from tests.conformance.benches import JOINTS, POSE, panda
 
 PERIOD = 0.001
@@ -35,6 +36,10 @@ class Kinematics:
     pose = staticmethod(frame_pose)
     zero_jacobian = staticmethod(zero_jacobian)
     body_jacobian = staticmethod(body_jacobian)
+
+    @staticmethod
+    def clearance(q):
+        return clearance(q, has_hand=True).distance
 
 
 class IdealArm(RobotHW):

@@ -29,7 +29,7 @@ def twist_of(q, dq):
 
 
 def test_joint_velocities_make_the_twist_and_leave_the_elbow():
-    dq = configuration(Q).joint_velocities(TWIST)
+    dq = configuration(Q).joint_motion(TWIST, [])[0]
 
     assert twist_of(Q, dq) == pytest.approx(TWIST, abs=1e-6)
     assert dq[ELBOW] == pytest.approx(0.0, abs=1e-7)
@@ -47,9 +47,7 @@ def test_a_joint_step_leads_to_the_pose_and_the_elbow():
 
 def test_joint_accelerations_keep_the_acceleration_asked_for():
     wanted = np.array([0.3, -0.1, 0.2, 0.5, -0.2, 0.1])
-    here = configuration(Q)
-    dq = here.joint_velocities(TWIST)
-    ddq = here.joint_accelerations(dq, wanted[:, None])[:, 0]
+    dq, ddq, _ = configuration(Q).joint_motion(TWIST, [wanted])
     before, after = (
         twist_of(
             (np.array(Q) + t * dq + 0.5 * t * t * ddq).tolist(), np.array(dq + t * ddq)
@@ -59,6 +57,13 @@ def test_joint_accelerations_keep_the_acceleration_asked_for():
 
     found = (np.array(after) - np.array(before)) / 2e-3
     assert found == pytest.approx(wanted, abs=1e-4)
+
+
+def test_accelerations_without_any_of_the_end_effector_come_last():
+    motion = configuration(Q).joint_motion(TWIST, [[0.0] * 6])
+
+    assert motion[1] == pytest.approx(motion[2])
+    assert max(abs(motion[2])) > 0.01
 
 
 def test_a_stretched_arm_has_no_dexterity():

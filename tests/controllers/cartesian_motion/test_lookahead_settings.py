@@ -37,6 +37,7 @@ def test_one_acceleration_counts_for_all_joints():
     [
         ("joint_limit_margin", -0.1),
         ("least_dexterity", 0.0),
+        ("least_clearance", -0.01),
         ("joint_velocity_share", 1.1),
         ("max_joint_acceleration", 8.0),
         ("max_joint_acceleration", [1.0]),

@@ -114,3 +114,11 @@ def test_missed_cycles_show_in_the_success_rate() -> None:
         bench.hw.write(0.0, PERIOD)
         bench.hw.read(0.0, 11 * PERIOD if cycle == 249 else PERIOD)
     assert bench.state.control_command_success_rate == pytest.approx(0.9)
+
+
+def test_time_waits_as_long_as_the_world() -> None:
+    assert make().hw.longest_period() == float("inf")
+    waiting = make(realtime_config="ignore").hw
+    assert waiting.longest_period() == pytest.approx(0.020)
+    waiting.check_period(0.05)
+    assert waiting.longest_period() == pytest.approx(0.069)

@@ -59,13 +59,32 @@ def test_commands_pass_unchanged_again_after_the_return(bridge):
     assert pose == at(1e-4 * 999)
 
 
+def test_whatever_the_gaps_are_nothing_leaps() -> None:
+    bridge, random, sent, cycle = PoseBridge(), Random(1), [], 0
+    bridge.begin(at(0.0), NO_ELBOW)
+    while cycle < 3_000:
+        gap = random.choice([0] * 10 + [1, 2, 9, 19])
+        sent += [bridge.bridge()[0][12] for _ in range(gap)]
+        cycle += gap + 1
+        # Up to 0.3 m/s and 0.9 m/s^2.
+        x = 0.1 * (1.0 - cos(3e-3 * cycle))
+        sent.append(bridge.pass_on(at(x), NO_ELBOW)[0][12])
+
+        assert sent[-1] == pytest.approx(x, abs=5e-3)
+    speeds = [(b - a) / 1e-3 for a, b in pairwise(sent)]
+    accelerations = [(b - a) / 1e-3 for a, b in pairwise(speeds)]
+    jerks = [(b - a) / 1e-3 for a, b in pairwise(accelerations)]
+    assert max(map(abs, accelerations)) < 2.0
+    assert max(map(abs, jerks)) < 300.0
+
+
 def test_elbow_goes_on_as_well():
     bridge = PoseBridge()
     bridge.begin(UNIT, NO_ELBOW)
-    for angle in (0.1, 0.2):
+    for angle in (0.1, 0.2, 0.3):
         bridge.pass_on(UNIT, [angle, -1.0])
 
-    assert bridge.bridge()[1] == pytest.approx([0.3, -1.0])
+    assert bridge.bridge()[1] == pytest.approx([0.4, -1.0])
 
 
 @pytest.mark.slow
