@@ -1,8 +1,11 @@
 """From the parameters of FrankaHW to an arm in the simulated world."""
 
+from collections.abc import Sequence
+
 from station.hw.franka.arm_description import load_arm_description
 from station.hw.franka.franka_parameters import FrankaParameters
-from station.hw.franka.simulation import ArmPlacement
+from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
+from station.hw.mujoco.scene import SceneObject
 
 
 def placement_of(parameters: FrankaParameters) -> ArmPlacement:
@@ -19,3 +22,23 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
         parameters.limits,
         parameters.thresholds,
     )
+
+
+def simulate_one(
+    parameters: FrankaParameters, objects: Sequence[SceneObject]
+) -> Simulation:
+    """Return a world with the arm that parameters describe, and some things.
+
+    Args:
+        parameters: The arm.
+        objects: What else is in the world.
+
+    Raises:
+        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
+    """
+    simulation = simulate(
+        [placement_of(parameters)], gravity=parameters.gravity, objects=objects
+    )
+    arm = simulation.arms[parameters.arm_id]
+    arm.set_collision_behavior(parameters.collision_behavior)
+    return simulation

@@ -17,6 +17,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 import logging
 from collections.abc import Mapping, Sequence
 from math import inf
+from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
@@ -42,7 +43,7 @@ from station.core.robot_report import (
 )
 from station.hw.franka.arm_interfaces import model_interface, state_interface
 from station.hw.franka.arm_names import find_prefix, joint_names
-from station.hw.franka.arm_placement import placement_of
+from station.hw.franka.arm_placement import placement_of, simulate_one
 from station.hw.franka.arm_services import ArmServices
 from station.hw.franka.cartesian_commands import CartesianCommands
 from station.hw.franka.command_filter import CommandFilter
@@ -66,9 +67,11 @@ from station.hw.franka.motion_start import MotionStart
 from station.hw.franka.rate_limiter import rate_limits_of
 from station.hw.franka.robot_arm import RobotArm
 from station.hw.franka.sensor_check import blind_sensor
-from station.hw.franka.simulation import ArmPlacement, Simulation, simulate
-from station.hw.mujoco.scene import SceneObject, read_scene
+from station.hw.mujoco.scene import read_scene
 from station.hw.urdf_parser import parse_urdf
+
+if TYPE_CHECKING:
+    from station.hw.franka.simulation import Simulation
 
 _logger = logging.getLogger(__name__)
 # Up to here franka_control's gains of effort-controlled joints are stable.
@@ -121,7 +124,8 @@ class FrankaHW(RobotHW):
         self._settings, self._hw_params = read_command_settings(hw_params), hw_params
         placement = placement_of(self._parameters)
         if self._arm is None:
-            self._arm = self._simulate(placement, read_scene(root_params))
+            self.simulation = simulate_one(self._parameters, read_scene(root_params))
+            self._arm = self.simulation.arms[self._parameters.arm_id]
         arm_id, description = self._parameters.arm_id, placement.description
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -394,12 +398,3 @@ class FrankaHW(RobotHW):
 
     def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:
         return control_mode_of(controllers, self._parameters.arm_id)
-
-    def _simulate(
-        self, placement: ArmPlacement, objects: Sequence[SceneObject]
-    ) -> RobotArm:
-        own = self._parameters
-        self.simulation = simulate([placement], gravity=own.gravity, objects=objects)
-        arm = self.simulation.arms[own.arm_id]
-        arm.set_collision_behavior(own.collision_behavior)
-        return arm
