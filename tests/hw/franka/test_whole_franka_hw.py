@@ -124,7 +124,7 @@ def test_state_is_completed_once_per_cycle_for_all_who_ask(hw: FrankaHW) -> None
     profile.disable()
     calls = {name: n for (_, _, name), (n, *_) in pstats.Stats(profile).stats.items()}
     assert calls["refresh"] == 5
-    assert calls["frame_pose"] == 2  # of q and of q_d
+    assert calls["frame_pose"] <= 2  # of q and, where the motion has none, of q_d
 
 
 VELOCITY = "joint_motion_generator_velocity_limits_violation"
