@@ -62,7 +62,7 @@ def station() -> Station:
         "arm_id": "panda",
         "robot_description": "example-robot-data:panda",
         "collision_config": INSENSITIVE,
-        "supervisor": {"velocity_factor": 1.5},
+        "supervisor": {"velocity_factor": 1.5, "torque_factor": 5.0},
     }
     tree = ParameterTree({"robot": robot})
     parameters = Parameters(tree)
