@@ -101,7 +101,7 @@ class JointsAlone(RobotHW):
         for interface in self._commands.interfaces():
             self.register_interface(interface)
         gripper = SimulatedGripper(self._world, FINGERS[0])
-        self._fingers = FingerJoints(gripper, list(FINGERS))
+        self._fingers = FingerJoints(gripper, list(FINGERS), "panda")
         self._fingers.register(self._commands.interfaces())
         self._filter = CommandFilter(PANDA_LIMITS)
         self._world.reset(dict(zip(JOINTS, INITIAL_POSITIONS, strict=True)))
