@@ -11,17 +11,17 @@ from measuring import REPEATS, median_time, print_table, print_title
 from typing_extensions import override
 
 from station.core.clock import SystemClock
-from station.core.controller import Controller, ControllerBase
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
-from station.core.interfaces import (
+from station.core.control.controller import Controller, ControllerBase
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import SwitchRequest
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
 )
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.robot_hw import RobotHW
-from station.core.switching import SwitchRequest
 
 JOINTS = 7
 CYCLES = 20_000

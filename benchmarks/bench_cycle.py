@@ -13,7 +13,7 @@ from measuring import print_table, print_title, simulated_world
 
 from station.app.composition import compose
 from station.config import load_config
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
 
 CYCLES = 1000
 BLOCKS = 15

@@ -20,21 +20,21 @@ from time import process_time
 from measuring import REPEATS, print_table, print_title
 from typing_extensions import override
 
-from station.core.interfaces import FrankaModelInterface, FrankaStateInterface
-from station.core.interfaces.franka_robot_state import RobotMode, RobotState
+from station.core.franka import FrankaModelInterface, FrankaStateInterface
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_hw import ControllerInfo, InterfaceResources, RobotHW
-from station.hw.franka.arm_limits import PANDA_LIMITS
-from station.hw.franka.arm_motors import ArmMotors
-from station.hw.franka.command_filter import CommandFilter
-from station.hw.franka.control_mode import ControlMode
-from station.hw.franka.desired_motion import DesiredMotion
-from station.hw.franka.finger_joints import FingerJoints
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.commands.command_filter import CommandFilter
+from station.hw.franka.commands.joint_commands import JointCommands
+from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.joint_commands import JointCommands
-from station.hw.franka.rate_limiter import PANDA_RATE_LIMITS
-from station.hw.franka.simulated_gripper import SimulatedGripper
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.hand.finger_joints import FingerJoints
+from station.hw.franka.hand.simulated_gripper import SimulatedGripper
+from station.hw.franka.simulated.arm_motors import ArmMotors
+from station.hw.franka.simulated.desired_motion import DesiredMotion
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,

@@ -21,10 +21,10 @@ from measuring import print_table, print_title
 
 from station.app.composition import compose
 from station.config import load_config
-from station.core.loop_report import LoopReport
-from station.core.scheduling import SWITCH_INTERVAL, realtime_interpreter
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.loop.loop_report import LoopReport
+from station.core.loop.scheduling import SWITCH_INTERVAL, realtime_interpreter
 
 CONTROLLER = "effort_group_position_controller"
 SETTLING = 0.5

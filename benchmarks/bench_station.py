@@ -20,8 +20,8 @@ from time import monotonic, sleep
 
 from measuring import print_table, print_title
 
-from station.api.schemas import LoopReport, Percentiles
 from station.client import AsyncStationClient, StationClient
+from station.wire import LoopReport, Percentiles
 
 CONTROLLER = "effort_group_position_controller"
 RATE = 100.0

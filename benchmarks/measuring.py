@@ -11,7 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from station.core.station import Station
+from station.core.facade.station import Station
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.mujoco.world import World
 

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.control_loop import ControlLoop
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.facade.station import Station
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
-from station.core.station import Station
 from station.hw.franka.franka_hw import FrankaHW
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]

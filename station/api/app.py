@@ -12,7 +12,7 @@ from station.api.openapi import StationApi
 from station.api.routes import PREFIX, api_router
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
-from station.core.station import Station
+from station.core.facade.station import Station
 
 DESCRIPTION = """
 Everything a station can do, for programs and browsers. Errors are problem documents

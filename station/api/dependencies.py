@@ -7,7 +7,7 @@ from fastapi.security import HTTPBearer
 
 from station.api.auth import Authenticator, Role
 from station.api.errors import ProblemError
-from station.core.station import Station
+from station.core.facade.station import Station
 
 _bearer = HTTPBearer(
     auto_error=False,

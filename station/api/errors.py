@@ -8,8 +8,8 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
-from station.api.schemas import PROBLEM_MEDIA_TYPE
 from station.core import errors
+from station.wire import PROBLEM_MEDIA_TYPE
 
 MAX_ERRORS = 20
 

@@ -1,8 +1,8 @@
 """From hands as the core describes them to the wire models, and back."""
 
-from station.api import schemas
+from station import wire as schemas
 from station.api.wire_numbers import measured
-from station.core.interfaces import GraspRequest, GripperCommand, GripperState
+from station.core.franka import GraspRequest, GripperCommand, GripperState
 
 
 def gripper(arm_id: str, found: GripperState) -> schemas.Gripper:

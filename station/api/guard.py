@@ -5,7 +5,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.errors import ProblemError
 from station.api.host_policy import HostPolicy
-from station.api.schemas import CLOSE_FORBIDDEN
+from station.wire import CLOSE_FORBIDDEN
 
 MAX_BODY_BYTES = 256 * 1024
 """Parsing JSON holds the interpreter, and with it the control loop: stay small."""

@@ -5,7 +5,7 @@ from typing import Any
 from fastapi import FastAPI
 from typing_extensions import override
 
-from station.api.schemas import PROBLEM_MEDIA_TYPE, Problem
+from station.wire import PROBLEM_MEDIA_TYPE, Problem
 
 _REF = "#/components/schemas/"
 _PROBLEM = {PROBLEM_MEDIA_TYPE: {"schema": {"$ref": f"{_REF}Problem"}}}

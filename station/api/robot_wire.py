@@ -3,9 +3,10 @@
 from dataclasses import fields
 from typing import Any
 
-from station.api import schemas
+from station import wire as schemas
 from station.api.wire_numbers import measured, measured_list
-from station.core.interfaces import (
+from station.core.facade.robots import ArmModelReport, ArmReport
+from station.core.franka import (
     ArmError,
     ArmRecord,
     CollisionBehavior,
@@ -13,8 +14,7 @@ from station.core.interfaces import (
     RobotState,
     SimulatedFault,
 )
-from station.core.interfaces.franka_errors import error_names
-from station.core.robots import ArmModelReport, ArmReport
+from station.core.franka.franka_errors import error_names
 
 _FLAGS = ("current_errors", "last_motion_errors")
 

@@ -5,18 +5,21 @@ from typing import cast
 
 from pydantic import JsonValue
 
-from station.api import robot_wire, schemas, wire_hardware
+from station import wire as schemas
+from station.api import robot_wire, wire_hardware
 from station.api.wire_numbers import measured, measured_list
-from station.core import loop_report, statistics, tunables
-from station.core.controller import ControllerSample
-from station.core.controller_manager import ControllerStatus
-from station.core.goal import Goal, GoalStatus
-from station.core.robot_report import SceneObjectReport
-from station.core.set_point import SetPoint, SetPointElement
-from station.core.simulation import SimulationReport
-from station.core.snapshot import Snapshot
-from station.core.station import Station
-from station.core.switching import SwitchResult
+from station.core.control import tunables
+from station.core.control.controller import ControllerSample
+from station.core.control.controller_manager import ControllerStatus
+from station.core.control.switching import SwitchResult
+from station.core.facade.simulation import SimulationReport
+from station.core.facade.station import Station
+from station.core.hardware.robot_report import SceneObjectReport
+from station.core.loop import loop_report
+from station.core.loop.snapshot import Snapshot
+from station.core.numerics import statistics
+from station.core.ports.goal import Goal, GoalStatus
+from station.core.ports.set_point import SetPoint, SetPointElement
 from station.core.trajectory import PosVelAccState
 
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable
 
-from station.api import schemas
+from station import wire as schemas
 from station.api.wire_numbers import measured
-from station.core.hardware_report import HardwareReport, InterfaceReport
-from station.core.limits import SoftJointLimits
-from station.core.robot_report import (
+from station.core.facade.hardware_report import HardwareReport, InterfaceReport
+from station.core.hardware.limits import SoftJointLimits
+from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
     TransmissionReport,

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from station.config import StationConfig
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, SystemClock
-from station.core.control_loop import ControlLoop
-from station.core.controller_loader import default_loaders
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller_loader import default_loaders
+from station.core.control.controller_manager import ControllerManager
 from station.core.errors import StationError
+from station.core.facade.station import Station
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters, ParameterTree
-from station.core.station import Station
 from station.hw.robot_loader import create_robot
 
 ROBOT_NAMESPACE = "robot"

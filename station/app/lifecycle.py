@@ -24,11 +24,11 @@ from station.app.runtime_file import (
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.ui_process import UiOptions, UiProcess, free_port
 from station.config import StationConfig
-from station.core.loop_report import LoopState
-from station.core.scheduling import realtime_interpreter
-from station.core.station import Station
-from station.core.stop_latch import StopState
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.loop.loop_report import LoopState
+from station.core.loop.scheduling import realtime_interpreter
+from station.core.loop.stop_latch import StopState
 
 READY_TIMEOUT = 2.0
 """Longest wait for the first cycles [s]."""

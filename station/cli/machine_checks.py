@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from station.core.scheduling import realtime_interpreter, request_realtime_priority
+from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
 
 PERIOD = 0.001
 """Period of the trial loop [s]."""

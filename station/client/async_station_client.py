@@ -7,7 +7,15 @@ from typing import Self
 import httpx
 from pydantic import JsonValue
 
-from station.api.schemas import (
+from station.client import calls, robot_calls
+from station.client.async_robot_client import AsyncRobotClient
+from station.client.async_simulation_client import AsyncSimulationClient
+from station.client.async_stream import AsyncStream
+from station.client.calls import Call, ModelT, Strictness
+from station.client.errors import StationUnreachableError
+from station.client.robot_calls import Restart
+from station.client.stream_options import Rate, StreamOptions, bearer
+from station.wire import (
     ArmReport,
     CommandAccepted,
     CommandInfo,
@@ -32,14 +40,6 @@ from station.api.schemas import (
     SwitchRequest,
     SwitchResult,
 )
-from station.client import calls, robot_calls
-from station.client.async_robot_client import AsyncRobotClient
-from station.client.async_simulation_client import AsyncSimulationClient
-from station.client.async_stream import AsyncStream
-from station.client.calls import Call, ModelT, Strictness
-from station.client.errors import StationUnreachableError
-from station.client.robot_calls import Restart
-from station.client.stream_options import Rate, StreamOptions, bearer
 
 
 class AsyncStationClient:

@@ -6,7 +6,6 @@ from collections.abc import AsyncIterator
 from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
-from station.api.schemas import StreamFrame
 from station.client.errors import StationUnreachableError
 from station.client.stream_options import (
     MAX_FRAME_BYTES,
@@ -16,6 +15,7 @@ from station.client.stream_options import (
     bearer,
     refusal,
 )
+from station.wire import StreamFrame
 
 
 class AsyncStream:

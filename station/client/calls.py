@@ -10,7 +10,8 @@ from urllib.parse import quote
 
 from pydantic import BaseModel, JsonValue
 
-from station.api.schemas import (
+from station.client.errors import ApiError
+from station.wire import (
     CommandAccepted,
     CommandInfo,
     CommandRequest,
@@ -46,7 +47,6 @@ from station.api.schemas import (
     SwitchResult,
     TrajectoryRequest,
 )
-from station.client.errors import ApiError
 
 PREFIX = "/api/v1"
 Strictness = Literal["strict", "best_effort"]

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pydantic import ValidationError
 from typing_extensions import override
 
-from station.api.schemas import FieldError, Problem
+from station.wire import FieldError, Problem
 
 
 class ApiError(Exception):

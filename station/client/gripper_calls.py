@@ -5,8 +5,8 @@ from urllib.parse import quote
 
 from pydantic import BaseModel
 
-from station.api.schemas import Gripper, GripperGraspRequest, GripperMoveRequest
 from station.client.calls import PREFIX, Call
+from station.wire import Gripper, GripperGraspRequest, GripperMoveRequest
 
 
 def state(arm_id: str) -> Call[Gripper]:

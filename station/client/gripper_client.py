@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from station.api.schemas import Gripper, GripperGraspRequest, GripperMoveRequest
 from station.client import gripper_calls as calls
 from station.client.calls import Call
+from station.wire import Gripper, GripperGraspRequest, GripperMoveRequest
 
 
 class GripperClient:

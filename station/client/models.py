@@ -1,6 +1,6 @@
 """The wire models that the client takes and returns, under the client's name."""
 
-from station.api.schemas import (
+from station.wire import (
     ActiveFault,
     ArmError,
     ArmModel,

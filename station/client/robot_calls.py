@@ -6,7 +6,8 @@ from urllib.parse import quote
 
 from pydantic import BaseModel
 
-from station.api.schemas import (
+from station.client.calls import PREFIX, Call
+from station.wire import (
     ArmLog,
     ArmModel,
     ArmReport,
@@ -19,7 +20,6 @@ from station.api.schemas import (
     RecoveryRequest,
     UserStopRequest,
 )
-from station.client.calls import PREFIX, Call
 
 Restart = Literal["none", "previous"]
 

@@ -4,7 +4,11 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from station.api.schemas import (
+from station.client import robot_calls as calls
+from station.client.calls import Call
+from station.client.gripper_client import GripperClient
+from station.client.robot_calls import Restart
+from station.wire import (
     ActiveFault,
     ArmLog,
     ArmModel,
@@ -24,10 +28,6 @@ from station.api.schemas import (
     Recovery,
     StiffnessFrame,
 )
-from station.client import robot_calls as calls
-from station.client.calls import Call
-from station.client.gripper_client import GripperClient
-from station.client.robot_calls import Restart
 
 
 class RobotClient:

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from station.api.schemas import Simulation
 from station.client import calls
 from station.client.calls import Call
+from station.wire import Simulation
 
 
 class SimulationClient:

@@ -7,7 +7,15 @@ from typing import Self
 import httpx
 from pydantic import JsonValue
 
-from station.api.schemas import (
+from station.client import calls, robot_calls
+from station.client.calls import Call, ModelT, Strictness
+from station.client.errors import StationUnreachableError
+from station.client.robot_calls import Restart
+from station.client.robot_client import RobotClient
+from station.client.simulation_client import SimulationClient
+from station.client.stream import Stream
+from station.client.stream_options import Rate, StreamOptions, bearer
+from station.wire import (
     ArmReport,
     CommandAccepted,
     CommandInfo,
@@ -32,14 +40,6 @@ from station.api.schemas import (
     SwitchRequest,
     SwitchResult,
 )
-from station.client import calls, robot_calls
-from station.client.calls import Call, ModelT, Strictness
-from station.client.errors import StationUnreachableError
-from station.client.robot_calls import Restart
-from station.client.robot_client import RobotClient
-from station.client.simulation_client import SimulationClient
-from station.client.stream import Stream
-from station.client.stream_options import Rate, StreamOptions, bearer
 
 
 class StationClient:

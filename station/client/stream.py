@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Self
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
-from station.api.schemas import StreamFrame
 from station.client.errors import StationUnreachableError
 from station.client.stream_options import (
     MAX_FRAME_BYTES,
@@ -18,6 +17,7 @@ from station.client.stream_options import (
     bearer,
     refusal,
 )
+from station.wire import StreamFrame
 
 if TYPE_CHECKING:
     from websockets.sync.connection import Connection

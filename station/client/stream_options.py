@@ -9,15 +9,15 @@ from urllib.parse import quote, urlencode
 from pydantic import JsonValue
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from station.api.schemas import (
+from station.client.calls import PREFIX
+from station.client.errors import ApiError
+from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_FORBIDDEN,
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
     StreamFrame,
 )
-from station.client.calls import PREFIX
-from station.client.errors import ApiError
 
 Rate = float | Literal["full"]
 FIRST_DELAY: Final = 0.2

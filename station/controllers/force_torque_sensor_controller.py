@@ -9,10 +9,13 @@ from typing import ClassVar, NamedTuple
 
 from typing_extensions import override
 
-from station.core.controller import Controller
-from station.core.interfaces import ForceTorqueSensorHandle, ForceTorqueSensorInterface
+from station.core.control.controller import Controller
+from station.core.control.publish_timer import PublishTimer
+from station.core.hardware.interfaces import (
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+)
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
 
 
 class WrenchStamped(NamedTuple):

@@ -10,17 +10,13 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.core.controller import Controller
+from station.core.control.controller import Controller
+from station.core.control.joint_states import JointStates
+from station.core.control.publish_timer import PublishTimer
 from station.core.errors import ParameterError
-from station.core.interfaces import (
-    FrankaStateHandle,
-    FrankaStateInterface,
-    RobotState,
-)
-from station.core.interfaces.franka_errors import error_names
-from station.core.joint_states import JointStates
+from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
+from station.core.franka.franka_errors import error_names
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
 
 RATE_HZ = 30.0
 """Default of `publish_rate`."""

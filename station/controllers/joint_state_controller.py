@@ -9,12 +9,12 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.core.controller import Controller
+from station.core.control.controller import Controller
+from station.core.control.joint_states import JointStates
+from station.core.control.publish_timer import PublishTimer
 from station.core.errors import ParameterError
-from station.core.interfaces import JointStateGroup, JointStateInterface
-from station.core.joint_states import JointStates
+from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
 
 _logger = logging.getLogger(__name__)
 

@@ -4,22 +4,25 @@
 """
 
 from station.core.clock import Clock, ManualClock, SystemClock
-from station.core.combined_robot_hw import CombinedRobotHW
-from station.core.control_loop import ControlLoop
-from station.core.controller import (
+from station.core.control.controller import (
     Controller,
     ControllerBase,
     ControllerSample,
     ControllerState,
     MultiInterfaceController,
 )
-from station.core.controller_loader import (
+from station.core.control.controller_loader import (
     ControllerLoader,
     TableLoader,
     default_loaders,
 )
-from station.core.controller_manager import ControllerManager
-from station.core.controller_status import ControllerStatistics, ControllerStatus
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.controller_status import (
+    ControllerStatistics,
+    ControllerStatus,
+)
+from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
+from station.core.control.tunables import Tunable
 from station.core.errors import (
     ControllerLoadError,
     HardwareInterfaceError,
@@ -27,7 +30,9 @@ from station.core.errors import (
     StationError,
     SwitchRefusedError,
 )
-from station.core.interfaces import (
+from station.core.facade.station import Station
+from station.core.hardware.combined_robot_hw import CombinedRobotHW
+from station.core.hardware.interfaces import (
     ActuatorHandle,
     ActuatorStateHandle,
     ActuatorStateInterface,
@@ -57,7 +62,7 @@ from station.core.interfaces import (
     VelocityActuatorInterface,
     VelocityJointInterface,
 )
-from station.core.limits import (
+from station.core.hardware.limits import (
     EffortJointSoftLimitsHandle,
     EffortJointSoftLimitsInterface,
     JointLimits,
@@ -67,34 +72,32 @@ from station.core.limits import (
     VelocityJointSoftLimitsHandle,
     VelocityJointSoftLimitsInterface,
 )
-from station.core.parameters import Parameters, ParameterTree
-from station.core.pid import Pid, PidGains
-from station.core.realtime import (
-    RealtimeBox,
-    RealtimeBuffer,
-    RealtimeClock,
-    RealtimePublisher,
-    RealtimeServerGoalHandle,
-)
-from station.core.robot_hw import (
+from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
     ResourceConflict,
     RobotHW,
     SwitchState,
 )
-from station.core.set_point import SetPointElement, SetPointPort
-from station.core.snapshot import Snapshot, SnapshotRing
-from station.core.station import Station
-from station.core.switching import Strictness, SwitchRequest, SwitchResult
-from station.core.transmissions import (
+from station.core.hardware.transmissions import (
     DifferentialTransmission,
     FourBarLinkageTransmission,
     SimpleTransmission,
     Transmission,
     TransmissionInterfaceLoader,
 )
-from station.core.tunables import Tunable
+from station.core.loop.control_loop import ControlLoop
+from station.core.loop.snapshot import Snapshot, SnapshotRing
+from station.core.numerics.pid import Pid, PidGains
+from station.core.parameters import Parameters, ParameterTree
+from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.core.toolbox.realtime import (
+    RealtimeBox,
+    RealtimeBuffer,
+    RealtimeClock,
+    RealtimePublisher,
+    RealtimeServerGoalHandle,
+)
 
 __all__ = [
     "ActuatorHandle",

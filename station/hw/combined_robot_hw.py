@@ -1,6 +1,6 @@
 """Several robots as one, made from the types the station knows."""
 
-from station.core import combined_robot_hw
+from station.core.hardware import combined_robot_hw
 from station.hw.robot_loader import create_robot
 
 

@@ -4,7 +4,7 @@ import importlib
 from importlib.metadata import entry_points
 
 from station.core.errors import StationError
-from station.core.robot_hw import RobotHW
+from station.core.hardware.robot_hw import RobotHW
 from station.hw import HARDWARE
 
 ENTRY_POINTS = "station.hw"
@@ -46,6 +46,6 @@ def create_robot(robot_type: str) -> RobotHW:
     if not (isinstance(found, type) and issubclass(found, RobotHW)):
         raise RobotTypeError(
             f"robot.type '{robot_type}': {target} is no RobotHW.",
-            remedy="Derive it from station.core.robot_hw.RobotHW.",
+            remedy="Derive it from station.core.hardware.robot_hw.RobotHW.",
         )
     return found()

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from station.core.errors import RobotDescriptionError
-from station.core.limits import (
+from station.core.hardware.limits import (
     JointLimitsError,
     joint_limits_from_urdf,
     soft_joint_limits_from_urdf,

@@ -1,21 +1,21 @@
 """A robot of one joint, and the controller `test/Spring` for it."""
 
 from station.core.clock import ManualClock
-from station.core.control_loop import ControlLoop
-from station.core.controller import Controller, ControllerSample
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
-from station.core.interfaces import (
+from station.core.control.controller import Controller, ControllerSample
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.tunables import Tunable
+from station.core.facade.station import Station
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
     JointStateInterface,
 )
+from station.core.hardware.robot_hw import RobotHW
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
-from station.core.robot_hw import RobotHW
-from station.core.set_point import SetPointElement, SetPointPort
-from station.core.station import Station
-from station.core.tunables import Tunable
+from station.core.ports.set_point import SetPointElement, SetPointPort
 
 
 class Spring(Controller[EffortJointInterface]):

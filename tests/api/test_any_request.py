@@ -18,7 +18,7 @@ from schemathesis.specs.openapi.checks import (
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.franka_station import make_franka_station
 

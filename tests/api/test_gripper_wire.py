@@ -6,15 +6,15 @@ from dataclasses import replace
 import pytest
 
 from station.api import gripper_wire as wire
-from station.api.schemas import GraspEpsilon, GripperGraspRequest
-from station.core.goal import GoalStatus
-from station.core.interfaces import (
+from station.core.franka import (
     GraspRequest,
     GripperAction,
     GripperActivity,
     GripperCommand,
     GripperState,
 )
+from station.core.ports.goal import GoalStatus
+from station.wire import GraspEpsilon, GripperGraspRequest
 
 IDLE = GripperState(
     width=0.08,

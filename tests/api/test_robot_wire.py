@@ -1,9 +1,10 @@
 """Arms on their way to the wire and back."""
 
-from station.api import robot_wire, schemas
-from station.core.interfaces import ArmError, FaultKind, RobotMode, RobotState
-from station.core.interfaces.franka_errors import ERROR_INDEX
-from station.core.robots import ArmReport
+from station import wire as schemas
+from station.api import robot_wire
+from station.core.facade.robots import ArmReport
+from station.core.franka import ArmError, FaultKind, RobotMode, RobotState
+from station.core.franka.franka_errors import ERROR_INDEX
 
 NOMINAL = {
     "lower_torque_thresholds_nominal": [20.0] * 7,

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from station.api import wire
-from station.core.controller import ControllerSample
-from station.core.set_point import SetPoint, SetPointElement
-from station.core.switching import SwitchPlan, SwitchRequest, SwitchResult
-from station.core.tunables import Gains, Tunable
+from station.core.control.controller import ControllerSample
+from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
+from station.core.control.tunables import Gains, Tunable
+from station.core.ports.set_point import SetPoint, SetPointElement
 from tests.api.spring import make_station
 
 

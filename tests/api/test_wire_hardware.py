@@ -3,13 +3,18 @@
 import math
 
 from station.api import wire_hardware
-from station.core.hardware_report import (
+from station.core.facade.hardware_report import (
     HardwareReport,
     InterfaceReport,
     ResourceReport,
 )
-from station.core.limits import Clamp, ClampReason, JointLimits, SoftJointLimits
-from station.core.robot_report import (
+from station.core.hardware.limits import (
+    Clamp,
+    ClampReason,
+    JointLimits,
+    SoftJointLimits,
+)
+from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
     TransmissionReport,

@@ -2,14 +2,14 @@
 
 from typing_extensions import override
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     JointHandle,
     JointStateHandle,
     JointStateInterface,
     PositionJointInterface,
 )
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.robot_hw import RobotHW
 
 TYPE = f"{__name__}:MassHW"
 BROKEN_TYPE = f"{__name__}:BrokenHW"

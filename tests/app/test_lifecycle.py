@@ -172,7 +172,8 @@ def test_robot_is_held_before_streams_close(config, monkeypatch):
 
 def test_refused_realtime_is_told(config, monkeypatch):
     monkeypatch.setattr(
-        "station.core.control_loop.request_realtime_priority", lambda: "SCHED_OTHER"
+        "station.core.loop.control_loop.request_realtime_priority",
+        lambda: "SCHED_OTHER",
     )
     listener = Listener(until="SCHED_OTHER")
 

@@ -13,8 +13,8 @@ from station.app.composition import compose
 from station.config import load_config
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.controller import ControllerState
-from station.core.switching import SwitchRequest
+from station.core.control.controller import ControllerState
+from station.core.control.switching import SwitchRequest
 
 FOLDER = Path(__file__).parents[1] / "data" / "ros_yaml"
 PENDULUM = f"""

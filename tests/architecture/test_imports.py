@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 # Every contract of pyproject.toml, each with an import that must break it.
 VIOLATIONS = {
     "layers": ("station/core/clock.py", "import station.hw.mock"),
-    "core-layers": ("station/core/errors.py", "import station.core.clock"),
+    "core-layers": ("station/core/errors.py", "import station.core.parameters"),
     "controller-families": (
         "station/controllers/effort_controllers.py",
         "import station.controllers.position_controllers",
@@ -23,7 +23,7 @@ VIOLATIONS = {
         "station/controllers/effort_controllers.py",
         "import pydantic",
     ),
-    "schemas-stand-alone": ("station/api/schemas.py", "import station.core.errors"),
+    "schemas-stand-alone": ("station/wire/base.py", "import station.core.errors"),
     "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
     "api-serves": ("station/api/app.py", "import viser"),
     "ui-is-a-client": ("station/ui/scene.py", "import station.core.clock"),
@@ -32,15 +32,16 @@ VIOLATIONS = {
 # What the contracts are there to permit.
 PERMITTED = {
     "station/__main__.py": "import station.cli",
-    "station/api/app.py": "import fastapi, station, station.api.schemas",
-    "station/api/schemas.py": "import pydantic",
+    "station/api/app.py": "import fastapi, station, station.wire",
+    "station/wire/base.py": "import pydantic",
     "station/app.py": "import station.api.app, station.hw.mock, station.config",
     "station/cli.py": "import station.app, station.client.sync",
-    "station/client/sync.py": "import httpx, json, station.api.schemas",
+    "station/client/sync.py": "import httpx, json, station.wire",
     "station/config.py": "import pydantic, station.core.errors",
     "station/controllers/effort_controllers.py": "import numpy, station.core.clock",
     "station/controllers/position_controllers.py": "import station.core.clock",
     "station/core/clock.py": "import time, station.core.errors",
+    "station/core/parameters.py": "import station.core.errors",
     "station/core/errors.py": "import enum",
     "station/hw/mock.py": "import mujoco, station.core.clock",
     "station/ui/scene.py": "import viser, station.client.sync",

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from station.api.schemas import Fault
+from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 
 pytestmark = pytest.mark.slow

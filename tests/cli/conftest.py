@@ -4,7 +4,8 @@ from argparse import Namespace
 
 import pytest
 
-from station.api.schemas import (
+from station.cli.main import main
+from station.wire import (
     ArmReport,
     CommandAccepted,
     ControllerState,
@@ -22,7 +23,6 @@ from station.api.schemas import (
     SwitchResult,
     Tunable,
 )
-from station.cli.main import main
 
 GROUP = "position_controllers/JointGroupPositionController"
 

@@ -3,9 +3,9 @@
 import pytest
 from pydantic import ValidationError
 
-from station.api.schemas import CommandRequest, FieldError, StopState
 from station.cli.errors import NoStationError, UsageError, failure_of
 from station.client import ApiError, StationUnreachableError
+from station.wire import CommandRequest, FieldError, StopState
 
 
 def test_error_of_the_station_keeps_its_words():

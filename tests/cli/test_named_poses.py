@@ -5,7 +5,7 @@ import pytest
 from station.cli.errors import UsageError
 from station.cli.named_poses import POSES, check_name, positions_of
 from station.config import load_config
-from station.hw.franka.arm_limits import FR3_LIMITS, PANDA_LIMITS
+from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS
 
 
 @pytest.mark.parametrize("arm", ["panda", "left_arm"])

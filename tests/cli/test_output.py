@@ -3,8 +3,8 @@
 import json
 import sys
 
-from station.api.schemas import ControllerType
 from station.cli.output import say_json, say_model, say_models, say_table
+from station.wire import ControllerType
 
 
 def test_columns_are_aligned(capsys):

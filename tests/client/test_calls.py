@@ -6,8 +6,8 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from station.api.schemas import SwitchRequest
 from station.client import ApiError, calls
+from station.wire import SwitchRequest
 
 
 def test_names_are_quoted():

@@ -2,8 +2,8 @@
 
 import json
 
-from station.api.schemas import GripperGraspRequest
 from station.client import gripper_calls as calls
+from station.wire import GripperGraspRequest
 
 
 def test_names_are_quoted():

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.api.schemas import GripperGraspRequest, GripperMoveRequest
 from station.client.robot_client import RobotClient
+from station.wire import GripperGraspRequest, GripperMoveRequest
 
 CALLS = [
     ("state", (), "GET", ""),

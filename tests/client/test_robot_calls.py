@@ -1,7 +1,7 @@
 """The routes of an arm as values."""
 
-from station.api.schemas import ExternalForce
 from station.client import robot_calls as calls
+from station.wire import ExternalForce
 
 
 def test_names_are_quoted():

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.api.schemas import ArmLog, ExternalForce, Fault, Faults, Load
 from station.client.robot_client import RobotClient
+from station.wire import ArmLog, ExternalForce, Fault, Faults, Load
 
 CALLS = [
     ("state", (), "GET", "state"),

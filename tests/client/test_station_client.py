@@ -5,13 +5,13 @@ import inspect
 import httpx
 import pytest
 
-from station.api.schemas import SwitchResult
 from station.client import (
     ApiError,
     AsyncStationClient,
     StationClient,
     StationUnreachableError,
 )
+from station.wire import SwitchResult
 
 
 def test_nobody_there_is_said_plainly():

@@ -5,8 +5,8 @@ from functools import cache
 
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
 from station.core.errors import ControllerLoadError
 from station.core.parameters import Parameters
 from station.hw.robot_description import RobotDescription, load_robot_description

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from station.controllers import CONTROLLERS
+from station.core.control.switching import SwitchRequest
 from station.core.errors import StationError
-from station.core.interfaces import JointStateInterface
-from station.core.switching import SwitchRequest
+from station.core.hardware.interfaces import JointStateInterface
 from tests.conformance.benches import Bench, bench_for
 
 

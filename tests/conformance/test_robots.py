@@ -5,9 +5,13 @@ import math
 import pytest
 
 from station.core.errors import StationError
-from station.core.interfaces import JointStateInterface
-from station.core.interfaces.resource_manager import HardwareResourceManager
-from station.core.robot_hw import ControllerInfo, InterfaceResources, SwitchState
+from station.core.hardware.interfaces import JointStateInterface
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    InterfaceResources,
+    SwitchState,
+)
 from station.hw import HARDWARE
 from station.hw.robot_loader import create_robot
 from tests.conformance.benches import JOINTS, PERIOD, Bench

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
@@ -10,8 +10,8 @@ from station.core.interfaces import (
     PositionJointInterface,
     VelocityJointInterface,
 )
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_hw import RobotHW
 
 URDF = """
 <robot name="fake">

@@ -5,7 +5,7 @@ import importlib
 import pytest
 
 from station.controllers import CONTROLLERS
-from station.core.controller import ControllerBase
+from station.core.control.controller import ControllerBase
 
 
 @pytest.mark.parametrize("controller_type", CONTROLLERS)

@@ -6,7 +6,10 @@ from station.controllers.force_torque_sensor_controller import (
     ForceTorqueSensorController,
 )
 from station.core.errors import ParameterError
-from station.core.interfaces import ForceTorqueSensorHandle, ForceTorqueSensorInterface
+from station.core.hardware.interfaces import (
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+)
 
 
 @pytest.fixture

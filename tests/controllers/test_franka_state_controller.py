@@ -4,9 +4,9 @@ from dataclasses import fields
 
 import pytest
 
+from station.core.control.switching import SwitchRequest
 from station.core.errors import ParameterError
-from station.core.interfaces import RobotState
-from station.core.switching import SwitchRequest
+from station.core.franka import RobotState
 from tests.franka_station import JOINTS, make_franka_station
 
 TYPE = "franka_control/FrankaStateController"

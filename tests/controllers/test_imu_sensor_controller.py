@@ -4,7 +4,7 @@ import pytest
 
 from station.controllers.imu_sensor_controller import ImuSensorController
 from station.core.errors import ParameterError
-from station.core.interfaces import ImuSensorHandle, ImuSensorInterface
+from station.core.hardware.interfaces import ImuSensorHandle, ImuSensorInterface
 
 COVARIANCE = [float(number) for number in range(9)]
 

@@ -4,17 +4,17 @@ from collections.abc import Mapping, Sequence
 
 from typing_extensions import override
 
-from station.core.controller import ControllerBase, ControllerState
-from station.core.controller_loader import ControllerLoader
+from station.core.control.controller import ControllerBase, ControllerState
+from station.core.control.controller_loader import ControllerLoader
 from station.core.errors import SwitchRefusedError
-from station.core.parameters import Parameters
-from station.core.robot_hw import (
+from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
     ResourceConflict,
     RobotHW,
     SwitchState,
 )
+from station.core.parameters import Parameters
 
 
 def _names(infos: Sequence[ControllerInfo]) -> str:

@@ -4,17 +4,17 @@ import threading
 from collections.abc import Callable, Sequence
 
 from station.core.clock import ManualClock
-from station.core.controller import Controller, ControllerBase
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
-from station.core.interfaces import (
+from station.core.control.controller import Controller, ControllerBase
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
     PositionJointInterface,
     VelocityJointInterface,
 )
 from station.core.parameters import Parameters
-from station.core.switching import Strictness, SwitchRequest, SwitchResult
 from station.hw.mock import MockRobotHW
 
 PERIOD = 0.01

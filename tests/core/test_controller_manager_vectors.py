@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from station.core.clock import ManualClock
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import StationError
 from station.core.parameters import Parameters
-from station.core.switching import Strictness, SwitchRequest
 from tests.core.deliberate_differences import DIFFERENCES, WITHOUT_UPDATES
 from tests.core.recorded_robot import RecordedLoader, RecordedRobot
 

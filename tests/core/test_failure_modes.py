@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from station.core.clock import SystemClock
-from station.core.control_loop import ControlLoop
+from station.core.control.switching import Strictness
 from station.core.errors import (
     ControllerExistsError,
     ControllerStateError,
@@ -17,8 +17,8 @@ from station.core.errors import (
     SwitchRefusedError,
     SwitchTimeoutError,
 )
-from station.core.set_point import SetPointElement, SetPointPort
-from station.core.switching import Strictness
+from station.core.loop.control_loop import ControlLoop
+from station.core.ports.set_point import SetPointElement, SetPointPort
 from tests.core.scripted import Bench
 
 BEST_EFFORT = Strictness.BEST_EFFORT

@@ -4,9 +4,9 @@ import random
 import threading
 
 from station.core.clock import SystemClock
-from station.core.control_loop import ControlLoop
+from station.core.control.switching import Strictness
 from station.core.errors import StationError
-from station.core.switching import Strictness
+from station.core.loop.control_loop import ControlLoop
 from tests.core.scripted import Bench
 
 THREADS = 4

@@ -8,8 +8,8 @@ import pytest
 from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.controllers import CONTROLLERS
+from station.core.control.switching import SwitchRequest
 from station.core.parameters import Parameters
-from station.core.switching import SwitchRequest
 from tests.conformance.benches import JOINTS, bench_for
 from tests.documentation.shell_examples import ROOT
 from tests.two_joint_station import make_station

@@ -14,7 +14,7 @@ from station.cli.arguments import build_parser
 from station.cli.main import main, normalise
 from station.client import StationClient
 from station.config import load_config
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
 from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
 
 OPERATOR = "operator-token"

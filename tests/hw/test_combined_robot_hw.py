@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import StationError
-from station.core.interfaces import JointStateInterface
+from station.core.hardware.interfaces import JointStateInterface
 from station.core.parameters import Parameters
 from station.hw.robot_loader import create_robot
 

@@ -4,7 +4,7 @@ from importlib import import_module
 
 import pytest
 
-from station.core.robot_hw import RobotHW
+from station.core.hardware.robot_hw import RobotHW
 from station.hw import HARDWARE
 
 

@@ -5,7 +5,7 @@ import types
 
 import pytest
 
-from station.core.robot_hw import RobotHW
+from station.core.hardware.robot_hw import RobotHW
 from station.hw.robot_loader import RobotTypeError, create_robot
 
 
@@ -33,7 +33,7 @@ def test_class_is_named_by_its_module(monkeypatch):
     [
         ("other_hw/Other", "allowed are .*franka_hw/FrankaHW"),
         ("no_such_module:Robot", "cannot be imported"),
-        ("station.core.robot_hw:Nothing", "cannot be imported"),
+        ("station.core.hardware.robot_hw:Nothing", "cannot be imported"),
         ("collections:OrderedDict", "is no RobotHW"),
     ],
 )

@@ -6,8 +6,8 @@ from random import Random
 
 import pytest
 
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
 from tests.franka_station import JOINTS, make_franka_station
 
 PARAMETERS = {"arm_id": "panda", "joint_names": JOINTS}

@@ -7,19 +7,16 @@ import pytest
 
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.control_loop import ControlLoop
-from station.core.controller import MultiInterfaceController
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
-from station.core.interfaces import (
-    EffortJointInterface,
-    FrankaStateInterface,
-    JointGroup,
-)
+from station.core.control.controller import MultiInterfaceController
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.franka import FrankaStateInterface
+from station.core.hardware.interfaces import EffortJointInterface, JointGroup
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters, ParameterTree
-from station.core.station import Station
-from station.core.switching import SwitchRequest
-from station.hw.franka.control_mode import ControlMode
+from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]

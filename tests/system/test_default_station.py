@@ -5,8 +5,8 @@ import pytest
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
 
 NAME = "effort_group_position_controller"
 STEPS = [

@@ -6,8 +6,8 @@ import pytest
 
 from station.app.composition import Composition, compose
 from station.config import load_config
-from station.core.limits import ClampReason
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.hardware.limits import ClampReason
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 # Half a degree is 0.0087 rad.

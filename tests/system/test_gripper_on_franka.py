@@ -5,9 +5,9 @@ import pytest
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.goal import GoalStatus
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.ports.goal import GoalStatus
 
 FINGER = "panda_finger_joint1"
 # A real hand's friction is not simulated; the gains are those of franka_gazebo.

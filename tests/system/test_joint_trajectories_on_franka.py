@@ -6,15 +6,15 @@ import pytest
 
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.control_loop import ControlLoop
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
-from station.core.goal import Goal, GoalStatus
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters, ParameterTree
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.ports.goal import Goal, GoalStatus
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 STIFFNESS = [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0]

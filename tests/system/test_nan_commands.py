@@ -5,16 +5,18 @@ from math import nan
 import pytest
 from typing_extensions import override
 
-from station.core.controller import Controller, ControllerState
-from station.core.controller_loader import TableLoader
-from station.core.interfaces import (
-    EffortJointInterface,
+from station.core.control.controller import Controller, ControllerState
+from station.core.control.controller_loader import TableLoader
+from station.core.control.switching import SwitchRequest
+from station.core.franka import (
     FrankaPoseCartesianInterface,
     FrankaVelocityCartesianInterface,
+)
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,
 )
-from station.core.switching import SwitchRequest
 from tests.franka_station import JOINTS, make_franka_station
 
 BAD_AFTER = 200

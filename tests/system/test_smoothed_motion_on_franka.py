@@ -7,8 +7,8 @@ import pytest
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 P = [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0]

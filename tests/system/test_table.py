@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from station.core.controller import ControllerState
+from station.core.control.controller import ControllerState
+from station.core.control.switching import SwitchRequest
 from station.core.errors import SwitchRefusedError
-from station.core.interfaces import RobotMode
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.franka import RobotMode
 from station.hw.franka.franka_hw import FrankaHW
 from tests.franka_station import JOINTS, make_franka_station
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.api.schemas import Fault
 from station.client import ApiError
+from station.wire import Fault
 from tests.system.arm_bench import ARM, ArmBench
 
 POSITION_ARM = "position_joint_trajectory_controller"

@@ -10,7 +10,7 @@ from station.api.dependencies import AuthenticatorDep, RoleDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import LoginRequest, Session, StreamTicket
+from station.wire import LoginRequest, Session, StreamTicket
 
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)

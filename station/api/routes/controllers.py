@@ -6,7 +6,9 @@ from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import (
+from station.core.control import switching
+from station.core.facade.station import Station
+from station.wire import (
     Controllers,
     ControllerState,
     ControllerType,
@@ -15,8 +17,6 @@ from station.api.schemas import (
     SwitchRequest,
     SwitchResult,
 )
-from station.core import switching
-from station.core.station import Station
 
 router = APIRouter(tags=["controllers"], dependencies=[Viewer], route_class=JsonRoute)
 

@@ -9,8 +9,8 @@ from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import Gains, GainsChange, GainsPatch
-from station.core.station import Station
+from station.core.facade.station import Station
+from station.wire import Gains, GainsChange, GainsPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 

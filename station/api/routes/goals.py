@@ -8,7 +8,7 @@ from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import (
+from station.wire import (
     CommandAccepted,
     DesiredState,
     Goal,

@@ -2,8 +2,8 @@
 
 from fastapi import APIRouter
 
+from station import wire as schemas
 from station.api import gripper_wire as wire
-from station.api import schemas
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems

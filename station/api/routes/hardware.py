@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from station.api import wire_hardware
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
-from station.api.schemas import Hardware
+from station.wire import Hardware
 
 router = APIRouter(tags=["robot"], dependencies=[Viewer])
 

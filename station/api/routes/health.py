@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from station.api.dependencies import StationDep
 from station.api.errors import ProblemError
 from station.api.routes.problems import problems
-from station.api.schemas import Health, Ready
+from station.wire import Health, Ready
 
 router = APIRouter(tags=["health"])
 

@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from station.api import wire
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
-from station.api.schemas import JointStates
+from station.wire import JointStates
 
 router = APIRouter(tags=["robot"], dependencies=[Viewer])
 

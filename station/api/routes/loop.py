@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.routes.problems import problems
-from station.api.schemas import LoopReport
+from station.wire import LoopReport
 
 router = APIRouter(tags=["loop"], dependencies=[Viewer])
 

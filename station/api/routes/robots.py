@@ -2,13 +2,13 @@
 
 from fastapi import APIRouter
 
+from station import wire as schemas
 from station.api import robot_wire as wire
-from station.api import schemas
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.core.interfaces import Frame
-from station.core.station import Station
+from station.core.facade.station import Station
+from station.core.franka import Frame
 
 router = APIRouter(
     prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute

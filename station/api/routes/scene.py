@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from station.api import wire
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
-from station.api.schemas import Scene
+from station.wire import Scene
 
 router = APIRouter(tags=["simulation"], dependencies=[Viewer])
 

@@ -7,13 +7,13 @@ from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import (
+from station.core.control import controller as core_controller
+from station.wire import (
     CommandAccepted,
     CommandInfo,
     CommandRequest,
     ControllerSample,
 )
-from station.core import controller as core_controller
 
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 

@@ -6,7 +6,7 @@ from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import ResetRequest, Simulation, SimulationPatch, StepRequest
+from station.wire import ResetRequest, Simulation, SimulationPatch, StepRequest
 
 router = APIRouter(
     prefix="/simulation",

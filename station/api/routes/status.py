@@ -10,7 +10,7 @@ import station as package
 from station.api import wire
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
-from station.api.schemas import Status
+from station.wire import Status
 
 router = APIRouter(tags=["station"], dependencies=[Viewer])
 

@@ -16,8 +16,8 @@ from station.api import wire
 from station.api.dependencies import Operator, RoleDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.api.schemas import ReleaseRequest, StopRequest, StopState
-from station.core.stop_latch import StopLatch
+from station.core.loop.stop_latch import StopLatch
+from station.wire import ReleaseRequest, StopRequest, StopState
 
 BODY_TIMEOUT = 0.01
 """How long a stop waits for its own reason [s]; it comes with the request."""

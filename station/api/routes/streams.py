@@ -8,13 +8,13 @@ from station.api.auth import Authenticator, Role
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
 from station.api.routes.problems import problems
-from station.api.schemas import CLOSE_UNAUTHORIZED
 from station.api.streams import StreamRequestError
 from station.api.streams.request import parse_request
+from station.wire import CLOSE_UNAUTHORIZED
 
 if TYPE_CHECKING:
     from station.api.streams import Broadcaster
-    from station.core.station import Station
+    from station.core.facade.station import Station
 
 router = APIRouter(tags=["streams"])
 

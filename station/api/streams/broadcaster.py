@@ -8,13 +8,13 @@ import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.api import wire
-from station.api.schemas import CLOSE_GOING_AWAY, CLOSE_TOO_SLOW, CLOSE_TRY_LATER
 from station.api.streams.channel import Channel, open_channel
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
 from station.api.streams.topics import Data, Payload, Topic
 from station.core.errors import StationError
-from station.core.station import Station
+from station.core.facade.station import Station
+from station.wire import CLOSE_GOING_AWAY, CLOSE_TOO_SLOW, CLOSE_TRY_LATER
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import msgspec.msgpack
 import orjson
 
-from station.api.schemas import StreamFormat
 from station.api.streams.topics import Data, Payload
+from station.wire import StreamFormat
 
 _msgpack = msgspec.msgpack.Encoder()
 

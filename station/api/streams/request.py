@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from station.api.schemas import (
+from station.api.streams.topics import CycleTopic, Topic, find_topic, topic_names
+from station.core.facade.station import Station
+from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_UNKNOWN_TOPIC,
     StreamFormat,
 )
-from station.api.streams.topics import CycleTopic, Topic, find_topic, topic_names
-from station.core.station import Station
 
 MIN_RATE = 0.1
 MAX_RATE = 500.0

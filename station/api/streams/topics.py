@@ -7,15 +7,15 @@ import anyio.to_thread
 from typing_extensions import override
 
 from station.api import robot_wire, wire
-from station.api.schemas import FrankaState
-from station.core.controller import ControllerSample
+from station.core.control.controller import ControllerSample
 from station.core.errors import (
     ArmNotFoundError,
     ControllerNotFoundError,
     StationError,
 )
-from station.core.snapshot import Snapshot
-from station.core.station import Station
+from station.core.facade.station import Station
+from station.core.loop.snapshot import Snapshot
+from station.wire import FrankaState
 
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"

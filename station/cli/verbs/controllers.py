@@ -9,7 +9,7 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_model, say_models, say_table
 
 if TYPE_CHECKING:
-    from station.api.schemas import ControllerState
+    from station.wire import ControllerState
 
 
 def list_controllers(options: Namespace) -> int:

@@ -11,9 +11,9 @@ from station.cli.output import say, say_model
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.api.schemas import Gripper, GripperCommand
     from station.client import StationClient
     from station.client.gripper_client import GripperClient
+    from station.wire import Gripper, GripperCommand
 
 POLL = 0.1
 """How often the gripper is looked at [s]."""
@@ -84,7 +84,7 @@ def _only_arm(client: "StationClient") -> str:
 def _begin(
     hand: "GripperClient", action: str, numbers: "Sequence[float]", options: Namespace
 ) -> "Gripper":
-    from station.api.schemas import (
+    from station.wire import (
         GraspEpsilon,
         GripperGraspRequest,
         GripperMoveRequest,

@@ -7,7 +7,7 @@ from station.cli.connection import open_client
 from station.cli.output import say, say_model, say_table
 
 if TYPE_CHECKING:
-    from station.api.schemas import Hardware, HardwareLimits
+    from station.wire import Hardware, HardwareLimits
 
 
 def list_hardware_interfaces(options: Namespace) -> int:

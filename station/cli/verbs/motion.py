@@ -8,9 +8,9 @@ from station.cli.output import say, say_model
 from station.cli.verbs.switching import stop_running
 
 if TYPE_CHECKING:
-    from station.api.schemas import ArmReport, Recoveries, Recovery, StopState
     from station.client import StationClient
     from station.client.robot_calls import Restart
+    from station.wire import ArmReport, Recoveries, Recovery, StopState
 
 
 def command(options: Namespace) -> int:

@@ -7,7 +7,7 @@ from station.cli.connection import open_client
 from station.cli.output import say, say_model
 
 if TYPE_CHECKING:
-    from station.api.schemas import Simulation
+    from station.wire import Simulation
 
 
 def pause(options: Namespace) -> int:

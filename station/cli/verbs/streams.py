@@ -10,7 +10,7 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_model
 
 if TYPE_CHECKING:
-    from station.api.schemas import StreamFrame
+    from station.wire import StreamFrame
 
 
 def echo(options: Namespace) -> int:

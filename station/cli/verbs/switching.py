@@ -8,8 +8,8 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_model
 
 if TYPE_CHECKING:
-    from station.api.schemas import SwitchResult
     from station.client import StationClient
+    from station.wire import SwitchResult
 
 
 def switch_controllers(options: Namespace) -> int:

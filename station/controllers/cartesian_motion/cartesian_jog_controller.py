@@ -10,15 +10,15 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     CartesianMotionController,
 )
 from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
-from station.core.controller import ControllerSample
+from station.core.control.controller import ControllerSample
+from station.core.control.tunables import Tunable
 from station.core.errors import InvalidGainError, ParameterError
-from station.core.interfaces import Frame
-from station.core.interfaces.franka_robot_state import RobotState
+from station.core.franka import Frame
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.robot_hw import RobotHW
+from station.core.numerics.rigid_motion import times, to_inner_axes, to_outer_axes
 from station.core.parameters import Parameters
-from station.core.rigid_motion import times, to_inner_axes, to_outer_axes
-from station.core.robot_hw import RobotHW
-from station.core.set_point import SetPointPort
-from station.core.tunables import Tunable
+from station.core.ports.set_point import SetPointPort
 
 FRAMES = ("O", "EE")
 """In whose axes a twist may be: the base's, or the end effector's."""

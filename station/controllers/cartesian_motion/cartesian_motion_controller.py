@@ -29,18 +29,18 @@ from station.controllers.franka_example_controllers.start_pose import (
     read_arm_id,
     read_joint_names,
 )
-from station.core.controller import ControllerSample, MultiInterfaceController
-from station.core.interfaces import (
+from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.franka import (
     FrankaCartesianPoseHandle,
     FrankaModelHandle,
     FrankaModelInterface,
     FrankaPoseCartesianInterface,
 )
-from station.core.interfaces.franka_robot_state import RobotState
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.robot_description import require_robot_description
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.robot_description import require_robot_description
-from station.core.robot_hw import RobotHW
-from station.core.set_point import SetPointPort
+from station.core.ports.set_point import SetPointPort
 
 DEFAULT_TIMEOUT = 0.2
 """How long a set-point is valid without `command_timeout` [s]."""

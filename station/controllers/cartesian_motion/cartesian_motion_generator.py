@@ -10,7 +10,7 @@ from math import copysign, sqrt
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.core.rigid_motion import displace, rotation_between
+from station.core.numerics.rigid_motion import displace, rotation_between
 
 # Rounding of a motion that has ended [m/s, rad/s and per second].
 _AT_REST = 1e-12

@@ -8,13 +8,13 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     CartesianMotionController,
 )
 from station.controllers.cartesian_motion.pose_set_point import PoseSetPointPort
-from station.core.controller import ControllerSample
-from station.core.interfaces import Frame
-from station.core.interfaces.franka_robot_state import RobotState
+from station.core.control.controller import ControllerSample
+from station.core.franka import Frame
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.robot_hw import RobotHW
+from station.core.numerics.rigid_motion import pose_of, quaternion_of
 from station.core.parameters import Parameters
-from station.core.rigid_motion import pose_of, quaternion_of
-from station.core.robot_hw import RobotHW
-from station.core.set_point import SetPointPort
+from station.core.ports.set_point import SetPointPort
 
 
 class CartesianStreamingController(CartesianMotionController):

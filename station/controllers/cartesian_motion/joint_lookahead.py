@@ -19,10 +19,10 @@ from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
 from station.controllers.cartesian_motion.lookahead_settings import LookaheadSettings
-from station.core.interfaces import Frame, FrankaModelHandle
-from station.core.interfaces.franka_robot_state import RobotState
-from station.core.rigid_motion import twist_between
-from station.core.robot_description import JointDescription
+from station.core.franka import Frame, FrankaModelHandle
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.robot_description import JointDescription
+from station.core.numerics.rigid_motion import twist_between
 
 # What was worked out for a configuration holds for one as near as that [rad].
 _NEAR = 0.01

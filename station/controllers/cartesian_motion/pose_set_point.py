@@ -5,7 +5,7 @@ from math import sqrt
 from typing_extensions import override
 
 from station.core.errors import InvalidCommandError
-from station.core.set_point import SetPointElement, SetPointPort
+from station.core.ports.set_point import SetPointElement, SetPointPort
 
 REACH = 2.0
 """Farthest coordinate that is taken [m]; no arm reaches it."""

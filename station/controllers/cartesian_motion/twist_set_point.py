@@ -6,7 +6,7 @@ from typing_extensions import override
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
 from station.core.errors import InvalidCommandError
-from station.core.set_point import SetPointElement, SetPointPort
+from station.core.ports.set_point import SetPointElement, SetPointPort
 
 _ROUNDING = 1e-9
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.pid_command_controller import PositionPidController
-from station.core.interfaces import EffortJointInterface
+from station.core.hardware.interfaces import EffortJointInterface
 
 
 class JointGroupPositionController(PositionPidController[EffortJointInterface]):

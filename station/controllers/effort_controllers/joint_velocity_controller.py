@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.pid_command_controller import JointPidController
-from station.core.interfaces import EffortJointInterface
+from station.core.hardware.interfaces import EffortJointInterface
 
 
 class JointVelocityController(JointPidController[EffortJointInterface]):

@@ -10,7 +10,7 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
     CommandInterfaceT,
     JointSetPointController,
 )
-from station.core.controller import ControllerSample
+from station.core.control.controller import ControllerSample
 
 
 class ForwardJointGroupCommandController(JointSetPointController[CommandInterfaceT]):

@@ -17,15 +17,15 @@ from station.controllers.forward_command_controller.joint_quantity import JointQ
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
-from station.core.controller import Controller
-from station.core.interfaces import JointCommandInterface, JointGroup
-from station.core.parameters import Parameters
-from station.core.robot_description import (
+from station.core.control.controller import Controller
+from station.core.hardware.interfaces import JointCommandInterface, JointGroup
+from station.core.hardware.robot_description import (
     JointDescription,
     RobotDescription,
     find_robot_description,
 )
-from station.core.set_point import SetPointElement, SetPointPort
+from station.core.parameters import Parameters
+from station.core.ports.set_point import SetPointElement, SetPointPort
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from station.controllers.forward_command_controller.command_timeout import TimeoutAction
 from station.core.errors import CommandTimeoutError
-from station.core.set_point import SetPointPort
+from station.core.ports.set_point import SetPointPort
 
 
 class WatchedSetPoint:

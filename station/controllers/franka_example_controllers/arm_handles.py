@@ -7,16 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.core.errors import ControllerLoadError
-from station.core.interfaces import (
-    EffortJointInterface,
+from station.core.franka import (
     FrankaModelHandle,
     FrankaModelInterface,
     FrankaStateHandle,
     FrankaStateInterface,
-    JointGroup,
 )
-from station.core.interfaces.interface_manager import interface_type_name
-from station.core.robot_hw import RobotHW
+from station.core.hardware.interfaces import EffortJointInterface, JointGroup
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.robot_hw import RobotHW
 
 LARGEST_STEP = 1.0
 """Of a torque per cycle [Nm]."""

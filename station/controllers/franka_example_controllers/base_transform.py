@@ -8,8 +8,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
+from station.core.description.urdf_text import parse_decimal, parse_robot_description
 from station.core.errors import RobotDescriptionError
-from station.core.urdf_text import parse_decimal, parse_robot_description
 
 
 def base_transform(xml: str, link: str, other: str) -> NDArray[np.float64]:

@@ -30,15 +30,12 @@ from station.controllers.franka_example_controllers.start_pose import (
     read_arm_id,
     read_joint_names,
 )
-from station.core.controller import MultiInterfaceController
-from station.core.interfaces import (
-    EffortJointInterface,
-    FrankaModelInterface,
-    FrankaStateInterface,
-)
+from station.core.control.controller import MultiInterfaceController
+from station.core.control.tunables import Tunable
+from station.core.franka import FrankaModelInterface, FrankaStateInterface
+from station.core.hardware.interfaces import EffortJointInterface
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.robot_hw import RobotHW
-from station.core.tunables import Tunable
 
 _DEFAULTS = {
     "translational_stiffness": 200.0,

@@ -26,12 +26,8 @@ from station.controllers.franka_example_controllers.quaternion import (
     quaternion_of,
     slerp,
 )
-from station.core.interfaces import (
-    Frame,
-    FrankaModelHandle,
-    FrankaStateHandle,
-    JointGroup,
-)
+from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
+from station.core.hardware.interfaces import JointGroup
 
 FILTER = 0.005
 """Share of the way to a new target that is gone per cycle."""

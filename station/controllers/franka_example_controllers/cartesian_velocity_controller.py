@@ -14,8 +14,8 @@ from station.controllers.franka_example_controllers.start_pose import (
     check_start_pose,
     read_arm_id,
 )
-from station.core.controller import Controller
-from station.core.interfaces import (
+from station.core.control.controller import Controller
+from station.core.franka import (
     FrankaCartesianVelocityHandle,
     FrankaVelocityCartesianInterface,
 )

@@ -36,17 +36,14 @@ from station.controllers.franka_example_controllers.start_pose import (
     read_arm_id,
     read_joint_names,
 )
-from station.core.controller import MultiInterfaceController
-from station.core.interfaces import (
-    EffortJointInterface,
-    FrankaModelInterface,
-    FrankaStateInterface,
-)
+from station.core.control.controller import MultiInterfaceController
+from station.core.control.publish_timer import PublishTimer
+from station.core.control.tunables import Tunable
+from station.core.franka import FrankaModelInterface, FrankaStateInterface
+from station.core.hardware.interfaces import EffortJointInterface
+from station.core.hardware.robot_description import ROBOT_DESCRIPTION
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
-from station.core.robot_description import ROBOT_DESCRIPTION
-from station.core.robot_hw import RobotHW
-from station.core.tunables import Tunable
 
 RATE_HZ = 30.0
 """How often the centering frame is published."""

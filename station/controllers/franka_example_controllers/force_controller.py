@@ -26,16 +26,12 @@ from station.controllers.franka_example_controllers.start_pose import (
     read_arm_id,
     read_joint_names,
 )
-from station.core.controller import ControllerSample, MultiInterfaceController
-from station.core.interfaces import (
-    EffortJointInterface,
-    Frame,
-    FrankaModelInterface,
-    FrankaStateInterface,
-)
+from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.control.tunables import Tunable
+from station.core.franka import Frame, FrankaModelInterface, FrankaStateInterface
+from station.core.hardware.interfaces import EffortJointInterface
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.robot_hw import RobotHW
-from station.core.tunables import Tunable
 
 FILTER = 0.001
 """Share of the way to a new mass or gain that is gone per cycle."""

@@ -30,16 +30,13 @@ from station.controllers.franka_example_controllers.start_pose import (
     read_arm_id,
     read_joint_names,
 )
-from station.core.controller import ControllerSample, MultiInterfaceController
+from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.control.publish_timer import PublishTimer
 from station.core.errors import ParameterError
-from station.core.interfaces import (
-    EffortJointInterface,
-    FrankaModelInterface,
-    FrankaPoseCartesianInterface,
-)
+from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
+from station.core.hardware.interfaces import EffortJointInterface
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
-from station.core.robot_hw import RobotHW
 
 RADIUS = 0.1
 """Default of `radius`, also for one that is too small [m]."""

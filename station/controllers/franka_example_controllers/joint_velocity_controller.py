@@ -14,8 +14,8 @@ from station.controllers.franka_example_controllers.start_pose import (
     check_start_pose,
     read_joint_names,
 )
-from station.core.controller import Controller
-from station.core.interfaces import JointGroup, VelocityJointInterface
+from station.core.control.controller import Controller
+from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
 from station.core.parameters import Parameters
 
 PEAK = 0.1

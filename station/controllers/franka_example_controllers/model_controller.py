@@ -11,10 +11,10 @@ from typing import ClassVar
 from typing_extensions import override
 
 from station.controllers.franka_example_controllers.start_pose import read_arm_id
-from station.core.controller import Controller
-from station.core.interfaces import Frame, FrankaModelHandle, FrankaModelInterface
+from station.core.control.controller import Controller
+from station.core.control.publish_timer import PublishTimer
+from station.core.franka import Frame, FrankaModelHandle, FrankaModelInterface
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
 
 RATE_HZ = 1.0
 """How often the model is evaluated."""

@@ -15,7 +15,7 @@ from station.controllers.forward_command_controller.watched_set_point import (
 )
 from station.core.errors import InvalidCommandError
 from station.core.parameters import Parameters
-from station.core.set_point import SetPointElement, SetPointPort
+from station.core.ports.set_point import SetPointElement, SetPointPort
 
 _REACH = 2.0
 _LENGTH_TOLERANCE = 1e-3

@@ -37,19 +37,14 @@ from station.controllers.franka_example_controllers.teleop_parameters import (
     read_teleop_parameters,
     teleop_schema,
 )
-from station.core.controller import ControllerSample, MultiInterfaceController
-from station.core.interfaces import (
-    EffortJointInterface,
-    FrankaStateHandle,
-    FrankaStateInterface,
-    JointGroup,
-    RobotState,
-)
+from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.control.publish_timer import PublishTimer
+from station.core.control.tunables import Tunable
+from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
+from station.core.hardware.interfaces import EffortJointInterface, JointGroup
+from station.core.hardware.robot_description import require_robot_description
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.publish_timer import PublishTimer
-from station.core.robot_description import require_robot_description
-from station.core.robot_hw import RobotHW
-from station.core.tunables import Tunable
 
 RATE_HZ = 60.0
 """How often targets and contacts are published."""

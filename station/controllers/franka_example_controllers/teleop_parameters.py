@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.controllers.franka_example_controllers.follower_motion import MotionBounds
+from station.core.control.tunables import Tunable
 from station.core.parameters import Parameters
-from station.core.tunables import Tunable
 
 _DOF = 7
 _SMALLEST = 0.1

@@ -16,9 +16,9 @@ from station.controllers.gripper_action_controller.gripper_command_port import (
     GripperCommand,
 )
 from station.controllers.pid_command_controller import JointPids, read_joint_pids
-from station.core.interfaces import EffortJointInterface, JointHandle
+from station.core.control.tunables import Tunable
+from station.core.hardware.interfaces import EffortJointInterface, JointHandle
 from station.core.parameters import Parameters
-from station.core.tunables import Tunable
 
 
 class GripperActionController(GripperActionControllerBase[EffortJointInterface]):

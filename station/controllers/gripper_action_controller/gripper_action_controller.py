@@ -13,12 +13,15 @@ from station.controllers.gripper_action_controller.gripper_command_port import (
     GripperCommand,
     GripperCommandPort,
 )
-from station.core.controller import Controller, ControllerSample
+from station.core.control.controller import Controller, ControllerSample
 from station.core.errors import ParameterError
-from station.core.goal import Goal, GoalResult, GoalStatus
-from station.core.interfaces import JointCommandInterface, JointHandle
+from station.core.hardware.interfaces import JointCommandInterface, JointHandle
+from station.core.hardware.robot_description import (
+    JointDescription,
+    require_robot_description,
+)
 from station.core.parameters import Parameters
-from station.core.robot_description import JointDescription, require_robot_description
+from station.core.ports.goal import Goal, GoalResult, GoalStatus
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 

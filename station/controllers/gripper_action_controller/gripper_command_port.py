@@ -11,8 +11,8 @@ from math import isfinite
 from typing_extensions import override
 
 from station.core.errors import ControllerStateError, InvalidCommandError
-from station.core.goal import Goal, GoalPort
-from station.core.robot_description import JointDescription
+from station.core.hardware.robot_description import JointDescription
+from station.core.ports.goal import Goal, GoalPort
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from station.controllers.gripper_action_controller.gripper_action_controller imp
 from station.controllers.gripper_action_controller.gripper_command_port import (
     GripperCommand,
 )
-from station.core.interfaces import JointHandle, PositionJointInterface
+from station.core.hardware.interfaces import JointHandle, PositionJointInterface
 
 
 class GripperActionController(GripperActionControllerBase[PositionJointInterface]):

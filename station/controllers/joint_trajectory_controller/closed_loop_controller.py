@@ -17,9 +17,13 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
     TrajectoryExecution,
 )
 from station.controllers.pid_command_controller import JointPids, read_joint_pids
-from station.core.interfaces import JointCommandInterface, JointGroup, JointStateGroup
+from station.core.control.tunables import Tunable
+from station.core.hardware.interfaces import (
+    JointCommandInterface,
+    JointGroup,
+    JointStateGroup,
+)
 from station.core.parameters import Parameters
-from station.core.tunables import Tunable
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 

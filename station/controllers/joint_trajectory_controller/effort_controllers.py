@@ -10,7 +10,7 @@ from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.joint_trajectory_controller.closed_loop_controller import (
     ClosedLoopTrajectoryController,
 )
-from station.core.interfaces import EffortJointInterface
+from station.core.hardware.interfaces import EffortJointInterface
 
 
 class JointTrajectoryController(ClosedLoopTrajectoryController[EffortJointInterface]):

@@ -12,7 +12,7 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
     TrajectoryExecution,
 )
 from station.core.errors import ControllerStateError, InvalidTrajectoryError
-from station.core.goal import Goal, GoalPort
+from station.core.ports.goal import Goal, GoalPort
 from station.core.trajectory import (
     JointTolerances,
     ToleranceRequest,

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
     ErrorCode,
 )
-from station.core.goal import Goal, GoalResult, GoalStatus
-from station.core.robot_description import JointDescription
+from station.core.hardware.robot_description import JointDescription
+from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.trajectory import JointTrajectorySegment, SegmentTrajectory
 
 

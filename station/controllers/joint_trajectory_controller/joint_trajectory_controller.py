@@ -20,17 +20,20 @@ from station.controllers.joint_trajectory_controller.speed_scaling import SpeedS
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
-from station.core.controller import Controller, ControllerSample
+from station.core.control.controller import Controller, ControllerSample
+from station.core.control.tunables import Tunable
 from station.core.errors import ParameterError
-from station.core.goal import GoalStatus
-from station.core.interfaces import JointStateGroup
+from station.core.hardware.interfaces import JointStateGroup
+from station.core.hardware.robot_description import (
+    JointDescription,
+    require_robot_description,
+)
 from station.core.parameters import Parameters
-from station.core.robot_description import JointDescription, require_robot_description
+from station.core.ports.goal import GoalStatus
 from station.core.trajectory import (
     PosVelAccState,
     read_tolerances,
 )
-from station.core.tunables import Tunable
 
 InterfaceT = TypeVar("InterfaceT")
 SPEED_SCALING = "speed_scaling"

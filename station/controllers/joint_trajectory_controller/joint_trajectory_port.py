@@ -12,7 +12,7 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
 )
 from station.core.errors import ControllerStateError
 from station.core.trajectory import PosVelAccState
-from station.core.trajectory_port import TrajectoryPort
+from station.core.trajectory.trajectory_port import TrajectoryPort
 
 
 class JointTrajectoryPort(TrajectoryPort):

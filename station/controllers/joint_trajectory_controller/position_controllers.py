@@ -14,7 +14,7 @@ from station.controllers.joint_trajectory_controller.joint_trajectory_controller
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     JointGroup,
     JointStateGroup,
     PositionJointInterface,

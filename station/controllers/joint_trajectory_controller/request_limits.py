@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from station.core.errors import InvalidTrajectoryError
-from station.core.robot_description import JointDescription
+from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import JointTrajectory
 
 MAX_DURATION = 86_400.0

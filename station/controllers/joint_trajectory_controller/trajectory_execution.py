@@ -19,10 +19,10 @@ from station.controllers.joint_trajectory_controller.request_limits import (
     check_positions,
 )
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
-from station.core.angles import shortest_angular_distance
 from station.core.errors import InvalidTrajectoryError
-from station.core.goal import Goal, GoalResult, GoalStatus
-from station.core.robot_description import JointDescription, JointType
+from station.core.hardware.robot_description import JointDescription, JointType
+from station.core.numerics.angles import shortest_angular_distance
+from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.trajectory import (
     JointTolerances,
     JointTrajectory,

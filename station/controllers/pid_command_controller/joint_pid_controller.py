@@ -14,9 +14,9 @@ from station.controllers.pid_command_controller.joint_pids import (
     JointPids,
     read_joint_pids,
 )
-from station.core.controller import ControllerSample
+from station.core.control.controller import ControllerSample
+from station.core.control.tunables import Tunable
 from station.core.parameters import Parameters
-from station.core.tunables import Tunable
 
 
 class JointPidController(JointSetPointController[CommandInterfaceT]):

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 
 from station.controllers.forward_command_controller import JointQuantity
+from station.core.control.tunables import Tunable
 from station.core.errors import InvalidGainError, ParameterError
+from station.core.hardware.robot_description import JointDescription
+from station.core.numerics.pid import Pid, PidGains
 from station.core.parameters import Parameters
-from station.core.pid import Pid, PidGains
-from station.core.robot_description import JointDescription
-from station.core.tunables import Tunable
 
 GAIN_MAXIMUM = 10_000.0
 """Largest `p` and `i` offered for tuning, in the units of the gain."""

@@ -17,18 +17,18 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
 from station.controllers.pid_command_controller.joint_pid_controller import (
     JointPidController,
 )
-from station.core.angles import (
-    shortest_angular_distance,
-    shortest_angular_distance_with_limits,
-)
-from station.core.parameters import Parameters
-from station.core.robot_description import (
+from station.core.hardware.robot_description import (
     JointDescription,
     JointType,
     RobotDescription,
     require_robot_description,
 )
-from station.core.set_point import SetPointElement
+from station.core.numerics.angles import (
+    shortest_angular_distance,
+    shortest_angular_distance_with_limits,
+)
+from station.core.parameters import Parameters
+from station.core.ports.set_point import SetPointElement
 
 
 class PositionPidController(JointPidController[CommandInterfaceT]):

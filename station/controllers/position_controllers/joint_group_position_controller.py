@@ -10,7 +10,7 @@ from station.controllers.forward_command_controller import (
     ForwardJointGroupCommandController,
     JointQuantity,
 )
-from station.core.interfaces import PositionJointInterface
+from station.core.hardware.interfaces import PositionJointInterface
 
 
 class JointGroupPositionController(

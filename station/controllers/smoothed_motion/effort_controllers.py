@@ -13,9 +13,9 @@ from station.controllers.smoothed_motion.smoothed_motion_controller import (
     SmoothedMotionController,
 )
 from station.controllers.smoothed_motion.streaming import JointStreamingControllerBase
-from station.core.interfaces import EffortJointInterface
+from station.core.control.tunables import Tunable
+from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters
-from station.core.tunables import Tunable
 
 
 class _EffortCommands(SmoothedMotionController[EffortJointInterface]):

@@ -5,8 +5,8 @@ from math import inf, isfinite
 from typing import NoReturn
 
 from station.core.errors import ParameterError
+from station.core.hardware.robot_description import JointDescription
 from station.core.parameters import Parameters
-from station.core.robot_description import JointDescription
 
 TIME_TO_SPEED = 0.5
 """Default acceleration: full velocity after about this time [s]."""

@@ -9,7 +9,7 @@ from station.controllers.smoothed_motion.smoothed_motion_controller import (
     SmoothedMotionController,
 )
 from station.controllers.smoothed_motion.streaming import JointStreamingControllerBase
-from station.core.interfaces import PositionJointInterface
+from station.core.hardware.interfaces import PositionJointInterface
 
 
 class _PositionCommands(SmoothedMotionController[PositionJointInterface]):

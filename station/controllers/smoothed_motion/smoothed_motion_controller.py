@@ -17,9 +17,12 @@ from station.controllers.smoothed_motion.motion_limits import (
     MotionLimits,
     read_motion_limits,
 )
-from station.core.controller import ControllerSample
+from station.core.control.controller import ControllerSample
+from station.core.hardware.robot_description import (
+    RobotDescription,
+    require_robot_description,
+)
 from station.core.parameters import Parameters
-from station.core.robot_description import RobotDescription, require_robot_description
 
 LONGEST_TIMEOUT = 1.0
 """Longest validity of a set-point [s]: whoever commands has to go on saying so."""

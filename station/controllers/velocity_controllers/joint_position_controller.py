@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.pid_command_controller import PositionPidController
-from station.core.interfaces import VelocityJointInterface
+from station.core.hardware.interfaces import VelocityJointInterface
 
 
 class JointPositionController(PositionPidController[VelocityJointInterface]):

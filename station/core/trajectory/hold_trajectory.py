@@ -6,7 +6,7 @@ stop_trajectory_builder.h.
 
 from collections.abc import Sequence
 
-from station.core.goal import Goal
+from station.core.ports.goal import Goal
 from station.core.trajectory.joint_trajectory_segment import (
     JointTrajectorySegment,
     SegmentTrajectory,

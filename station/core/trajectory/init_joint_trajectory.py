@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from station.core.errors import InvalidTrajectoryError
-from station.core.goal import Goal
+from station.core.ports.goal import Goal
 from station.core.trajectory.joint_trajectory import (
     JointTrajectory,
     JointTrajectoryPoint,

@@ -10,16 +10,14 @@ from collections.abc import Mapping, Sequence
 
 from typing_extensions import override
 
-from station.core.combined_robot_hw import CombinedRobotHW
 from station.core.errors import ParameterError, SwitchRefusedError
-from station.core.interfaces import JointCommandInterface, JointStateInterface
-from station.core.interfaces.franka_robot_state import RobotMode
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.hardware.combined_robot_hw import CombinedRobotHW
+from station.core.hardware.interfaces import JointCommandInterface, JointStateInterface
+from station.core.hardware.robot_description import ROBOT_DESCRIPTION
+from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.core.parameters import Parameters
-from station.core.robot_description import ROBOT_DESCRIPTION
-from station.core.robot_hw import ControllerInfo, ResourceConflict
-from station.hw.franka.arm_placement import placement_of
-from station.hw.franka.combined_description import combine_descriptions
-from station.hw.franka.control_mode import (
+from station.hw.franka.arm.control_mode import (
     MODE_OF_INTERFACE,
     ControlMode,
     arm_id_of,
@@ -27,7 +25,9 @@ from station.hw.franka.control_mode import (
 )
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import read_parameters
-from station.hw.franka.simulation import simulate
+from station.hw.franka.simulated.arm_placement import placement_of
+from station.hw.franka.simulated.combined_description import combine_descriptions
+from station.hw.franka.simulated.simulation import simulate
 from station.hw.mujoco.scene import read_scene
 from station.hw.robot_loader import create_robot
 

@@ -26,52 +26,52 @@ from station.core.errors import (
     ParameterError,
     SwitchRefusedError,
 )
-from station.core.interfaces import FrankaServicesInterface
-from station.core.interfaces.franka_robot_state import RobotMode, RobotState
-from station.core.parameters import Parameters
-from station.core.robot_description import ROBOT_DESCRIPTION
-from station.core.robot_hw import (
+from station.core.franka import FrankaServicesInterface
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.hardware.robot_description import ROBOT_DESCRIPTION
+from station.core.hardware.robot_hw import (
     ControllerInfo,
     ResourceConflict,
     RobotHW,
     SwitchState,
 )
-from station.core.robot_report import (
+from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
     SceneObjectReport,
 )
-from station.hw.franka.arm_interfaces import model_interface, state_interface
-from station.hw.franka.arm_names import find_prefix, joint_names
-from station.hw.franka.arm_placement import placement_of, simulate_one
-from station.hw.franka.arm_services import ArmServices
-from station.hw.franka.cartesian_commands import CartesianCommands
-from station.hw.franka.command_filter import CommandFilter
-from station.hw.franka.command_sender import CommandSender
-from station.hw.franka.control_mode import (
+from station.core.parameters import Parameters
+from station.hw.franka.arm.arm_names import find_prefix, joint_names
+from station.hw.franka.arm.control_mode import (
     ControlMode,
     control_mode_of,
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.finger_joints import FingerJoints
+from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.sensor_check import blind_sensor
+from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
+from station.hw.franka.commands.arm_services import ArmServices
+from station.hw.franka.commands.cartesian_commands import CartesianCommands
+from station.hw.franka.commands.command_filter import CommandFilter
+from station.hw.franka.commands.command_sender import CommandSender
+from station.hw.franka.commands.joint_commands import JointCommands
+from station.hw.franka.commands.joint_limit_warnings import joint_limit_warnings
+from station.hw.franka.commands.motion_start import MotionStart
+from station.hw.franka.commands.rate_limiter import rate_limits_of
 from station.hw.franka.franka_parameters import (
     FrankaParameters,
     read_command_settings,
     read_parameters,
 )
-from station.hw.franka.joint_commands import JointCommands
-from station.hw.franka.joint_limit_warnings import joint_limit_warnings
-from station.hw.franka.motion_follower import MOST_LOST_PACKETS
-from station.hw.franka.motion_start import MotionStart
-from station.hw.franka.rate_limiter import rate_limits_of
-from station.hw.franka.robot_arm import RobotArm
-from station.hw.franka.sensor_check import blind_sensor
+from station.hw.franka.hand.finger_joints import FingerJoints
+from station.hw.franka.simulated.arm_placement import placement_of, simulate_one
+from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
 from station.hw.mujoco.scene import read_scene
 from station.hw.urdf_parser import parse_urdf
 
 if TYPE_CHECKING:
-    from station.hw.franka.simulation import Simulation
+    from station.hw.franka.simulated.simulation import Simulation
 
 _logger = logging.getLogger(__name__)
 # Up to here franka_control's gains of effort-controlled joints are stable.

@@ -12,17 +12,17 @@ from math import pi
 from typing import NoReturn
 
 from station.core.errors import ParameterError
-from station.core.interfaces.franka_model import GRAVITY_EARTH
-from station.core.interfaces.franka_services import CollisionBehavior
-from station.core.limits import LimitMode
+from station.core.franka.franka_model import GRAVITY_EARTH
+from station.core.franka.franka_services import CollisionBehavior
+from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
-from station.hw.franka.arm_limits import LIMITS_OF_ARM, ArmLimits
-from station.hw.franka.arm_names import joint_names
-from station.hw.franka.arm_supervisor import SupervisorLimits
-from station.hw.franka.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
-from station.hw.franka.motion_follower import MOST_LOST_PACKETS
-from station.hw.franka.robot_arm import ControllerMode
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM, ArmLimits
+from station.hw.franka.arm.arm_names import joint_names
+from station.hw.franka.arm.robot_arm import ControllerMode
+from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
+from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from station.hw.urdf import Pose
 
 _DOF = 7

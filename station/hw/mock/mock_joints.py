@@ -1,6 +1,6 @@
 """The joints of the mock: ideal, each in the mode of whoever claims it."""
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
     PosVelAccJointInterface,

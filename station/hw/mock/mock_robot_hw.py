@@ -15,7 +15,7 @@ from station.core.errors import (
     ParameterError,
     SwitchRefusedError,
 )
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
@@ -31,8 +31,8 @@ from station.core.interfaces import (
     PosVelJointInterface,
     VelocityJointInterface,
 )
+from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
 from station.core.parameters import Parameters
-from station.core.robot_hw import ControllerInfo, RobotHW, SwitchState
 from station.hw.mock.mock_joints import IDLE, MockJoints
 from station.hw.mock.mock_script import MockScript
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointCommandInterface,
     PositionJointInterface,

@@ -5,8 +5,9 @@ from dataclasses import replace
 from math import inf
 from xml.etree import ElementTree
 
-from station.core.interfaces import JointHandle
-from station.core.limits import (
+from station.core.description.urdf_text import parse_robot_description
+from station.core.hardware.interfaces import JointHandle
+from station.core.hardware.limits import (
     JointLimits,
     JointLimitsHandle,
     LimitMode,
@@ -16,14 +17,13 @@ from station.core.limits import (
     soft_joint_limits_from_parameters,
     soft_joint_limits_from_urdf,
 )
-from station.core.parameters import Parameters
-from station.core.robot_report import (
+from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
     limit_values,
     report_clamps,
 )
-from station.core.urdf_text import parse_robot_description
+from station.core.parameters import Parameters
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 
 _PARAMETERS = "parameters"

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from station.core.robot_hw import ControllerInfo
-from station.core.transmissions import RawJointData
+from station.core.hardware.robot_hw import ControllerInfo
+from station.core.hardware.transmissions import RawJointData
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.joint_pids import JointPid

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from station.core.angles import (
+from station.core.errors import ParameterError
+from station.core.numerics.angles import (
     shortest_angular_distance,
     shortest_angular_distance_with_limits,
 )
-from station.core.errors import ParameterError
+from station.core.numerics.pid import Pid
 from station.core.parameters import Parameters
-from station.core.pid import Pid
 from station.hw.urdf import Joint, JointType
 
 

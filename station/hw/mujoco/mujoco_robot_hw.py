@@ -21,22 +21,21 @@ from station.core.errors import (
     RobotDescriptionError,
     SwitchRefusedError,
 )
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     JointHandle,
     JointStateHandle,
     JointStateInterface,
 )
-from station.core.limits import LimitMode
-from station.core.parameters import Parameters
-from station.core.robot_description import ROBOT_DESCRIPTION
-from station.core.robot_hw import ControllerInfo, RobotHW
-from station.core.robot_report import (
+from station.core.hardware.limits import LimitMode
+from station.core.hardware.robot_description import ROBOT_DESCRIPTION
+from station.core.hardware.robot_hw import ControllerInfo, RobotHW
+from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
     SceneObjectReport,
     TransmissionReport,
 )
-from station.core.transmissions import (
+from station.core.hardware.transmissions import (
     ActuatorToJointStateInterface,
     JointToActuatorEffortInterface,
     JointToActuatorPositionInterface,
@@ -45,7 +44,8 @@ from station.core.transmissions import (
     TransmissionInfo,
     TransmissionInterfaceLoader,
 )
-from station.core.transmissions.hardware_interface_kind import interface_of
+from station.core.hardware.transmissions.hardware_interface_kind import interface_of
+from station.core.parameters import Parameters
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes

@@ -12,8 +12,8 @@ robot:
   timestep: 0.001                             # of the simulation [s]
   initial_positions: {elbow_joint: 1.57}      # [rad or m]; others at 0 or mid-range
   limit_mode: ros_control                     # or rate
-  joint_limits: {elbow_joint: {…}}            # see station.core.limits.parameters
-  pid_gains: {elbow_joint: {p: 100, d: 10}}   # see station.core.pid
+  joint_limits: {elbow_joint: {…}}            # as core.hardware.limits.parameters
+  pid_gains: {elbow_joint: {p: 100, d: 10}}   # see station.core.numerics.pid
   sensors:
     wrist_ft: {type: force_torque, link: tool0}
     imu: {type: imu, link: forearm_link}
@@ -29,7 +29,7 @@ from math import pi
 from typing import NoReturn
 
 from station.core.errors import ParameterError
-from station.core.limits import LimitMode
+from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.urdf import Pose
 

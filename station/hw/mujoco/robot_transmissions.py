@@ -12,7 +12,7 @@ from typing import NoReturn
 from xml.etree import ElementTree
 
 from station.core.errors import RobotDescriptionError
-from station.core.transmissions import (
+from station.core.hardware.transmissions import (
     ActuatorInfo,
     JointInfo,
     TransmissionInfo,

@@ -9,7 +9,7 @@ upwards; its orientation is that of the link in the world.
 import mujoco
 
 from station.core.errors import ParameterError
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
     ImuSensorHandle,

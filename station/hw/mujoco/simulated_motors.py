@@ -16,7 +16,7 @@ those of `TransmissionInterfaceLoader`.
 
 from collections.abc import Mapping, Sequence
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     ActuatorHandle,
     ActuatorStateHandle,
     ActuatorStateInterface,
@@ -25,7 +25,7 @@ from station.core.interfaces import (
     PositionActuatorInterface,
     VelocityActuatorInterface,
 )
-from station.core.transmissions import (
+from station.core.hardware.transmissions import (
     ActuatorData,
     ActuatorToJointEffortHandle,
     ActuatorToJointPositionHandle,

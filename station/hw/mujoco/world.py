@@ -6,7 +6,7 @@ from typing import Protocol
 
 import mujoco
 
-from station.core.robot_report import SceneObjectReport
+from station.core.hardware.robot_report import SceneObjectReport
 from station.hw.mujoco.overspeed_brakes import OverspeedBrakes
 from station.hw.mujoco.push import AppliedPush, Push
 from station.hw.mujoco.scene import SceneObject

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.api.schemas import GripperGraspRequest, GripperMoveRequest
 from station.client import ApiError
+from station.wire import GripperGraspRequest, GripperMoveRequest
 from tests.hw.franka.grasp_scene import WIDTH, make_grasp_station, run_until_done
 
 ROUTE = "/api/v1/robots/panda/gripper"

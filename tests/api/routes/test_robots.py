@@ -2,14 +2,14 @@
 
 import pytest
 
-from station.api.schemas import (
+from station.client import ApiError
+from station.wire import (
     ExternalForce,
     Fault,
     ForceTorqueCollisionBehavior,
     FullCollisionBehavior,
     Load,
 )
-from station.client import ApiError
 from tests.franka_station import JOINTS, make_franka_station
 
 IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]

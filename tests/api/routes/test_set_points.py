@@ -3,7 +3,7 @@
 import pytest
 
 from station.client import ApiError
-from station.core.set_point import SetPointElement
+from station.core.ports.set_point import SetPointElement
 from tests.api.test_errors import problem_of
 
 COMMAND = "/api/v1/controllers/spring/command"

@@ -3,7 +3,7 @@
 import pytest
 
 from station.client import ApiError
-from station.core.stop_latch import StopState
+from station.core.loop.stop_latch import StopState
 from tests.api.conftest import VIEWER
 
 

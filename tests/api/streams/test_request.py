@@ -2,9 +2,9 @@
 
 import pytest
 
-from station.api.schemas import CLOSE_BAD_REQUEST, CLOSE_UNKNOWN_TOPIC
 from station.api.streams import StreamRequest, StreamRequestError
 from station.api.streams.request import parse_request
+from station.wire import CLOSE_BAD_REQUEST, CLOSE_UNKNOWN_TOPIC
 from tests.api.spring import make_station
 
 

@@ -5,8 +5,8 @@ import asyncio
 import pytest
 
 from station.api.streams.topics import find_topic, topic_names
+from station.core.control.switching import SwitchRequest
 from station.core.errors import LoopError
-from station.core.switching import SwitchRequest
 from tests.api.spring import make_station
 from tests.franka_station import make_franka_station
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from station.api.schemas import Goal, GoalResult
 from station.cli.verbs import goto
+from station.wire import Goal, GoalResult
 
 
 def goal(status: str, message: str = "", code: int = 0) -> Goal:

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from station.api.schemas import Gripper, GripperCommand
 from station.cli.verbs import gripper
+from station.wire import Gripper, GripperCommand
 
 
 def command(status="active", number="1", message=""):

@@ -2,7 +2,7 @@
 
 import json
 
-from station.api.schemas import Hardware
+from station.wire import Hardware
 
 EXAMPLE = Hardware.model_validate(
     Hardware.model_config["json_schema_extra"]["examples"][0]

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.api.schemas import StreamFrame
+from station.wire import StreamFrame
 
 
 @pytest.fixture(autouse=True)

@@ -6,24 +6,27 @@ from math import sqrt
 import pytest
 
 from station.core.clock import ManualClock
-from station.core.interfaces import (
+from station.core.franka import (
     Frame,
     FrankaCartesianPoseHandle,
     FrankaModelHandle,
     FrankaModelInterface,
     FrankaPoseCartesianInterface,
 )
-from station.core.interfaces.franka_robot_state import RobotState
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_hw import RobotHW
-from station.hw.franka.arm_limits import PANDA_LIMITS
-from station.hw.franka.cartesian_motion import CartesianCommand, CartesianMotion
-from station.hw.franka.franka_kinematics import (
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.arm.franka_kinematics import (
     body_jacobian,
     frame_pose,
     zero_jacobian,
 )
-from station.hw.franka.self_collision import clearance
+from station.hw.franka.arm.self_collision import clearance
+from station.hw.franka.simulated.cartesian_motion import (
+    CartesianCommand,
+    CartesianMotion,
+)
 from tests.conformance.benches import JOINTS, POSE, panda
 
 PERIOD = 0.001

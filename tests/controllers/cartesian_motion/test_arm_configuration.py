@@ -7,9 +7,9 @@ from station.controllers.cartesian_motion.arm_configuration import (
     ELBOW,
     ArmConfiguration,
 )
-from station.core.interfaces import Frame
-from station.core.rigid_motion import twist_between
-from station.hw.franka.franka_kinematics import frame_pose, zero_jacobian
+from station.core.franka import Frame
+from station.core.numerics.rigid_motion import twist_between
+from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 
 Q = [0.2, -0.6, 0.3, -2.0, 0.4, 1.7, 0.5]
 TWIST = [0.1, -0.2, 0.05, 0.3, 0.1, -0.4]

@@ -14,7 +14,7 @@ from station.controllers.cartesian_motion.cartesian_limits import (
 )
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.franka.arm_limits import FR3_LIMITS, PANDA_LIMITS
+from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS
 
 
 def read(**values):

@@ -9,7 +9,7 @@ from station.controllers.cartesian_motion.lookahead_settings import (
 )
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.franka.arm_limits import FR3_LIMITS, PANDA_LIMITS
+from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS
 
 
 def read(**values):

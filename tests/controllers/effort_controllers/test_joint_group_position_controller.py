@@ -5,13 +5,13 @@ from math import pi
 import pytest
 
 from station.controllers.effort_controllers import JointGroupPositionController
+from station.core.control.tunables import check_tunables
 from station.core.errors import (
     InvalidCommandError,
     InvalidGainError,
     ParameterError,
     RobotDescriptionError,
 )
-from station.core.tunables import check_tunables
 
 JOINTS = ["slide", "elbow", "wheel"]
 PID = {"p": 100.0, "i": 0.0, "d": 20.0}

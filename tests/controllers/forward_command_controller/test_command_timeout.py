@@ -10,8 +10,8 @@ from station.controllers.forward_command_controller.command_timeout import (
 from station.controllers.position_controllers import JointGroupPositionController
 from station.controllers.velocity_controllers import JointGroupVelocityController
 from station.core.clock import ManualClock
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
 from station.core.errors import CommandTimeoutError, ParameterError
 from station.core.parameters import Parameters, ParameterTree
 

@@ -6,7 +6,7 @@ from station.controllers.effort_controllers import JointEffortController
 from station.controllers.position_controllers import JointPositionController
 from station.controllers.velocity_controllers import JointVelocityController
 from station.core.errors import InvalidCommandError, ParameterError
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,

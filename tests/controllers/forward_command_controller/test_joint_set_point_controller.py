@@ -7,7 +7,7 @@ from station.controllers.forward_command_controller import (
     JointSetPointController,
 )
 from station.core.errors import RobotDescriptionError
-from station.core.interfaces import VelocityJointInterface
+from station.core.hardware.interfaces import VelocityJointInterface
 
 
 class Follower(JointSetPointController[VelocityJointInterface]):

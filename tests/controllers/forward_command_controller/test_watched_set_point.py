@@ -8,7 +8,7 @@ from station.controllers.forward_command_controller.watched_set_point import (
 )
 from station.core.clock import ManualClock
 from station.core.errors import CommandTimeoutError
-from station.core.set_point import SetPointElement, SetPointPort
+from station.core.ports.set_point import SetPointElement, SetPointPort
 
 
 @pytest.fixture

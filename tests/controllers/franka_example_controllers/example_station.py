@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from station.core.station import Station
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
 from tests.franka_station import JOINTS, make_franka_station
 
 

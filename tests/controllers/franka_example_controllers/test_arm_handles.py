@@ -11,8 +11,8 @@ from station.controllers.franka_example_controllers.arm_handles import (
     saturate_torque_rate,
 )
 from station.core.errors import ControllerLoadError, ResourceNotFoundError
-from station.core.interfaces import FrankaStateInterface
-from station.core.robot_hw import RobotHW
+from station.core.franka import FrankaStateInterface
+from station.core.hardware.robot_hw import RobotHW
 from tests.franka_station import JOINTS, make_franka_station
 
 

@@ -7,8 +7,8 @@ import pytest
 from station.controllers.franka_example_controllers.cartesian_pose_controller import (
     RADIUS,
 )
+from station.core.control.switching import SwitchRequest
 from station.core.errors import SwitchRefusedError
-from station.core.switching import SwitchRequest
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,

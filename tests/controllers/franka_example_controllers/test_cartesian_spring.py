@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.core.interfaces import Frame
+from station.core.franka import Frame
 from tests.controllers.franka_example_controllers.example_station import start_example
 
 

@@ -5,9 +5,9 @@ from math import cos, sin
 import numpy as np
 import pytest
 
+from station.core.control.switching import SwitchRequest
 from station.core.errors import ControllerLoadError
-from station.core.interfaces import Frame
-from station.core.switching import SwitchRequest
+from station.core.franka import Frame
 from tests.controllers.franka_example_controllers.test_cartesian_spring import torques
 from tests.controllers.franka_example_controllers.two_arm_station import (
     joints_of,

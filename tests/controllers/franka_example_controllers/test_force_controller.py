@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from station.core.interfaces import Frame
+from station.core.franka import Frame
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,

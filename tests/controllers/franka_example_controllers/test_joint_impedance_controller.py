@@ -5,10 +5,10 @@ from math import hypot
 import numpy as np
 import pytest
 
+from station.core.control.switching import SwitchRequest
 from station.core.errors import ParameterError
-from station.core.interfaces import Frame
-from station.core.switching import SwitchRequest
-from station.hw.franka.control_mode import ControlMode
+from station.core.franka import Frame
+from station.hw.franka.arm.control_mode import ControlMode
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.control_loop import ControlLoop
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import SwitchRequest
+from station.core.facade.station import Station
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
-from station.core.station import Station
-from station.core.switching import SwitchRequest
 from station.hw.robot_loader import create_robot
 
 

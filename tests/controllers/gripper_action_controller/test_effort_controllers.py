@@ -6,7 +6,7 @@ from station.controllers.gripper_action_controller.effort_controllers import (
     GripperActionController,
 )
 from station.core.errors import ParameterError
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 
 GAINS = {"gains": {"slide": {"p": 200.0, "d": 20.0, "i": 0.0}}}
 

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import ParameterError, RobotDescriptionError
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 
 URDF_WITHOUT_EFFORT = """
 <robot name="fake"><joint name="slide" type="continuous"/></robot>

@@ -11,8 +11,8 @@ from typing_extensions import override
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.goal import Goal
-from station.core.switching import SwitchRequest
+from station.core.control.switching import SwitchRequest
+from station.core.ports.goal import Goal
 from station.hw.mock import MockRobotHW
 
 YAML = Path(__file__).parents[2] / "data" / "ros_yaml"

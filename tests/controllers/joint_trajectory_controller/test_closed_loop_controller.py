@@ -7,7 +7,7 @@ from station.controllers.joint_trajectory_controller import (
     velocity_controllers,
 )
 from station.core.errors import InvalidGainError, ParameterError
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 
 JOINTS = ["slide", "elbow"]
 GAINS = {"slide": {"p": 400.0, "d": 40.0}, "elbow": {"p": 400.0, "d": 40.0}}

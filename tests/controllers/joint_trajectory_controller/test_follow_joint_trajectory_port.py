@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import GoalNotFoundError, InvalidTrajectoryError
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 
 AWAY = (1.0, [0.1, 0.5, -0.5])
 

@@ -13,7 +13,7 @@ from station.core.errors import (
     ParameterError,
     RobotDescriptionError,
 )
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 
 JOINTS = ["slide", "elbow", "wheel"]
 HOME = (1.0, [0.0, 0.0, 0.0])

@@ -6,7 +6,7 @@ import pytest
 
 from station.controllers.joint_trajectory_controller.pace import check_pace
 from station.core.errors import InvalidTrajectoryError
-from station.core.robot_description import JointDescription
+from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import (
     JointTrajectorySegment,
     PosVelAccState,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 
 PERIOD = 0.001
 AWAY = [0.2, 1.0, 1.0]

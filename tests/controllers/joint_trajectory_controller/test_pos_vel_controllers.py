@@ -5,7 +5,7 @@ import pytest
 from station.controllers.joint_trajectory_controller.pos_vel_controllers import (
     JointTrajectoryController,
 )
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     JointStateInterface,
     PosVelJointHandle,
     PosVelJointInterface,

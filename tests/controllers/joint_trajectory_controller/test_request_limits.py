@@ -8,7 +8,7 @@ from station.controllers.joint_trajectory_controller.request_limits import (
     check_positions,
 )
 from station.core.errors import InvalidTrajectoryError
-from station.core.robot_description import JointDescription
+from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
 
 NOW = 1000.0

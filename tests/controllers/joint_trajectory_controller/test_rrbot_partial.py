@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from station.core.errors import InvalidTrajectoryError
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 from tests.controllers.joint_trajectory_controller.rrbot import (
     END,
     EPS,

@@ -6,7 +6,7 @@ All of them interrupt a motion at about its first waypoint.
 import pytest
 
 from station.core.errors import InvalidTrajectoryError
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 from tests.controllers.joint_trajectory_controller.rrbot import END, HOME, WAYPOINTS
 
 

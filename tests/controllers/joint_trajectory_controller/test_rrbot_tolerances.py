@@ -8,7 +8,7 @@ from math import pi
 
 import pytest
 
-from station.core.goal import GoalStatus
+from station.core.ports.goal import GoalStatus
 from tests.controllers.joint_trajectory_controller.rrbot import (
     ANY_PATH,
     HOME,

@@ -5,9 +5,9 @@ import pytest
 from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.pid_command_controller import JointPids, read_joint_pids
 from station.core.errors import ParameterError
+from station.core.hardware.robot_description import JointDescription, JointType
+from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters, ParameterTree
-from station.core.pid import PidGains
-from station.core.robot_description import JointDescription, JointType
 
 ELBOW = JointDescription("elbow", JointType.REVOLUTE)
 SLIDE = JointDescription("slide", JointType.PRISMATIC)

@@ -6,8 +6,8 @@ import pytest
 
 from station.controllers.smoothed_motion.motion_limits import read_motion_limits
 from station.core.errors import ParameterError
+from station.core.hardware.robot_description import JointDescription
 from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_description import JointDescription
 
 JOINTS = [JointDescription("a", velocity=2.0), JointDescription("b", velocity=1.0)]
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.goal import Goal
+from station.core.ports.goal import Goal
 from station.core.trajectory import hold_trajectory, sample_segments, stop_trajectory
 
 

@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from station.core.errors import InvalidTrajectoryError
-from station.core.goal import Goal
+from station.core.ports.goal import Goal
 from station.core.trajectory import (
     JointTolerances,
     JointTrajectory,

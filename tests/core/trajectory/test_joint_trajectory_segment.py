@@ -4,7 +4,7 @@ from math import inf, pi
 
 import pytest
 
-from station.core.goal import Goal
+from station.core.ports.goal import Goal
 from station.core.trajectory import (
     JointTrajectorySegment,
     PosVelAccState,

@@ -1,12 +1,12 @@
 """A FrankaHW without a manager: commands go straight to its interfaces."""
 
-from station.core.interfaces import (
+from station.core.franka import (
     FrankaPoseCartesianInterface,
     FrankaServices,
     FrankaServicesInterface,
     FrankaVelocityCartesianInterface,
 )
-from station.core.robot_hw import ControllerInfo, InterfaceResources
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.hw.franka.franka_hw import FrankaHW
 from tests.hw.franka.test_franka_hw import JOINTS
 

@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 
-from station.core.interfaces import GripperState
-from station.core.station import Station
+from station.core.facade.station import Station
+from station.core.franka import GripperState
 from tests.franka_station import make_franka_station
 
 WIDTH = 0.03

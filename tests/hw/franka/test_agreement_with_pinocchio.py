@@ -12,13 +12,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from station.core.interfaces.franka_model import Frame
-from station.hw.franka.arm_limits import PANDA_LIMITS
-from station.hw.franka.end_effector import end_effector_of
-from station.hw.franka.franka_dynamics import FrankaDynamics
-from station.hw.franka.franka_model import ArmModel
-from station.hw.franka.load import Load, combine_loads
-from station.hw.franka.simulation import ArmPlacement, simulate
+from station.core.franka.franka_model import Frame
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.simulated.end_effector import end_effector_of
+from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
+from station.hw.franka.simulated.franka_model import ArmModel
+from station.hw.franka.simulated.simulation import ArmPlacement, simulate
 from station.hw.robot_description import RobotDescription, load_robot_description
 from station.hw.urdf_parser import parse_urdf
 

@@ -5,13 +5,17 @@ from math import pi
 import pytest
 
 from station.core.errors import ArmCommandError
-from station.core.interfaces import FaultKind, RobotMode
-from station.core.interfaces.franka_errors import error_names
-from station.core.interfaces.franka_services import SimulatedFault
-from station.hw.franka.arm_supervisor import SupervisorLimits
-from station.hw.franka.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated_arm import SimulatedArm
-from station.hw.franka.simulation import INITIAL_POSITIONS, ArmPlacement, simulate
+from station.core.franka import FaultKind, RobotMode
+from station.core.franka.franka_errors import error_names
+from station.core.franka.franka_services import SimulatedFault
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
+from station.hw.franka.simulated.simulation import (
+    INITIAL_POSITIONS,
+    ArmPlacement,
+    simulate,
+)
 from station.hw.mujoco.scene import SceneObject
 from station.hw.robot_description import load_robot_description
 

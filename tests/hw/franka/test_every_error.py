@@ -8,14 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from station.core.interfaces import (
-    FaultKind,
-)
-from station.core.interfaces.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
-from station.core.interfaces.franka_services import SimulatedFault
+from station.core.franka import FaultKind
+from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
+from station.core.franka.franka_services import SimulatedFault
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
 from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,

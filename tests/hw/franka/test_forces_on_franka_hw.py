@@ -6,15 +6,15 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from station.core.interfaces import (
+from station.core.franka import (
     FrankaServices,
     FrankaServicesInterface,
     FrankaStateInterface,
-    PositionJointInterface,
 )
-from station.core.interfaces.franka_robot_state import RobotState
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.interfaces import PositionJointInterface
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from tests.hw.franka.test_franka_hw import drive, make, run, switch
 
 NONE = [0.0, 0.0, 0.0]

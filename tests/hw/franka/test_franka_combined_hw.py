@@ -4,17 +4,17 @@ import pytest
 
 from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.control_loop import ControlLoop
-from station.core.controller import ControllerState
-from station.core.controller_loader import TableLoader
-from station.core.controller_manager import ControllerManager
+from station.core.control.controller import ControllerState
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import SwitchRequest
 from station.core.errors import ArmCommandError, ParameterError, SwitchRefusedError
-from station.core.interfaces import FaultKind, FrankaServicesInterface, RobotMode
-from station.core.interfaces.franka_services import SimulatedFault
+from station.core.facade.station import Station
+from station.core.franka import FaultKind, FrankaServicesInterface, RobotMode
+from station.core.franka.franka_services import SimulatedFault
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
+from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
-from station.core.robot_hw import ControllerInfo, InterfaceResources
-from station.core.station import Station
-from station.core.switching import SwitchRequest
 from station.hw.robot_loader import create_robot
 
 URDF = "example-robot-data:panda"

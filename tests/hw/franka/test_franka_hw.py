@@ -10,17 +10,21 @@ from station.core.errors import (
     ParameterError,
     SwitchRefusedError,
 )
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointStateInterface,
     PositionJointInterface,
     VelocityJointInterface,
 )
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    InterfaceResources,
+    SwitchState,
+)
 from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_hw import ControllerInfo, InterfaceResources, SwitchState
-from station.hw.franka.control_mode import ControlMode
+from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 
 PERIOD = 0.001
 ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from station.core.interfaces.franka_errors import error_names
+from station.core.franka.franka_errors import error_names
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
 from tests.hw.franka.command_bench import Bench

@@ -7,9 +7,9 @@ works on arrays, so that the two have nothing in common.
 import numpy as np
 import pytest
 
-from station.hw.franka.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
-from station.hw.franka.cartesian_commands import limit_vector
-from station.hw.franka.rate_limiter import (
+from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
+from station.hw.franka.commands.cartesian_commands import limit_vector
+from station.hw.franka.commands.rate_limiter import (
     PERIOD,
     limit_position,
     limit_rate,

@@ -7,19 +7,21 @@ from pathlib import Path
 
 import pytest
 
-from station.core.interfaces import (
-    EffortJointInterface,
+from station.core.franka import (
     FrankaModelInterface,
     FrankaPoseCartesianInterface,
     FrankaStateInterface,
     FrankaVelocityCartesianInterface,
+)
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
     PositionJointInterface,
 )
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_hw import ControllerInfo, InterfaceResources
-from station.hw.franka.arm_limits import FR3_LIMITS
+from station.hw.franka.arm.arm_limits import FR3_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
 from tests.hw.franka.test_franka_hw import (
     PERIOD,

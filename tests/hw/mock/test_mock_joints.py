@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,

@@ -6,7 +6,7 @@ import pytest
 
 from station.core.clock import ManualClock
 from station.core.errors import ParameterError, SwitchRefusedError
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     EffortJointInterface,
     ForceTorqueSensorInterface,
     ImuSensorInterface,
@@ -16,8 +16,12 @@ from station.core.interfaces import (
     PosVelJointInterface,
     VelocityJointInterface,
 )
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    InterfaceResources,
+    SwitchState,
+)
 from station.core.parameters import Parameters
-from station.core.robot_hw import ControllerInfo, InterfaceResources, SwitchState
 from station.hw.mock import MockRobotHW
 
 

@@ -4,8 +4,8 @@ from math import inf
 
 import pytest
 
-from station.core.interfaces import JointHandle, JointStateHandle
-from station.core.limits import JointLimitsError, LimitMode
+from station.core.hardware.interfaces import JointHandle, JointStateHandle
+from station.core.hardware.limits import JointLimitsError, LimitMode
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 

@@ -4,10 +4,13 @@ from math import nan
 
 import pytest
 
-from station.core.interfaces import EffortJointInterface, PositionJointInterface
-from station.core.pid import Pid, PidGains
-from station.core.robot_hw import ControllerInfo, InterfaceResources
-from station.core.transmissions import RawJointData
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+)
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
+from station.core.hardware.transmissions import RawJointData
+from station.core.numerics.pid import Pid, PidGains
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.joint_pids import JointPid

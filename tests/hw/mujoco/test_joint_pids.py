@@ -5,8 +5,8 @@ from math import pi
 import pytest
 
 from station.core.errors import ParameterError
+from station.core.numerics.pid import Pid, PidGains
 from station.core.parameters import Parameters, ParameterTree
-from station.core.pid import Pid, PidGains
 from station.hw.mujoco.joint_pids import JointPid, read_joint_pids
 from station.hw.urdf import Joint, JointLimit, JointType, Pose
 

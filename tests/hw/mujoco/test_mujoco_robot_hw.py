@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from station.core.errors import HardwareInterfaceError, SwitchRefusedError
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     ActuatorStateInterface,
     EffortJointInterface,
     JointStateHandle,
@@ -14,14 +14,14 @@ from station.core.interfaces import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from station.core.parameters import Parameters, ParameterTree
-from station.core.robot_hw import ControllerInfo, InterfaceResources
-from station.core.transmissions import (
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
+from station.core.hardware.transmissions import (
     ActuatorToJointEffortInterface,
     ActuatorToJointPositionInterface,
     ActuatorToJointVelocityInterface,
     JointToActuatorStateInterface,
 )
+from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf

@@ -5,7 +5,10 @@ from math import cos, pi, sin
 import pytest
 
 from station.core.errors import ParameterError
-from station.core.interfaces import ForceTorqueSensorInterface, ImuSensorInterface
+from station.core.hardware.interfaces import (
+    ForceTorqueSensorInterface,
+    ImuSensorInterface,
+)
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 

@@ -2,12 +2,12 @@
 
 import pytest
 
-from station.core.interfaces import (
+from station.core.hardware.interfaces import (
     ActuatorStateInterface,
     EffortActuatorInterface,
     InterfaceManager,
 )
-from station.core.transmissions import SimpleTransmission
+from station.core.hardware.transmissions import SimpleTransmission
 from station.hw.mujoco.robot_transmissions import _default
 from station.hw.mujoco.simulated_motors import QUANTITIES, SimulatedMotors
 

@@ -1,0 +1,1 @@
+"""Controllers and the manager that loads, switches and updates them."""

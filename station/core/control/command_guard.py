@@ -1,0 +1,156 @@
+"""Watching what controllers command: finite, close to rest at the start, restable."""
+
+import math
+
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.robot_hw import InterfaceResources, RobotHW
+
+
+class CommandGuard:
+    """Watches the commands of one claimed resource.
+
+    Args:
+        interface: The robot's own interface through which it is claimed.
+        interface_name: Its name in the controller's claims.
+        name: Name of the resource.
+        slots: Where its commands are, as (storage, index).
+    """
+
+    def __init__(
+        self,
+        interface: HardwareResourceManager,  # type: ignore[type-arg]  # any handle
+        interface_name: str,
+        name: str,
+        slots: list[tuple[list[float], int]],
+    ) -> None:
+        self.interface = interface
+        self.claim = (interface_name, name)
+        self.name = name
+        self.slots = slots
+        self._last = [0.0 for _ in slots]
+        self._rest = self._last
+        self._present = self._last
+
+    def write_rest(self) -> None:
+        """Command the resource to rest where it is.
+
+        A command whose rest is unknown, because a sensor reads NaN, stays as it is or
+        becomes the last good one.
+        """
+        values = self.interface.rest_commands(self.name)
+        for position, (storage, index) in enumerate(self.slots):
+            if math.isfinite(values[position]):
+                storage[index] = values[position]
+            elif not _is_finite(storage[index]):
+                storage[index] = self._last[position]
+
+    def remember(self) -> bool:
+        """Take rest, motion and commands of now as what a jump is measured from.
+
+        Returns:
+            Whether rest is known, that is, finite.
+        """
+        self._rest = self.interface.rest_commands(self.name)
+        self._present = self.interface.present_commands(self.name)
+        self._last = [storage[index] for storage, index in self.slots]
+        return all(math.isfinite(value) for value in self._rest)
+
+    def jump(self) -> float:
+        """Return the largest step of a command, in its unit."""
+        return max(self._steps(), default=0.0)
+
+    def excess(self) -> tuple[float, float]:
+        """Return the first step that is too large and its limit; zeros if none is."""
+        limits = self.interface.start_jump_limits(self.name)
+        for step, limit in zip(self._steps(), limits, strict=True):
+            if not step <= limit:
+                return step, limit
+        return 0.0, 0.0
+
+    def _steps(self) -> list[float]:
+        """Return how far the commands are from the last ones or from slowing down.
+
+        Slowing down is everything between rest and what keeps the present motion.
+        """
+        steps: list[float] = []
+        for position, (storage, index) in enumerate(self.slots):
+            command = storage[index]
+            from_last = abs(command - self._last[position])
+            rest, present = self._rest[position], self._present[position]
+            steps.append(min(from_last, _distance(command, rest, present)))
+        return steps
+
+    def bad_command(self) -> str:
+        """Return the first command that is no finite number as text; empty if none."""
+        for storage, index in self.slots:
+            if not _is_finite(storage[index]):
+                return repr(storage[index])
+        return ""
+
+
+def _distance(command: float, rest: float, present: float) -> float:
+    """Return how far a command is from the range between rest and the present."""
+    if not math.isfinite(present):
+        return abs(command - rest)
+    low, high = min(rest, present), max(rest, present)
+    return max(low - command, command - high, 0.0)
+
+
+def _is_finite(value: object) -> bool:
+    """Say whether what a controller wrote is a finite number."""
+    return isinstance(value, (int, float)) and math.isfinite(value)
+
+
+def find_guards(
+    hw: RobotHW, claims: tuple[InterfaceResources, ...]
+) -> list[CommandGuard]:
+    """Return a guard for every claimed resource that takes commands.
+
+    Args:
+        hw: The robot.
+        claims: What a controller claims.
+    """
+    guards: list[CommandGuard] = []
+    for claim in claims:
+        interface = _find_interface(hw, claim.hardware_interface)
+        if interface is None:
+            continue
+        for handle in interface.handles():
+            slots = handle.command_slots()
+            if slots and handle.name in claim.resources:
+                guards.append(
+                    CommandGuard(
+                        interface.origin(handle.name),
+                        claim.hardware_interface,
+                        handle.name,
+                        slots,
+                    )
+                )
+    return guards
+
+
+def _find_interface(
+    hw: RobotHW,
+    name: str,
+) -> HardwareResourceManager | None:  # type: ignore[type-arg]  # any handle
+    for interface_type in hw.interface_types():
+        if interface_type_name(interface_type) == name:
+            interface = hw.get(interface_type)
+            return interface if isinstance(interface, HardwareResourceManager) else None
+    return None
+
+
+def as_pieces(slots: list[tuple[list[float], int]]) -> list[tuple[list[float], slice]]:
+    """Return as few (storage, slice) as cover `slots`.
+
+    Args:
+        slots: Where commands are, as (storage, index).
+    """
+    pieces: list[tuple[list[float], slice]] = []
+    for storage, index in slots:
+        if pieces and pieces[-1][0] is storage and pieces[-1][1].stop == index:
+            pieces[-1] = (storage, slice(pieces[-1][1].start, index + 1))
+        else:
+            pieces.append((storage, slice(index, index + 1)))
+    return pieces

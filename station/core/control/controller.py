@@ -1,0 +1,349 @@
+"""Controllers: the life cycle, and the two bases that people derive from.
+
+Source: ros_control@0.20.0 controller_interface/controller_base.h, controller.h,
+multi_interface_controller.h; differs: `init` raises with its reason instead of
+returning False, and there is one `init(hw, params)` instead of overloads.
+"""
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import ClassVar, Generic, NamedTuple, TypeVar
+
+from typing_extensions import override
+
+from station.core.control.tunables import Tunable
+from station.core.errors import ControllerLoadError
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.robot_hw import InterfaceResources, RobotHW
+from station.core.parameters import Parameters
+from station.core.ports.goal import GoalPort  # noqa: TC001 - a native attribute
+from station.core.ports.set_point import SetPointPort  # noqa: TC001 - a native attribute
+from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native attribute
+    TrajectoryPort,
+)
+
+
+class ControllerState(Enum):
+    """Where a controller is in its life (CM-82)."""
+
+    CONSTRUCTED = "unknown"
+    INITIALIZED = "initialized"
+    RUNNING = "running"
+    STOPPED = "stopped"
+    WAITING = "waiting"
+    ABORTED = "aborted"
+
+
+class ControllerSample(NamedTuple):
+    """What a controller did in one cycle, per joint, shape (n,) each.
+
+    Attributes:
+        stamp: Station time of the cycle [s].
+        desired: Set-point, in the unit of the set-point.
+        actual: Measured value, same unit.
+        error: Their difference as the control law sees it.
+        output: Commands written, in the unit of the hardware interface.
+    """
+
+    stamp: float
+    desired: list[float]
+    actual: list[float]
+    error: list[float]
+    output: list[float]
+
+
+class ControllerBase:
+    """A controller as the manager sees it.
+
+    Users override `starting`, `update`, `stopping`, `waiting` and `aborting`; all of
+    them run in the control thread, must return quickly and may not wait, log or do
+    I/O. `init_request` runs outside of the control thread.
+
+    Order: constructed, `init_request`, then any number of times `starting`,
+    `update` every cycle from the next one on, `stopping`. The state changes after a
+    callback has returned (CM-9). Throughout, `time` is station time [s] and `period`
+    the time since the last cycle [s], >= 0.
+
+    Attributes:
+        state: Where it is in its life; set by this class and the manager only.
+        set_points: Where set-points arrive; None when it takes none.
+        goals: Where goals arrive; None when it takes none.
+        trajectories: Where trajectories without a goal arrive; None when it takes none.
+        joint_names: Names of what `sample` describes.
+        sample: What it did last; a new object each time, None before the first.
+    """
+
+    def __init__(self) -> None:
+        self.state = ControllerState.CONSTRUCTED
+        self.set_points: SetPointPort | None = None
+        self.goals: GoalPort | None = None
+        self.trajectories: TrajectoryPort | None = None
+        self.joint_names: list[str] = []
+        self.sample: ControllerSample | None = None
+
+    def starting(self, time: float) -> None:
+        """Prepare to run. The first command must let the robot rest where it is."""
+
+    def update(self, time: float, period: float) -> None:
+        """Compute one cycle.
+
+        Args:
+            time: Station time [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+        raise NotImplementedError
+
+    def stopping(self, time: float) -> None:
+        """Clean up; the robot is about to take the joints back."""
+
+    def waiting(self, time: float) -> None:
+        """Called each cycle while the hardware is still switching."""
+
+    def aborting(self, time: float) -> None:
+        """Called when the hardware could not switch for this controller."""
+
+    def init_request(
+        self, hw: RobotHW, params: Parameters
+    ) -> tuple[InterfaceResources, ...]:
+        """Initialise the controller and return what it claims.
+
+        Args:
+            hw: The robot.
+            params: The controller's namespace.
+
+        Raises:
+            ControllerLoadError: A required interface is missing, or the controller is
+                not freshly constructed.
+            StationError: Whatever the controller's `init` raises.
+        """
+        raise NotImplementedError
+
+    def gain_schema(self) -> Mapping[str, Tunable]:
+        """Return the run-time parameters by name; empty when there are none."""
+        return {}
+
+    def gains(self) -> dict[str, float]:
+        """Return the present value of every run-time parameter."""
+        return {}
+
+    def check_gains(self, values: Mapping[str, float]) -> None:
+        """Refuse a complete set that is impossible as a whole.
+
+        Called outside of the control thread with a value for every name in the
+        schema, each already in its range.
+
+        Raises:
+            InvalidGainError: The values do not fit together.
+        """
+
+    def apply_gains(self, values: Mapping[str, float]) -> None:
+        """Take over a complete, checked set. Called between two cycles."""
+
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the latest messages by topic; empty when it publishes none.
+
+        Called in any thread. Values are numbers, texts, lists of numbers, or mappings
+        of these.
+        """
+        return {}
+
+    def is_running(self) -> bool:
+        """Say whether the controller is running."""
+        return self.state is ControllerState.RUNNING
+
+    def is_initialized(self) -> bool:
+        """Say whether the controller is initialised and was never started."""
+        return self.state is ControllerState.INITIALIZED
+
+    def is_stopped(self) -> bool:
+        """Say whether the controller was stopped."""
+        return self.state is ControllerState.STOPPED
+
+    def is_waiting(self) -> bool:
+        """Say whether the controller waits for the hardware."""
+        return self.state is ControllerState.WAITING
+
+    def is_aborted(self) -> bool:
+        """Say whether the hardware could not switch for this controller."""
+        return self.state is ControllerState.ABORTED
+
+    def update_request(self, time: float, period: float) -> None:
+        """Call `update` when running, else do nothing (CM-8)."""
+        if self.state is ControllerState.RUNNING:
+            self.update(time, period)
+
+    def start_request(self, time: float) -> bool:
+        """Call `starting`; return False only before initialisation (CM-3, CM-4).
+
+        A set-point that arrived before is void: it was meant for another situation.
+        """
+        if self.state is ControllerState.CONSTRUCTED:
+            return False
+        if self.set_points is not None:
+            self.set_points.clear()
+        self.starting(time)
+        self.state = ControllerState.RUNNING
+        return True
+
+    def stop_request(self, time: float) -> bool:
+        """Call `stopping`; return False only before initialisation (CM-3, CM-5)."""
+        if self.state is ControllerState.CONSTRUCTED:
+            return False
+        self.stopping(time)
+        self.state = ControllerState.STOPPED
+        return True
+
+    def wait_request(self, time: float) -> bool:
+        """Call `waiting`; return False only before initialisation (CM-3, CM-6)."""
+        if self.state is ControllerState.CONSTRUCTED:
+            return False
+        self.waiting(time)
+        self.state = ControllerState.WAITING
+        return True
+
+    def abort_request(self, time: float) -> bool:
+        """Call `aborting`; return False only before initialisation (CM-3, CM-6)."""
+        if self.state is ControllerState.CONSTRUCTED:
+            return False
+        self.aborting(time)
+        self.state = ControllerState.ABORTED
+        return True
+
+
+InterfaceT = TypeVar("InterfaceT")
+
+
+class ClaimingController(ControllerBase):
+    """What the two bases below share: claims are the handles asked for in `init`."""
+
+    def interface_types(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
+        """Return the required and the optional interface types."""
+        raise NotImplementedError
+
+    def initialise(self, hw: RobotHW, params: Parameters) -> None:
+        """Call the user's `init` with what it expects."""
+        raise NotImplementedError
+
+    @override
+    def init_request(
+        self, hw: RobotHW, params: Parameters
+    ) -> tuple[InterfaceResources, ...]:
+        if self.state is not ControllerState.CONSTRUCTED:
+            raise ControllerLoadError(
+                "Cannot initialise the controller: it is "
+                f"{self.state.value}, not freshly constructed.",
+                remedy="Load a new instance.",
+            )
+        interfaces = self._find_interfaces(hw)
+        _clear_claims(interfaces)
+        try:
+            self.initialise(hw, params)
+            claims = tuple(_claims_of(interface) for interface in interfaces)
+        finally:
+            _clear_claims(interfaces)
+        self.state = ControllerState.INITIALIZED
+        return claims
+
+    def _find_interfaces(self, hw: RobotHW) -> list[object]:
+        required, optional = self.interface_types()
+        found: list[object] = []
+        for interface_type in (*required, *optional):
+            interface: object | None = hw.get(interface_type)
+            if interface is not None:
+                found.append(interface)
+            elif interface_type in required:
+                name = interface_type_name(interface_type)
+                raise ControllerLoadError(
+                    f"The robot has no interface '{name}', which "
+                    f"{type(self).__name__} requires.",
+                    remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
+                    details={"hardware_interface": name},
+                )
+        return found
+
+
+def _clear_claims(interfaces: list[object]) -> None:
+    for interface in interfaces:
+        if isinstance(interface, HardwareResourceManager):
+            interface.clear_claims()
+
+
+def _claims_of(interface: object) -> InterfaceResources:
+    claims: tuple[str, ...] = ()
+    if isinstance(interface, HardwareResourceManager):
+        claims = tuple(interface.get_claims())
+    return InterfaceResources(interface_type_name(type(interface)), claims)
+
+
+class Controller(ClaimingController, Generic[InterfaceT]):
+    """A controller over one hardware interface.
+
+    ```python
+    class Brake(Controller[EffortJointInterface]):
+        hardware_interface = EffortJointInterface
+
+        def init(self, interface, params):
+            self.joint = interface.get_handle(params.get_str("joint"))
+
+        def update(self, time, period):
+            self.joint.set_command(-10.0 * self.joint.get_velocity())
+    ```
+
+    Attributes:
+        hardware_interface: The interface's type; the same as the type argument.
+    """
+
+    hardware_interface: ClassVar[type]
+
+    def init(self, interface: InterfaceT, params: Parameters) -> None:
+        """Read parameters and ask `interface` for handles.
+
+        Args:
+            interface: The robot's interface of the declared type.
+            params: The controller's namespace.
+
+        Raises:
+            StationError: The controller cannot be used like that; say why.
+        """
+
+    @override
+    def interface_types(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
+        return (self.hardware_interface,), ()
+
+    @override
+    def initialise(self, hw: RobotHW, params: Parameters) -> None:
+        interface: InterfaceT | None = hw.get(self.hardware_interface)
+        if interface is not None:
+            self.init(interface, params)
+
+
+class MultiInterfaceController(ClaimingController):
+    """A controller over several hardware interfaces.
+
+    Attributes:
+        required_interfaces: Types without which it cannot be loaded (CM-13).
+        optional_interfaces: Types it uses when the robot has them (CM-14).
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = ()
+    optional_interfaces: ClassVar[tuple[type, ...]] = ()
+
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        """Read parameters and ask `hw.get(InterfaceType)` for handles.
+
+        Args:
+            hw: The robot.
+            params: The controller's namespace.
+
+        Raises:
+            StationError: The controller cannot be used like that; say why.
+        """
+
+    @override
+    def interface_types(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
+        return self.required_interfaces, self.optional_interfaces
+
+    @override
+    def initialise(self, hw: RobotHW, params: Parameters) -> None:
+        self.init(hw, params)

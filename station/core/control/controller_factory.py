@@ -1,0 +1,96 @@
+"""Makes loaded controllers out of a name and its parameters."""
+
+import re
+from collections.abc import Sequence
+
+from station.core.control.command_guard import find_guards
+from station.core.control.controller import ControllerBase
+from station.core.control.controller_loader import ControllerLoader, create_controller
+from station.core.control.loaded_controller import LoadedController
+from station.core.errors import ControllerLoadError, ParameterError, StationError
+from station.core.faults import CONTAINED, describe, trace_of_fault
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
+from station.core.parameters import Parameters
+
+_NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
+
+
+class ControllerFactory:
+    """Creates and initialises controllers; outside of the control thread.
+
+    Args:
+        hw: The robot.
+        parameters: Namespace in which every controller has a namespace of its name.
+        loaders: Asked in this order.
+    """
+
+    def __init__(
+        self,
+        hw: RobotHW,
+        parameters: Parameters,
+        loaders: Sequence[ControllerLoader],
+    ) -> None:
+        self.loaders = list(loaders)
+        self._hw = hw
+        self._parameters = parameters
+
+    def declared_types(self) -> list[tuple[str, str]]:
+        """Return (type, base class) of everything the loaders declare."""
+        return [
+            (controller_type, loader.name)
+            for loader in self.loaders
+            for controller_type in loader.declared_types()
+        ]
+
+    def reload(self) -> None:
+        """Let every loader forget the code it imported."""
+        for loader in self.loaders:
+            loader.reload()
+
+    def build(self, name: str) -> LoadedController:
+        """Return a new, initialised controller.
+
+        Args:
+            name: Its name and namespace.
+
+        Raises:
+            ParameterError: Its type or a parameter is missing or impossible (CM-23).
+            ControllerTypeNotFoundError: No loader knows its type (CM-24).
+            ControllerLoadError: It cannot be created or initialised (CM-25 … CM-29).
+        """
+        if not _NAME.fullmatch(name):
+            raise ControllerLoadError(
+                f"'{name}' is no name for a controller.",
+                remedy="Use letters, digits and '_', with '/' between namespaces.",
+                details={"controller": name},
+            )
+        params = self._parameters.namespace(name)
+        controller_type = params.get_str("type")
+        fallback = tuple(params.get_str_list("fallback", []))
+        may_jump = params.get_bool("allow_start_jump", default=False)
+        controller = create_controller(self.loaders, controller_type)
+        claims = self._initialise(name, controller, params)
+        info = ControllerInfo(name, controller_type, claims)
+        guards = find_guards(self._hw, claims)
+        return LoadedController(controller, info, guards, fallback, may_jump=may_jump)
+
+    def _initialise(
+        self, name: str, controller: ControllerBase, params: Parameters
+    ) -> tuple[InterfaceResources, ...]:
+        try:
+            return controller.init_request(self._hw, params)
+        except ParameterError:
+            raise
+        except StationError as error:
+            raise ControllerLoadError(
+                f"Controller '{name}' cannot be initialised: {error.message}",
+                remedy=error.remedy,
+                details={**error.details, "controller": name, "cause": error.code},
+            ) from error
+        except CONTAINED as error:
+            raise ControllerLoadError(
+                f"Controller '{name}' cannot be initialised: its init raised "
+                f"{describe(error)}.",
+                remedy="Correct the controller's init.",
+                details={"controller": name, "traceback": trace_of_fault()},
+            ) from error

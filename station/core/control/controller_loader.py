@@ -1,0 +1,241 @@
+"""Where controllers come from: tables, installed packages, or any Python class.
+
+Source: ros_control@0.20.0 controller_manager/controller_loader_interface.h,
+controller_loader.h; differs: a plugin is a Python class named `module:Class`.
+"""
+
+import importlib
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from importlib.metadata import EntryPoint, entry_points
+
+from typing_extensions import override
+
+from station.core.control.controller import ControllerBase
+from station.core.errors import ControllerLoadError, ControllerTypeNotFoundError
+from station.core.faults import CONTAINED, describe
+
+BASE_CLASS = "controller_interface::ControllerBase"
+"""Name of the base class of every controller, as ros_control spells it."""
+
+Target = str | type[ControllerBase]
+"""What a table names: `module:Class`, or the class itself."""
+
+
+class ControllerLoader(ABC):
+    """Creates controllers of the types it knows. Used outside of the control thread.
+
+    Attributes:
+        name: What `list_controller_types` shows as base class.
+    """
+
+    def __init__(self, name: str = BASE_CLASS) -> None:
+        self.name = name
+
+    @abstractmethod
+    def declared_types(self) -> list[str]:
+        """Return the types it can create."""
+
+    @abstractmethod
+    def create(self, controller_type: str) -> ControllerBase | None:
+        """Return a new controller, or None when this loader has none of that type.
+
+        Raises:
+            ControllerLoadError: The type is known but cannot be created.
+        """
+
+    def knows(self, controller_type: str) -> bool:
+        """Say whether `create` should be tried for that type."""
+        return controller_type in self.declared_types()
+
+    def reload(self) -> None:
+        """Forget imported code, so that the next `create` reads it anew.
+
+        The default has none to forget.
+        """
+        return
+
+
+class TableLoader(ControllerLoader):
+    """Creates what a table lists; a module is imported when it is first needed.
+
+    Args:
+        table: Type to `module:Class` or to the class itself; a mapping or pairs. Of
+            equal types the last one counts (CM-31).
+        name: What `list_controller_types` shows as base class.
+    """
+
+    def __init__(
+        self,
+        table: Mapping[str, Target] | Sequence[tuple[str, Target]],
+        name: str = BASE_CLASS,
+    ) -> None:
+        super().__init__(name)
+        self._table: dict[str, Target] = dict(table)
+        self._modules: set[str] = set()
+
+    @override
+    def declared_types(self) -> list[str]:
+        return list(self._table)
+
+    @override
+    def create(self, controller_type: str) -> ControllerBase | None:
+        target = self._table.get(controller_type)
+        if target is None:
+            return None
+        if not isinstance(target, str):
+            return target()
+        self._modules.add(target.partition(":")[0])
+        return _create(controller_type, target)
+
+    @override
+    def reload(self) -> None:
+        _forget(self._modules)
+        self._modules.clear()
+
+
+class EntryPointLoader(ControllerLoader):
+    """Creates what installed packages offer in an entry point group.
+
+    Args:
+        group: The group; each entry is named by its type.
+    """
+
+    def __init__(self, group: str = "station.controllers") -> None:
+        super().__init__()
+        self._group = group
+        self._table = self._read()
+
+    def _read(self) -> TableLoader:
+        found: list[EntryPoint] = list(entry_points(group=self._group))
+        return TableLoader([(entry.name, entry.value) for entry in found])
+
+    @override
+    def declared_types(self) -> list[str]:
+        return self._table.declared_types()
+
+    @override
+    def create(self, controller_type: str) -> ControllerBase | None:
+        return self._table.create(controller_type)
+
+    @override
+    def reload(self) -> None:
+        self._table.reload()
+        self._table = self._read()
+
+
+class ClassLoader(ControllerLoader):
+    """Creates any importable class whose type is written `module:Class`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._modules: set[str] = set()
+
+    @override
+    def declared_types(self) -> list[str]:
+        return []
+
+    @override
+    def knows(self, controller_type: str) -> bool:
+        module, separator, name = controller_type.partition(":")
+        return bool(module and separator and name.isidentifier())
+
+    @override
+    def create(self, controller_type: str) -> ControllerBase | None:
+        self._modules.add(controller_type.partition(":")[0])
+        return _create(controller_type, controller_type)
+
+    @override
+    def reload(self) -> None:
+        _forget(self._modules)
+        self._modules.clear()
+
+
+def default_loaders(table: Mapping[str, str]) -> list[ControllerLoader]:
+    """Return the usual loaders: `table`, installed packages, `module:Class`.
+
+    Args:
+        table: Type to `module:Class`.
+    """
+    return [TableLoader(table), EntryPointLoader(), ClassLoader()]
+
+
+def create_controller(
+    loaders: Sequence[ControllerLoader], controller_type: str
+) -> ControllerBase:
+    """Return a new controller from the first loader that has one (CM-31).
+
+    Args:
+        loaders: Asked in this order.
+        controller_type: The type.
+
+    Raises:
+        ControllerTypeNotFoundError: No loader knows the type.
+        ControllerLoadError: A loader knows it and cannot create it.
+    """
+    known = False
+    for loader in loaders:
+        if not loader.knows(controller_type):
+            continue
+        known = True
+        controller = _create_with(loader, controller_type)
+        if controller is not None:
+            return controller
+    types = sorted({name for loader in loaders for name in loader.declared_types()})
+    if known:
+        raise ControllerLoadError(
+            f"No loader returned a controller of type '{controller_type}'.",
+            remedy="Look at the loader that declares it.",
+            details={"type": controller_type},
+        )
+    raise ControllerTypeNotFoundError(
+        f"No loader knows the controller type '{controller_type}'.",
+        remedy=f"Known types: {', '.join(types) or 'none'}; or write 'module:Class'.",
+        details={"type": controller_type, "known": types},
+    )
+
+
+def _create_with(
+    loader: ControllerLoader, controller_type: str
+) -> ControllerBase | None:
+    try:
+        return loader.create(controller_type)
+    except ControllerLoadError:
+        raise
+    except CONTAINED as error:
+        raise _cannot_create(controller_type, error) from error
+
+
+def _create(controller_type: str, target: str) -> ControllerBase:
+    module_name, _, class_name = target.partition(":")
+    try:
+        found: object = importlib.import_module(module_name)
+        for part in class_name.split("."):
+            found = getattr(found, part)
+    except (ImportError, AttributeError, SyntaxError) as error:
+        raise _cannot_create(controller_type, error) from error
+    if not (isinstance(found, type) and issubclass(found, ControllerBase)):
+        raise ControllerLoadError(
+            f"'{target}' is no controller: it does not derive from ControllerBase.",
+            remedy="Derive it from Controller or MultiInterfaceController.",
+            details={"type": controller_type},
+        )
+    return found()
+
+
+def _cannot_create(controller_type: str, error: BaseException) -> ControllerLoadError:
+    return ControllerLoadError(
+        f"A controller of type '{controller_type}' cannot be created: "
+        f"{describe(error)}.",
+        remedy="Correct its class or its constructor; the cause is above.",
+        details={"type": controller_type},
+    )
+
+
+def _forget(modules: set[str]) -> None:
+    """Drop `modules` and what is inside of them, so that they are imported anew."""
+    for name in list(sys.modules):
+        if any(name == module or name.startswith(f"{module}.") for module in modules):
+            del sys.modules[name]
+    importlib.invalidate_caches()

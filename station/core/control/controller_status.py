@@ -1,0 +1,61 @@
+"""What people are told about a loaded controller."""
+
+from dataclasses import dataclass
+
+from station.core.control.controller import ControllerState
+from station.core.hardware.robot_hw import InterfaceResources
+from station.core.numerics.statistics import Percentiles
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerStatus:
+    """A controller as `controller_manager_msgs/ControllerState` has it, and more.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Its type as the parameters have it.
+        state: Where it is in its life.
+        claimed_resources: What it claims, one entry per hardware interface (CM-85).
+        fault: Why it was stopped by the manager; empty if it was not.
+        traceback: Traceback that belongs to `fault`; empty if there was none.
+        fallback: Names of the controllers that take over when it fails.
+        time: How long its update takes [s].
+    """
+
+    name: str
+    type: str
+    state: ControllerState
+    claimed_resources: tuple[InterfaceResources, ...]
+    fault: str
+    traceback: str
+    fallback: tuple[str, ...]
+    time: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerStatistics:
+    """A controller as `controller_manager_msgs/ControllerStatistics` has it.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Its type.
+        timestamp: Station time of the last cycle [s].
+        running: Whether it runs.
+        max_time: Longest update [s].
+        mean_time: Mean duration of an update [s].
+        variance_time: Variance of the durations [s^2].
+        num_control_loop_overruns: Updates that took longer than the cycle's period.
+        time_last_control_loop_overrun: Station time of the last one [s].
+        time: Percentiles of the durations [s]; its `count` is the number of updates.
+    """
+
+    name: str
+    type: str
+    timestamp: float
+    running: bool
+    max_time: float
+    mean_time: float
+    variance_time: float
+    num_control_loop_overruns: int
+    time_last_control_loop_overrun: float
+    time: Percentiles

@@ -1,0 +1,133 @@
+"""A switch on its way from the caller to the control thread and back."""
+
+import threading
+from enum import Enum
+
+from station.core.control.loaded_controller import LoadedController
+from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
+from station.core.errors import StationError, SwitchRefusedError
+
+
+class SwitchProgress(Enum):
+    """Where a pending switch is."""
+
+    POSTED = "posted"
+    RUNNING = "running"
+    FINISHED = "finished"
+
+
+class PendingSwitch:
+    """One planned switch and how far it is.
+
+    It belongs to whoever gets `claim`: the control thread when it begins, or the
+    caller who withdraws it. So a switch is carried out for hardware and controllers
+    alike, or not at all (CM-74). Nobody waits for `claim`; only the caller waits for
+    `done`, which the control thread releases.
+
+    Args:
+        request: What was asked for.
+        plan: What it means.
+        start: Controllers to start, in the order of the request.
+        stop: Controllers to stop, in the order of the request.
+        time: Station time at the request [s]; None when no cycle has run yet.
+
+    Attributes:
+        failed: Why a controller does not run, by name.
+        given_up: Names that failed by themselves and are not tried again.
+        jump: Step of the first command by resource.
+        expired: Set by the caller: give up waiting for the hardware.
+        error: The switch is refused with this; None if it is not.
+        cycle: Cycle in which it was finished.
+    """
+
+    def __init__(
+        self,
+        request: SwitchRequest,
+        plan: SwitchPlan,
+        start: list[LoadedController],
+        stop: list[LoadedController],
+        time: float | None,
+    ) -> None:
+        self.request = request
+        self.plan = plan
+        self.start = start
+        self.stop = stop
+        self.time = time
+        self.progress = SwitchProgress.POSTED
+        self.failed: dict[str, str] = {}
+        self.given_up: set[str] = set()
+        self.jump: dict[str, float] = {}
+        self.expired = False
+        self.error: StationError | None = None
+        self.cycle = 0
+        self.claim = threading.Lock()
+        self.done = threading.Lock()
+        self.done.acquire()
+
+    def finish(self, cycle: int) -> None:
+        """Say that nothing more will happen (control thread)."""
+        self.cycle = cycle
+        self.progress = SwitchProgress.FINISHED
+        self.done.release()
+
+    def note_start(self, name: str, problem: str) -> None:
+        """Note that the controller `name` was started, or `problem` if it was not."""
+        if problem:
+            self.failed[name] = problem
+            self.given_up.add(name)
+        else:
+            self.failed.pop(name, None)
+
+    def is_late(self, time: float) -> bool:
+        """Say whether the hardware has taken too long at station time `time` [s].
+
+        Later than the timeout by more than rounding (CM-67); `expired` counts, too.
+        """
+        if self.expired:
+            return True
+        timeout = self.request.timeout
+        since = self.time
+        return timeout > 0.0 and since is not None and time - since > timeout + 1e-9
+
+    def lateness(self, time: float) -> str:
+        """Return why it fails at station time `time` [s]; empty while it may go on."""
+        if not self.is_late(time):
+            return ""
+        if time == self.time:
+            return "the hardware cannot get ready while station time stands still"
+        return "the hardware was not ready in time"
+
+    def result(self) -> SwitchResult:
+        """Return what the finished switch did.
+
+        Raises:
+            StationError: It was refused in the control thread; nothing changed.
+        """
+        if self.error is not None:
+            raise self.error
+        plan = self.plan
+        started = [info.name for info in plan.start if info.name not in self.failed]
+        return SwitchResult(
+            ok=not self.failed,
+            started=tuple(started),
+            stopped=tuple(info.name for info in plan.stop),
+            cycle=self.cycle,
+            plan=plan,
+            failed=dict(self.failed),
+            jump=dict(self.jump),
+        )
+
+
+def refused(name: str, reason: str, pending: PendingSwitch) -> SwitchRefusedError:
+    """Return the error for a strict switch in which `name` did not start.
+
+    Args:
+        name: The controller.
+        reason: Why.
+        pending: The switch; its `jump` goes into the details.
+    """
+    return SwitchRefusedError(
+        f"Controller '{name}' did not start: {reason.rstrip('.')}.",
+        remedy="What ran before runs again. Correct the controller and repeat.",
+        details={"controller": name, "jump": dict(pending.jump)},
+    )

@@ -1,0 +1,271 @@
+"""Which controllers a switch would start and stop, or why it is refused.
+
+Planning is a pure function of the loaded controllers and the request. Carrying a plan
+out is the business of `controller_runner.py`.
+
+Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp,
+ControllerManager::switchController; differs: a refusal says why.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+from station.core.control.controller import ControllerState
+from station.core.errors import ResourceConflictError, SwitchRefusedError
+from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
+
+
+class Strictness(Enum):
+    """What happens to a request that is only possible in part."""
+
+    BEST_EFFORT = 1
+    """Do what is possible, leave out the rest."""
+    STRICT = 2
+    """Do all of it, or refuse."""
+
+    @classmethod
+    def from_value(cls, value: int) -> "Strictness":
+        """Return what a number in a ROS message means: 2 is strict (CM-39)."""
+        return cls.STRICT if value == cls.STRICT.value else cls.BEST_EFFORT
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchRequest:
+    """Which controllers to start and to stop, in one cycle.
+
+    Attributes:
+        start: Names to start; started in this order.
+        stop: Names to stop; stopped in this order.
+        strictness: What happens when only a part is possible.
+        start_asap: Start each controller as soon as the hardware is ready for it,
+            instead of all when it is ready for all.
+        timeout: How long the hardware may take [s station time]; 0 for the manager's
+            bound. The manager gives up in wall time, too.
+        dry_run: Only say what would happen.
+        zero_period: Update each started controller once with a period of zero, in the
+            cycle in which it is started, as after a recovery.
+    """
+
+    start: Sequence[str] = ()
+    stop: Sequence[str] = ()
+    strictness: Strictness = Strictness.STRICT
+    start_asap: bool = False
+    timeout: float = 0.0
+    dry_run: bool = False
+    zero_period: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchPlan:
+    """What a switch will do.
+
+    Attributes:
+        start_requests: Names to start in the order of the request (CM-51: a name may
+            be there twice).
+        stop_requests: Names to stop in the order of the request.
+        start: Controllers that are not running and will be, in load order.
+        stop: Controllers that are running and will not be, in load order.
+        running: Controllers that run after the switch, in load order.
+        ignored: Why parts of the request were left out; best effort only.
+    """
+
+    start_requests: tuple[str, ...]
+    stop_requests: tuple[str, ...]
+    start: tuple[ControllerInfo, ...]
+    stop: tuple[ControllerInfo, ...]
+    running: tuple[ControllerInfo, ...]
+    ignored: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchResult:
+    """What a switch did, or with `dry_run` would do.
+
+    Attributes:
+        ok: Every controller of the plan runs or stopped as planned.
+        started: Names that were started, in load order.
+        stopped: Names that were stopped, in load order.
+        failed: Why a controller of the request does not run, by name.
+        jump: How far the first commands are from what was commanded before, by
+            resource, in the unit of the command.
+        cycle: Cycle in which it was finished; 0 for a dry run.
+        plan: The plan.
+        dry_run: Nothing was done.
+    """
+
+    ok: bool
+    started: tuple[str, ...]
+    stopped: tuple[str, ...]
+    cycle: int
+    plan: SwitchPlan
+    failed: dict[str, str] = field(default_factory=dict)
+    jump: dict[str, float] = field(default_factory=dict)
+    dry_run: bool = False
+
+
+class Candidate(NamedTuple):
+    """A loaded controller as the planner sees it."""
+
+    info: ControllerInfo
+    state: ControllerState
+
+
+class _Draft:
+    """A plan in the making."""
+
+    def __init__(self, *, strict: bool) -> None:
+        self.strict = strict
+        self.start: list[ControllerInfo] = []
+        self.stop: list[ControllerInfo] = []
+        self.running: list[ControllerInfo] = []
+        self.ignored: list[str] = []
+
+    def object_to(self, name: str, problem: str, remedy: str) -> None:
+        """Refuse when strict, else note that this part is left out.
+
+        Raises:
+            SwitchRefusedError: Strict.
+        """
+        message = f"Controller '{name}' {problem}."
+        if self.strict:
+            raise SwitchRefusedError(
+                message, remedy=remedy, details={"controller": name}
+            )
+        self.ignored.append(message)
+
+
+def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPlan:
+    """Return what `request` means for the loaded controllers.
+
+    Args:
+        loaded: All loaded controllers, in load order.
+        request: What is wanted.
+
+    Raises:
+        SwitchRefusedError: Strict, and a part is impossible (CM-40 … CM-43, CM-50); or
+            a running controller is to be stopped and started at once (CM-49).
+    """
+    draft = _Draft(strict=request.strictness is Strictness.STRICT)
+    names = [candidate.info.name for candidate in loaded]
+    stop = _known(draft, request.stop, names, "stop")
+    start = _known(draft, request.start, names, "start")
+    for info, state in loaded:
+        _plan_controller(draft, info, state, info.name in start, info.name in stop)
+    return SwitchPlan(
+        tuple(start),
+        tuple(stop),
+        tuple(draft.start),
+        tuple(draft.stop),
+        tuple(draft.running),
+        tuple(draft.ignored),
+    )
+
+
+def _known(
+    draft: _Draft, wanted: Iterable[str], names: list[str], verb: str
+) -> list[str]:
+    known: list[str] = []
+    for name in wanted:
+        if name in names:
+            known.append(name)
+            continue
+        draft.object_to(
+            name,
+            f"cannot {verb}: it is not loaded",
+            f"Loaded are: {', '.join(names) or 'none'}. Load it first.",
+        )
+    return known
+
+
+def _plan_controller(
+    draft: _Draft,
+    info: ControllerInfo,
+    state: ControllerState,
+    start: bool,  # noqa: FBT001 - private, named at its only call
+    stop: bool,  # noqa: FBT001
+) -> None:
+    name = info.name
+    running = state is ControllerState.RUNNING
+    if stop and not running:
+        draft.object_to(
+            name,
+            f"cannot stop: it is {state.value}, not running",
+            "Leave it out of 'stop'.",
+        )
+        stop = False
+    if start and running and not stop:
+        draft.object_to(
+            name, "cannot start: it is running already", "Leave it out of 'start'."
+        )
+        start = False
+    if start and stop:
+        raise SwitchRefusedError(
+            f"Controller '{name}' is to be stopped and started in one switch.",
+            remedy="Stop it in one switch and start it in the next.",
+            details={"controller": name},
+        )
+    if stop:
+        draft.stop.append(info)
+    if start:
+        draft.start.append(info)
+    if start or (running and not stop):
+        draft.running.append(info)
+
+
+def conflict_error(
+    conflicts: Sequence[ResourceConflict], running: Iterable[str]
+) -> ResourceConflictError:
+    """Return the error that tells who disputes which resources.
+
+    `details["conflicts"]` has one entry per resource: `resource`, `reason`,
+    `claimed_by` (controller and hardware interface of each), `held_by` (the running
+    one among them or None) and its `hardware_interface`; `details["held_by"]` lists
+    all running controllers that are in the way.
+
+    Args:
+        conflicts: What the hardware objects to, at least one.
+        running: Names of the controllers that run now.
+    """
+    now = set(running)
+    entries = [_describe_conflict(conflict, now) for conflict in conflicts]
+    holders = sorted({str(e["held_by"]) for e in entries if e["held_by"]})
+    remedy = "Start only one of them."
+    if holders:
+        remedy = f"Stop {', '.join(repr(name) for name in holders)} in the same switch."
+    return ResourceConflictError(
+        _summary(conflicts),
+        remedy=remedy,
+        details={"conflicts": entries, "held_by": holders},
+    )
+
+
+def _summary(conflicts: Sequence[ResourceConflict]) -> str:
+    """Say the reason of each group of holders once, with what else it holds for."""
+    groups: dict[tuple[tuple[str, str], ...], list[ResourceConflict]] = {}
+    for conflict in conflicts:
+        groups.setdefault(conflict.holders, []).append(conflict)
+    sentences = []
+    for first, *others in groups.values():
+        more = sorted({one.resource for one in others} - {first.resource})
+        also = f" The same goes for {', '.join(more)}." if more else ""
+        sentences.append(first.reason + also)
+    return " ".join(sentences)
+
+
+def _describe_conflict(
+    conflict: ResourceConflict, running: set[str]
+) -> dict[str, object]:
+    held = [holder for holder in conflict.holders if holder[0] in running]
+    owner = (held or list(conflict.holders) or [("", "")])[0]
+    return {
+        "resource": conflict.resource,
+        "hardware_interface": owner[1],
+        "held_by": held[0][0] if held else None,
+        "claimed_by": [
+            {"controller": name, "hardware_interface": interface}
+            for name, interface in conflict.holders
+        ],
+        "reason": conflict.reason,
+    }

@@ -1,0 +1,1 @@
+"""The station as its API sees it."""

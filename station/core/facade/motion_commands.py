@@ -1,0 +1,254 @@
+"""The part of the facade that makes the robot move: set-points, goals, trajectories.
+
+Everything here asks the same first: is the station armed, does the controller run, and
+does the caller know the present epoch.
+"""
+
+from collections.abc import Mapping
+
+from station.core.control.controller_manager import ControllerManager
+from station.core.errors import (
+    ControllerStateError,
+    InvalidCommandError,
+    InvalidTrajectoryError,
+    StaleEpochError,
+    StationError,
+)
+from station.core.loop.control_loop import ControlLoop
+from station.core.ports.goal import Goal, GoalPort
+from station.core.ports.set_point import SetPoint, SetPointPort
+from station.core.trajectory import PosVelAccState
+from station.core.trajectory.trajectory_port import TrajectoryPort
+
+_OVERTAKEN = "A stop, a reset or a recovery came before it began."
+
+
+class MotionCommands:
+    """Passes on what is to be done, if it may be done now. Any thread.
+
+    Args:
+        loop: The loop.
+        manager: The loop's controller manager.
+    """
+
+    def __init__(self, loop: ControlLoop, manager: ControllerManager) -> None:
+        self.loop = loop
+        self.manager = manager
+
+    def set_point(self, name: str) -> SetPoint:
+        """Return what the controller takes as set-point.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            InvalidCommandError: It takes no set-points.
+        """
+        port = self._set_point_port(name)
+        last, size = port.last, len(port.elements)
+        values = None if last is None else tuple(last[:size])
+        return SetPoint(tuple(port.elements), values)
+
+    def set_command(
+        self,
+        name: str,
+        values: list[float],
+        epoch: int | None = None,
+        timeout: float | None = None,
+        rates: list[float] | None = None,
+    ) -> int:
+        """Give a running controller a new set-point; return the epoch it counts for.
+
+        Args:
+            name: The controller.
+            values: One number per element of its set-point.
+            epoch: The epoch in which the caller decided; the present one when None.
+            timeout: How long it is valid [s wall time], 0 for ever; the controller's
+                own when None.
+            rates: How fast the set-point changes, one number per element; only for
+                controllers that feed it forward.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is not running.
+            InvalidCommandError: It takes no set-points or no rates, or they are
+                malformed.
+            StaleEpochError: `epoch` is over.
+            StoppedError: The station is stopped.
+            LoopError: The loop died.
+        """
+        port = self._set_point_port(name)
+        port.check(values, timeout, rates)
+        generation = port.generation
+        present = self._check_may_move(name, epoch)
+        # Should a stop or a reset come in between, it is void.
+        port.post([*values, *(rates or [])], timeout, generation)
+        return present
+
+    def submit_goal(
+        self, name: str, request: Mapping[str, object], epoch: int | None = None
+    ) -> Goal:
+        """Give a running controller a goal; it replaces the one before.
+
+        Args:
+            name: The controller.
+            request: The goal message of the controller's action.
+            epoch: The epoch in which the caller decided; the present one when None.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is not running.
+            InvalidCommandError: It takes no goals, or `request` is malformed.
+            InvalidTrajectoryError: `request` cannot be followed.
+            StaleEpochError: `epoch` is over.
+            StoppedError: The station is stopped.
+            LoopError: The loop died.
+            StationError: One of these came true meanwhile; nothing moves.
+        """
+        port = self._goal_port(name)
+        present = self._check_may_move(name, epoch)
+        goal = port.submit(request)
+        try:
+            self._check_may_move(name, present)
+        except StationError:
+            goal.withdraw(_OVERTAKEN)
+            raise
+        return goal
+
+    def goals(self, name: str) -> list[Goal]:
+        """Return the latest goals of a controller, oldest first.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            InvalidCommandError: It takes no goals.
+        """
+        return self._goal_port(name).goals()
+
+    def goal(self, name: str, identifier: str) -> Goal:
+        """Return one goal of a controller.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            GoalNotFoundError: It knows no such goal.
+            InvalidCommandError: It takes no goals.
+        """
+        return self._goal_port(name).get(identifier)
+
+    def cancel_goal(self, name: str, identifier: str) -> Goal:
+        """Ask for the end of a goal; the joints hold from the next cycle on.
+
+        Possible at any time, also while the station is stopped; a goal that has ended
+        stays as it is.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            GoalNotFoundError: It knows no such goal.
+            InvalidCommandError: It takes no goals.
+        """
+        return self._goal_port(name).cancel(identifier)
+
+    def follow_trajectory(
+        self, name: str, request: Mapping[str, object], epoch: int | None = None
+    ) -> int:
+        """Let a running controller follow a trajectory for which nobody waits.
+
+        Args:
+            name: The controller.
+            request: The trajectory message.
+            epoch: The epoch in which the caller decided; the present one when None.
+
+        Returns:
+            The epoch it counts for.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is not running.
+            InvalidTrajectoryError: `request` cannot be followed.
+            InvalidCommandError: It takes no trajectories.
+            StaleEpochError: `epoch` is over.
+            StoppedError: The station is stopped.
+            LoopError: The loop died.
+            StationError: One of these came true meanwhile; nothing moves.
+        """
+        port = self._trajectory_port(name)
+        present = self._check_may_move(name, epoch)
+        port.follow(request)
+        try:
+            self._check_may_move(name, present)
+        except StationError:
+            port.hold()
+            raise
+        return present
+
+    def query_state(self, name: str, time: float | None = None) -> PosVelAccState:
+        """Return where a controller's joints shall be at a time.
+
+        Args:
+            name: The controller.
+            time: Station time [s]; the present when None.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is not running.
+            InvalidCommandError: It takes no trajectories.
+            InvalidTrajectoryError: `time` is before its trajectory, or not finite.
+        """
+        port = self._trajectory_port(name)
+        when = self.loop.time if time is None else time
+        if when - when != 0.0:
+            raise InvalidTrajectoryError(
+                f"The time asked for is {when}.", remedy="Give a finite time."
+            )
+        return port.query_state(when)
+
+    def _check_may_move(self, name: str, epoch: int | None) -> int:
+        """Return the present epoch.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            StaleEpochError: `epoch` is over.
+            StoppedError: The station is stopped.
+            LoopError: The loop died.
+        """
+        self.loop.check_alive()
+        self.loop.stop_latch.check()
+        controller = self.manager.get_controller(name)
+        if not controller.is_running():
+            raise ControllerStateError(
+                f"Controller '{name}' is {controller.state.value}; it takes commands "
+                "while it is running.",
+                remedy=f'Start it: POST /controllers/switch {{"start": ["{name}"]}}.',
+                details={"controller": name, "state": controller.state.value},
+            )
+        present = self.loop.epoch
+        if epoch is not None and epoch != present:
+            raise StaleEpochError(
+                f"The command belongs to epoch {epoch}; the station is in {present}.",
+                remedy="Look at the state again, then command with the new epoch.",
+                details={"epoch": present},
+            )
+        return present
+
+    def _set_point_port(self, name: str) -> SetPointPort:
+        port = self.manager.get_controller(name).set_points
+        if port is None:
+            raise _takes_none(name, "set-points", "a group controller")
+        return port
+
+    def _goal_port(self, name: str) -> GoalPort:
+        port = self.manager.get_controller(name).goals
+        if port is None:
+            raise _takes_none(name, "goals", "a JointTrajectoryController")
+        return port
+
+    def _trajectory_port(self, name: str) -> TrajectoryPort:
+        port = self.manager.get_controller(name).trajectories
+        if port is None:
+            raise _takes_none(name, "trajectories", "a JointTrajectoryController")
+        return port
+
+
+def _takes_none(name: str, what: str, instead: str) -> InvalidCommandError:
+    return InvalidCommandError(
+        f"Controller '{name}' takes no {what}.",
+        remedy=f"Command {instead} of a *_controllers package.",
+        details={"controller": name},
+    )

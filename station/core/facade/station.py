@@ -1,0 +1,353 @@
+"""The facade: what everybody outside of the control thread may ask and do.
+
+Every method is safe to call from any thread, may block for a moment, and either does
+the whole thing or raises an error of `station.core.errors` and changes nothing.
+"""
+
+import threading
+import uuid
+from collections.abc import Mapping
+
+from station.core.control.controller import ControllerSample
+from station.core.control.controller_manager import ControllerManager, ControllerStatus
+from station.core.control.switching import SwitchRequest, SwitchResult
+from station.core.control.tunables import Gains, GainsChange, check_tunables
+from station.core.errors import (
+    ControllerExistsError,
+    GainsChangedError,
+    LoopError,
+    ParameterError,
+)
+from station.core.facade.grippers import Grippers
+from station.core.facade.hardware_report import HardwareReport, report_hardware
+from station.core.facade.motion_commands import MotionCommands
+from station.core.facade.robots import Robots
+from station.core.facade.simulation import Simulation
+from station.core.facade.station_status import StationStatus
+from station.core.hardware.robot_report import SceneObjectReport
+from station.core.loop.control_loop import ControlLoop
+from station.core.loop.loop_report import LoopReport, LoopState
+from station.core.loop.snapshot import Snapshot, SnapshotRing
+from station.core.loop.stop_latch import StopState
+from station.core.parameters import Parameters
+
+FRESH = 0.25
+"""A last cycle older than this means that the loop hangs [s]."""
+
+
+class Station(MotionCommands):
+    """One robot, its controllers and its loop, for any number of threads.
+
+    What makes the robot move is in the base class.
+
+    Args:
+        loop: The loop; started and stopped by its owner.
+        manager: The loop's controller manager.
+        parameters: The root of the parameter tree; controllers live under their name.
+        robot_type: Type of the robot for the status.
+        reserved: Names at the root of the tree that no controller may have.
+
+    Attributes:
+        boot_id: Random name of this run.
+        robots: The arms, their state, settings and recovery.
+        grippers: The hands of these arms.
+        simulation: Pause, step and reset of a simulated robot.
+    """
+
+    def __init__(
+        self,
+        loop: ControlLoop,
+        manager: ControllerManager,
+        parameters: Parameters,
+        robot_type: str = "",
+        reserved: frozenset[str] = frozenset(),
+    ) -> None:
+        super().__init__(loop, manager)
+        self.robots = Robots(loop, manager)
+        self.grippers = Grippers(loop, self.robots.names())
+        self.simulation = Simulation(loop)
+        self.boot_id = uuid.uuid4().hex
+        self.parameters = parameters
+        self._robot_type = robot_type
+        self._reserved = reserved
+        self._change_lock = threading.Lock()
+        self._revisions: dict[str, int] = {}
+
+    @property
+    def epoch(self) -> int:
+        """The epoch that commands must belong to."""
+        return self.loop.epoch
+
+    @property
+    def snapshots(self) -> SnapshotRing:
+        """The ring with one snapshot per cycle."""
+        return self.loop.snapshots
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints in the snapshots, in their order."""
+        return self.loop.joint_names
+
+    def latest(self) -> Snapshot:
+        """Return the newest snapshot.
+
+        Raises:
+            LoopError: No cycle has run yet.
+        """
+        snapshot = self.snapshots.latest()
+        if snapshot is None:
+            raise LoopError("No cycle has run yet.", remedy="Start the control loop.")
+        return snapshot
+
+    def status(self) -> StationStatus:
+        """Return the station at a glance."""
+        snapshot = self.snapshots.latest()
+        latch = self.loop.stop_latch
+        return StationStatus(
+            boot_id=self.boot_id,
+            epoch=self.loop.epoch,
+            time=self.loop.time,
+            cycle=self.loop.cycle,
+            robot_type=self._robot_type,
+            robot_mode=snapshot.mode if snapshot else "unknown",
+            stop_state=latch.state,
+            stop_reason=latch.reason,
+            loop=self.loop.report(),
+            simulation=self.simulation.find(),
+            clamps=tuple(self.loop.hw.clamps()),
+        )
+
+    def hardware(self) -> HardwareReport:
+        """Return the robot's interfaces, claims, limits, transmissions and clamps."""
+        return report_hardware(self.loop.hw, self.manager.list_controllers())
+
+    def scene(self) -> list[SceneObjectReport]:
+        """Return the things around a simulated robot, where they are now.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        return list(self.loop.run_in_cycle(self.loop.hw.scene))
+
+    def dead(self) -> str:
+        """Return why only a restart helps; empty while the loop has not died."""
+        if self.loop.state is not LoopState.FAILED:
+            return ""
+        return f"The control loop died: {self.loop.failure_summary()}"
+
+    def ready(self) -> str:
+        """Return why the station is not ready; empty when it is."""
+        if self.dead():
+            return self.dead()
+        if self.loop.state is not LoopState.RUNNING:
+            return "The control loop is not running."
+        age = self.loop.age()
+        if age > FRESH:
+            return f"The last cycle is {age:.2f} s old; the loop hangs."
+        return ""
+
+    def loop_report(self) -> LoopReport:
+        """Return how the loop is doing."""
+        return self.loop.report()
+
+    def reset_loop_statistics(self) -> None:
+        """Start the loop's statistics anew."""
+        self.loop.reset_statistics()
+
+    def controllers(self) -> list[ControllerStatus]:
+        """Return all loaded controllers in the order of loading."""
+        return self.manager.list_controllers()
+
+    def controller(self, name: str) -> ControllerStatus:
+        """Return one loaded controller.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        self.manager.get_controller(name)
+        return next(s for s in self.manager.list_controllers() if s.name == name)
+
+    def controller_types(self) -> list[tuple[str, str]]:
+        """Return (type, base class) of everything that can be loaded."""
+        return self.manager.list_controller_types()
+
+    def load_controller(
+        self,
+        name: str,
+        controller_type: str | None = None,
+        params: Mapping[str, object] | None = None,
+    ) -> ControllerStatus:
+        """Load a controller; doing the same twice is the same as once.
+
+        Args:
+            name: Name to load it under.
+            controller_type: `package/Class` or `module:Class`; what the parameters
+                under `name` say when left out.
+            params: Its parameters; those in the parameter tree when left out.
+
+        Raises:
+            ControllerExistsError: Something else is loaded under that name.
+            ControllerTypeNotFoundError: Nobody knows that type.
+            ControllerLoadError: It cannot be initialised; nothing stays loaded.
+            ParameterError: A parameter is missing or impossible.
+        """
+        with self._change_lock:
+            before = self.parameters.get(name)
+            wanted = self._wanted_parameters(name, controller_type, params, before)
+            if any(s.name == name for s in self.manager.list_controllers()):
+                if wanted == before:
+                    return self.controller(name)
+                raise ControllerExistsError(
+                    f"Controller '{name}' is loaded already, with other parameters.",
+                    remedy="Unload it first, or choose another name.",
+                    details={"controller": name},
+                )
+            self.parameters.set(name, wanted)
+            try:
+                self.manager.load_controller(name)
+            except BaseException:
+                self._restore(name, before)
+                raise
+            self._revisions[name] = self._revisions.get(name, 0) + 1
+            return self.controller(name)
+
+    def unload_controller(self, name: str) -> None:
+        """Unload a controller that is not running.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is running.
+        """
+        with self._change_lock:
+            self.manager.unload_controller(name)
+
+    def switch_controllers(self, request: SwitchRequest) -> SwitchResult:
+        """Start and stop controllers, all in one cycle.
+
+        Raises:
+            StoppedError: The station is stopped and something is to be started.
+            SwitchRefusedError: It is not possible; nothing changed.
+            SwitchTimeoutError: The hardware did not get there in time.
+            LoopError: The loop died.
+        """
+        self.loop.check_alive()
+        if request.start and not request.dry_run:
+            self.loop.stop_latch.check()
+        return self.manager.switch_controller(request)
+
+    def gains(self, name: str) -> Gains:
+        """Return the run-time parameters of a controller.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        controller = self.manager.get_controller(name)
+        revision = self._revisions.get(name, 0)
+        return Gains(controller.gains(), dict(controller.gain_schema()), revision)
+
+    def set_gains(
+        self, name: str, changes: Mapping[str, float], revision: int | None = None
+    ) -> GainsChange:
+        """Change run-time parameters, all of them between the same two cycles.
+
+        Args:
+            name: The controller.
+            changes: New values by name; the others stay.
+            revision: Revision the caller has read; any when None.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            GainsChangedError: `revision` is not the present one.
+            InvalidGainError: A name or value is not allowed; nothing changed.
+            LoopError: The loop died or hangs.
+        """
+        with self._change_lock:
+            controller = self.manager.get_controller(name)
+            present = self._revisions.get(name, 0)
+            if revision is not None and revision != present:
+                raise GainsChangedError(
+                    f"The gains of '{name}' changed since revision {revision}; they "
+                    f"are at {present}.",
+                    remedy="Read them again and repeat the change.",
+                    details={"revision": present},
+                )
+            previous = controller.gains()
+            values = check_tunables(controller.gain_schema(), previous, changes)
+            controller.check_gains(values)
+
+            def apply() -> int:
+                controller.apply_gains(values)
+                return self.loop.cycle
+
+            cycle = self.loop.run_in_cycle(apply)
+            self._revisions[name] = present + 1
+            return GainsChange(values, previous, present + 1, cycle)
+
+    def controller_sample(self, name: str) -> ControllerSample | None:
+        """Return what a controller did last; None before its first update.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        return self.manager.get_controller(name).sample
+
+    def published(self, name: str) -> Mapping[str, Mapping[str, object]]:
+        """Return the latest messages of a controller by topic.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        return self.manager.get_controller(name).published()
+
+    def stop(self, reason: str) -> None:
+        """Stop every controller in the next cycle and let nothing move until armed."""
+        self.loop.stop_latch.engage(reason)
+        if self.loop.state is not LoopState.RUNNING:
+            self.loop.carry_out_stop()
+
+    def release_stop(self, *, arm: bool) -> StopState:
+        """Release the latched stop, or with `arm` allow motion again.
+
+        Raises:
+            StoppedError: `arm` without a release before, or a release of a stop that
+                the loop does not carry out.
+        """
+        latch, clock = self.loop.stop_latch, self.loop.clock
+        deadline = clock.now() + FRESH
+        while latch.pending and clock.now() < deadline:
+            clock.sleep_until(clock.now() + self.loop.period)
+        if arm:
+            latch.arm()
+        else:
+            latch.release()
+        return latch.state
+
+    def _wanted_parameters(
+        self,
+        name: str,
+        controller_type: str | None,
+        params: Mapping[str, object] | None,
+        before: object,
+    ) -> dict[str, object]:
+        known = {} if before is None else before
+        if name in self._reserved or not isinstance(known, dict):
+            raise ParameterError(
+                f"'{name}' is a parameter of the station and no controller's.",
+                remedy="Choose another name for the controller.",
+                details={"parameter": name},
+            )
+        wanted = dict(known if params is None else params)
+        chosen = controller_type or wanted.get("type") or known.get("type")
+        if not isinstance(chosen, str):
+            raise ParameterError(
+                f"Controller '{name}' has no type.",
+                remedy="Name one of GET /controller-types in the field 'type'.",
+                details={"parameter": f"{name}/type"},
+            )
+        return {**wanted, "type": chosen}
+
+    def _restore(self, name: str, before: object) -> None:
+        if before is None:
+            self.parameters.tree.delete(self.parameters.resolve(name))
+        else:
+            self.parameters.set(name, before)

@@ -1,0 +1,39 @@
+"""The station at a glance, for status displays."""
+
+from dataclasses import dataclass
+
+from station.core.facade.simulation import SimulationReport
+from station.core.hardware.robot_report import ClampReport
+from station.core.loop.loop_report import LoopReport
+from station.core.loop.stop_latch import StopState
+
+
+@dataclass(frozen=True, slots=True)
+class StationStatus:
+    """The station at a glance.
+
+    Attributes:
+        boot_id: Changes with every start of the process.
+        epoch: Commands from an older epoch are void.
+        time: Station time [s].
+        cycle: Number of the last cycle.
+        robot_type: Type of the robot, `package/Class`.
+        robot_mode: The robot's mode in one word.
+        stop_state: State of the latched stop.
+        stop_reason: Why it was engaged last.
+        loop: How the loop is doing.
+        simulation: The simulation at a glance; None for a real robot.
+        clamps: What limits have cut off.
+    """
+
+    boot_id: str
+    epoch: int
+    time: float
+    cycle: int
+    robot_type: str
+    robot_mode: str
+    stop_state: StopState
+    stop_reason: str
+    loop: LoopReport
+    simulation: SimulationReport | None
+    clamps: tuple[ClampReport, ...]

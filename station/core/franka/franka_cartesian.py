@@ -1,0 +1,105 @@
+"""Cartesian commands of an arm: the pose or the twist of its end effector.
+
+Source: franka_ros@c11f000 franka_hw, franka_cartesian_command_interface.h;
+differs: at a start the commands rest where the end effector is meant to be.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_state import FrankaStateHandle
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+
+POSE_SIZE = 16
+"""Numbers in a pose."""
+TWIST_SIZE = 6
+"""Numbers in a twist."""
+POSE_START_JUMP = 0.005
+"""Largest first pose command away from rest [m], and per element of the rotation."""
+TWIST_START_JUMP = 0.02
+"""Largest first twist command away from rest [m/s or rad/s]."""
+
+
+class FrankaCartesianHandle(FrankaStateHandle):
+    """Reads the state of one arm and commands its end effector.
+
+    Args:
+        name: `<arm_id>_robot`.
+        state: The arm's live state.
+        refresh: Brings the derived fields of `state` up to date.
+        command: The robot's storage of the command.
+        elbow: The robot's storage of the elbow command, shape (2,); {0, 0} means that
+            the arm decides.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        state: RobotState,
+        refresh: Callable[[], None],
+        command: list[float],
+        elbow: list[float],
+    ) -> None:
+        super().__init__(name, state, refresh)
+        self._command = command
+        self._elbow = elbow
+
+    def get_command(self) -> list[float]:
+        """Return what was commanded last, a new list."""
+        return list(self._command)
+
+    def set_command(
+        self, command: Sequence[float], elbow: Sequence[float] = (0.0, 0.0)
+    ) -> None:
+        """Command the end effector; checked when it is sent, not here.
+
+        Args:
+            command: Pose O_T_EE, 16 numbers, or twist O_dP_EE, 6 numbers.
+            elbow: Position of joint 3 [rad] and sign of joint 4, +1 or -1; zeros leave
+                the elbow to the arm.
+        """
+        self._command[:] = command
+        self._elbow[:] = elbow
+
+    @override
+    def command_slots(self) -> list[tuple[list[float], int]]:
+        return [(self._command, index) for index in range(len(self._command))]
+
+
+class FrankaCartesianPoseHandle(FrankaCartesianHandle):
+    """Commands the pose O_T_EE, 16 numbers, column-major."""
+
+
+class FrankaCartesianVelocityHandle(FrankaCartesianHandle):
+    """Commands the twist O_dP_EE: linear [m/s], then angular velocity [rad/s]."""
+
+
+class FrankaPoseCartesianInterface(HardwareResourceManager[FrankaCartesianPoseHandle]):
+    """Pose commands by arm; asking for a handle claims the arm."""
+
+    type_name: ClassVar[str] = "franka_hw::FrankaPoseCartesianInterface"
+    claims_resources: ClassVar[bool] = True
+
+    @override
+    def rest_commands(self, name: str) -> list[float]:
+        return list(self._handles[name].get_robot_state().O_T_EE_d)
+
+    @override
+    def start_jump_limits(self, name: str) -> list[float]:
+        return [POSE_START_JUMP] * POSE_SIZE
+
+
+class FrankaVelocityCartesianInterface(
+    HardwareResourceManager[FrankaCartesianVelocityHandle]
+):
+    """Twist commands by arm; asking for a handle claims the arm."""
+
+    type_name: ClassVar[str] = "franka_hw::FrankaVelocityCartesianInterface"
+    claims_resources: ClassVar[bool] = True
+
+    @override
+    def start_jump_limits(self, name: str) -> list[float]:
+        return [TWIST_START_JUMP] * TWIST_SIZE

@@ -1,0 +1,232 @@
+"""Kinematics and dynamics of an arm; asking claims nothing.
+
+All matrices are flat and column-major, as libfranka has them: a pose T has 16 numbers,
+T(r, c) = T[4 c + r]; a Jacobian has 42, J(r, c) = J[6 c + r], rows vx vy vz wx wy wz.
+
+Source: franka_ros@c11f000 franka_hw/include/franka_hw/franka_model_interface.h.
+"""
+# ruff: noqa: N803 - the arguments have libfranka's names.
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from enum import Enum
+from typing import ClassVar
+
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    ResourceHandle,
+)
+
+GRAVITY_EARTH = (0.0, 0.0, -9.81)
+"""Acceleration of gravity in the base frame of an upright arm [m/s^2]."""
+
+
+class Frame(Enum):
+    """The frames of the arm; the values are libfranka's.
+
+    A joint's frame is that of the link behind it.
+    """
+
+    JOINT1 = 0
+    JOINT2 = 1
+    JOINT3 = 2
+    JOINT4 = 3
+    JOINT5 = 4
+    JOINT6 = 5
+    JOINT7 = 6
+    FLANGE = 7
+    END_EFFECTOR = 8
+    STIFFNESS = 9
+
+
+class FrankaModel(ABC):
+    """A model of one arm, in libfranka's explicit-argument form. Control thread."""
+
+    @abstractmethod
+    def mass(
+        self,
+        q: Sequence[float],
+        I_total: Sequence[float],
+        m_total: float,
+        F_x_Ctotal: Sequence[float],
+    ) -> list[float]:
+        """Return the mass matrix [kg m^2], 49 numbers; rotors do not count.
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+            I_total: Inertia of what is at the flange [kg m^2], shape (9,).
+            m_total: Its mass [kg].
+            F_x_Ctotal: Its centre of mass in the flange frame [m], shape (3,).
+        """
+
+    @abstractmethod
+    def coriolis(
+        self,
+        q: Sequence[float],
+        dq: Sequence[float],
+        I_total: Sequence[float],
+        m_total: float,
+        F_x_Ctotal: Sequence[float],
+    ) -> list[float]:
+        """Return C(q, dq) dq [Nm], shape (7,).
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+            dq: Joint velocities [rad/s], shape (7,).
+            I_total: Inertia of what is at the flange [kg m^2], shape (9,).
+            m_total: Its mass [kg].
+            F_x_Ctotal: Its centre of mass in the flange frame [m], shape (3,).
+        """
+
+    @abstractmethod
+    def gravity(
+        self,
+        q: Sequence[float],
+        m_total: float,
+        F_x_Ctotal: Sequence[float],
+        gravity_earth: Sequence[float] = GRAVITY_EARTH,
+    ) -> list[float]:
+        """Return the torques that hold the arm [Nm], shape (7,).
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+            m_total: Mass of what is at the flange [kg].
+            F_x_Ctotal: Its centre of mass in the flange frame [m], shape (3,).
+            gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
+        """
+
+    @abstractmethod
+    def pose(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        """Return the pose of a frame in the base frame, 16 numbers.
+
+        Args:
+            frame: The frame.
+            q: Joint positions [rad], shape (7,).
+            F_T_EE: End effector in the flange frame, 16 numbers.
+            EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
+        """
+
+    @abstractmethod
+    def zero_jacobian(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        """Return the Jacobian of a frame's origin in the axes of the base, 42 numbers.
+
+        Args:
+            frame: The frame.
+            q: Joint positions [rad], shape (7,).
+            F_T_EE: End effector in the flange frame, 16 numbers.
+            EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
+        """
+
+    @abstractmethod
+    def body_jacobian(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        """Return the Jacobian of a frame's origin in its own axes, 42 numbers.
+
+        Args:
+            frame: The frame.
+            q: Joint positions [rad], shape (7,).
+            F_T_EE: End effector in the flange frame, 16 numbers.
+            EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
+        """
+
+    @abstractmethod
+    def clearance(self, q: Sequence[float]) -> float:
+        """Return how far the two closest parts of the arm are apart [m]; about 0.1 ms.
+
+        A hand counts as mounted. Negative when they overlap.
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+        """
+
+
+class FrankaModelHandle(ResourceHandle):
+    """Evaluates the model of one arm. Control thread only.
+
+    The methods use the present state; `model` has the same with explicit arguments.
+
+    Args:
+        name: `<arm_id>_model`, or the alias `<arm_id>_robot`.
+        model: The arm's model.
+        state: The arm's live state.
+        refresh: Brings the derived fields of `state` up to date; cheap when they are.
+
+    Attributes:
+        model: The model with explicit arguments.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        model: FrankaModel,
+        state: RobotState,
+        refresh: Callable[[], None],
+    ) -> None:
+        super().__init__(name)
+        self.model = model
+        self._state = state
+        self._refresh = refresh
+
+    def get_mass(self) -> list[float]:
+        """Return the mass matrix with everything at the flange [kg m^2], (49,)."""
+        s = self._refreshed()
+        return self.model.mass(s.q, s.I_total, s.m_total, s.F_x_Ctotal)
+
+    def get_coriolis(self) -> list[float]:
+        """Return the Coriolis and centrifugal torques [Nm], shape (7,)."""
+        s = self._refreshed()
+        return self.model.coriolis(s.q, s.dq, s.I_total, s.m_total, s.F_x_Ctotal)
+
+    def get_gravity(
+        self, gravity_earth: Sequence[float] = GRAVITY_EARTH
+    ) -> list[float]:
+        """Return the torques that hold the arm [Nm], shape (7,).
+
+        Args:
+            gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
+        """
+        s = self._refreshed()
+        return self.model.gravity(s.q, s.m_total, s.F_x_Ctotal, gravity_earth)
+
+    def get_pose(self, frame: Frame) -> list[float]:
+        """Return the pose of a frame in the base frame, 16 numbers."""
+        s = self._state
+        return self.model.pose(frame, s.q, s.F_T_EE, s.EE_T_K)
+
+    def get_zero_jacobian(self, frame: Frame) -> list[float]:
+        """Return the Jacobian of a frame in the axes of the base, 42 numbers."""
+        s = self._state
+        return self.model.zero_jacobian(frame, s.q, s.F_T_EE, s.EE_T_K)
+
+    def get_body_jacobian(self, frame: Frame) -> list[float]:
+        """Return the Jacobian of a frame in its own axes, 42 numbers."""
+        s = self._state
+        return self.model.body_jacobian(frame, s.q, s.F_T_EE, s.EE_T_K)
+
+    def _refreshed(self) -> RobotState:
+        self._refresh()
+        return self._state
+
+
+class FrankaModelInterface(HardwareResourceManager[FrankaModelHandle]):
+    """Models of arms by name."""
+
+    type_name: ClassVar[str] = "franka_hw::FrankaModelInterface"

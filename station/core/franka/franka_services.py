@@ -1,0 +1,323 @@
+"""What franka_control offers besides the handles: setters, recovery, connection.
+
+Source: franka_ros@c11f000 franka_hw/src/services.cpp and
+franka_control/src/franka_control_node.cpp; differs: all of it is one handle per arm,
+called in the control thread, and a refusal raises with its reason.
+"""
+# ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import ClassVar
+
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_model import FrankaModelHandle
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    ResourceHandle,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class CollisionBehavior:
+    """Thresholds of contact (lower) and collision (upper).
+
+    Those named `acceleration` count while the desired motion accelerates, the
+    `nominal` ones otherwise. Torques [Nm], shape (7,); forces [N, Nm], shape (6,).
+    """
+
+    lower_torque_thresholds_acceleration: tuple[float, ...]
+    upper_torque_thresholds_acceleration: tuple[float, ...]
+    lower_torque_thresholds_nominal: tuple[float, ...]
+    upper_torque_thresholds_nominal: tuple[float, ...]
+    lower_force_thresholds_acceleration: tuple[float, ...]
+    upper_force_thresholds_acceleration: tuple[float, ...]
+    lower_force_thresholds_nominal: tuple[float, ...]
+    upper_force_thresholds_nominal: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ArmRecord:
+    """One of the last cycles before a motion was aborted.
+
+    Attributes:
+        time: Time of the arm [s].
+        q: Measured positions [rad], shape (7,).
+        dq: Measured velocities [rad/s], shape (7,).
+        tau_J: Measured torques [Nm], shape (7,).
+        q_d: Desired positions [rad], shape (7,).
+        tau_J_d: Desired torques [Nm], shape (7,).
+        command: What the client sent last, in the unit of its kind.
+    """
+
+    time: float
+    q: tuple[float, ...]
+    dq: tuple[float, ...]
+    tau_J: tuple[float, ...]  # noqa: N815 - libfranka's name
+    q_d: tuple[float, ...]
+    tau_J_d: tuple[float, ...]  # noqa: N815 - libfranka's name
+    command: tuple[float, ...]
+
+
+class FaultKind(Enum):
+    """What can be made to go wrong in a simulation."""
+
+    LOST_PACKETS = "lost_packets"
+    """Commands do not reach the arm."""
+    DELAYED_CYCLE = "delayed_cycle"
+    """The loop's next cycle begins late: its period is longer, packets are lost."""
+    NAN_SENSOR = "nan_sensor"
+    """A joint's measured position is no number."""
+    STUCK_JOINT = "stuck_joint"
+    """A joint does not move."""
+    COLLISION = "collision"
+    """Something hits the hand."""
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedFault:
+    """One fault to inject.
+
+    Attributes:
+        kind: What goes wrong.
+        cycles: For how many cycles of the arm, >= 1.
+        joint: Number of the joint, 1 to 7; where the kind needs one.
+        force: Force of a collision in the base frame [N], shape (3,).
+    """
+
+    kind: FaultKind
+    cycles: int
+    joint: int = 1
+    force: tuple[float, float, float] = (0.0, 0.0, -100.0)
+
+
+class FrankaServices(ResourceHandle):
+    """The services of one arm, under its arm_id.
+
+    `robot_mode`, `errors`, `remedy` and `is_connected` may be called by any thread; the
+    other methods belong to the control thread, between two cycles. The setters are
+    refused while the arm moves, as a real arm refuses them.
+    """
+
+    @abstractmethod
+    def robot_mode(self) -> RobotMode:
+        """Return what the arm is doing."""
+
+    @abstractmethod
+    def get_robot_state(self) -> RobotState:
+        """Return a copy of the state, every field of the last cycle."""
+
+    @abstractmethod
+    def model(self) -> FrankaModelHandle:
+        """Return the arm's model."""
+
+    @abstractmethod
+    def errors(self) -> list[ArmError]:
+        """Return what the present errors, or else the last motion's, came from."""
+
+    @abstractmethod
+    def log(self) -> list[ArmRecord]:
+        """Return the last cycles before the last abort, oldest first, at most 50."""
+
+    @abstractmethod
+    def remedy(self) -> str:
+        """Say what to do so that the arm can move; empty when it can."""
+
+    @abstractmethod
+    def is_connected(self) -> bool:
+        """Tell whether the arm is connected."""
+
+    @abstractmethod
+    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
+        """Set the internal joint impedance.
+
+        Args:
+            stiffness: 0 to 14250 [Nm/rad], shape (7,).
+
+        Raises:
+            InvalidCommandError: A value is out of range.
+            ArmCommandError: The arm moves or is not connected.
+        """
+
+    @abstractmethod
+    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
+        """Set the internal Cartesian impedance, in the axes of the stiffness frame.
+
+        Args:
+            stiffness: 10 to 3000 [N/m] three times, then 1 to 300 [Nm/rad].
+
+        Raises:
+            InvalidCommandError: A value is out of range.
+            ArmCommandError: The arm moves or is not connected.
+        """
+
+    @abstractmethod
+    def set_EE_frame(self, NE_T_EE: Sequence[float]) -> None:
+        """Set the end effector in the nominal end effector frame.
+
+        Args:
+            NE_T_EE: A homogeneous transform, 16 numbers.
+
+        Raises:
+            InvalidCommandError: It is no homogeneous transform.
+            ArmCommandError: The arm moves or is not connected.
+        """
+
+    @abstractmethod
+    def set_K_frame(self, EE_T_K: Sequence[float]) -> None:
+        """Set the stiffness frame in the end effector frame.
+
+        Args:
+            EE_T_K: A homogeneous transform, 16 numbers.
+
+        Raises:
+            InvalidCommandError: It is no homogeneous transform.
+            ArmCommandError: The arm moves or is not connected.
+        """
+
+    @abstractmethod
+    def set_load(
+        self,
+        mass: float,
+        F_x_center_load: Sequence[float],
+        load_inertia: Sequence[float],
+    ) -> None:
+        """Set what the hand holds; the arm carries its weight from now on.
+
+        Args:
+            mass: 0 or more [kg].
+            F_x_center_load: Centre of mass in the flange frame [m], shape (3,).
+            load_inertia: Inertia about it, axes of the flange [kg m^2], 9 numbers.
+
+        Raises:
+            InvalidCommandError: No rigid body is like that.
+            ArmCommandError: The arm moves or is not connected.
+        """
+
+    @abstractmethod
+    def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
+        """Set the thresholds of contact and collision.
+
+        Args:
+            behavior: The thresholds, each > 0 and no lower above its upper one.
+
+        Raises:
+            InvalidCommandError: A threshold is impossible.
+            ArmCommandError: The arm moves or is not connected.
+        """
+
+    @abstractmethod
+    def check_recovery(self) -> None:
+        """Refuse when the arm cannot recover itself now; an arm without errors can.
+
+        Raises:
+            ArmCommandError: It cannot: the user stop is pressed, say.
+        """
+
+    @abstractmethod
+    def error_recovery(self) -> bool:
+        """Clear the errors and return to Idle; nothing moves by itself.
+
+        The arm is in AutomaticErrorRecovery until it is at rest.
+
+        Returns:
+            Whether there was an error.
+
+        Raises:
+            ArmCommandError: The arm cannot recover itself now.
+        """
+
+    @abstractmethod
+    def set_user_stop(self, *, pressed: bool) -> None:
+        """Press or release the user stop.
+
+        Raises:
+            ArmCommandError: The arm's user stop cannot be operated from here.
+        """
+
+    @abstractmethod
+    def set_guiding(self, *, pressed: bool) -> None:
+        """Hold or let go of the guiding buttons; held, the arm gives way to pushes.
+
+        Raises:
+            ArmCommandError: The arm is not idle, or its buttons are not here.
+        """
+
+    @abstractmethod
+    def connect(self) -> None:
+        """Connect to the arm; its collision thresholds are the configured ones again.
+
+        Raises:
+            ArmCommandError: It is connected already.
+        """
+
+    @abstractmethod
+    def disconnect(self) -> None:
+        """Give the arm up; it holds its pose.
+
+        Raises:
+            ArmCommandError: A controller runs, or it is not connected.
+        """
+
+    @abstractmethod
+    def apply_force(
+        self,
+        link: str,
+        force: Sequence[float],
+        torque: Sequence[float],
+        duration: float,
+        *,
+        frame: str = "world",
+        point: Sequence[float] | None = None,
+    ) -> None:
+        """Push a link, as a human would; simulation only.
+
+        Args:
+            link: Name of the link or object.
+            force: [N], shape (3,).
+            torque: [Nm], shape (3,).
+            duration: How long [s], > 0.
+            frame: Axes of both: `world`, or a link with which they turn.
+            point: Where the force acts, in the link's frame [m], shape (3,); None for
+                its centre of mass.
+
+        Raises:
+            HardwareInterfaceError: There is no such link.
+            ArmCommandError: The arm is not simulated.
+        """
+
+    @abstractmethod
+    def inject(self, fault: SimulatedFault) -> None:
+        """Make something go wrong; simulation only.
+
+        A delayed cycle is for the loop to carry out.
+
+        Raises:
+            InvalidCommandError: The fault lasts too long.
+            ArmCommandError: The arm is not simulated.
+        """
+
+    @abstractmethod
+    def faults(self) -> list[SimulatedFault]:
+        """Return what goes wrong at present, with the cycles that are left.
+
+        Raises:
+            ArmCommandError: The arm is not simulated.
+        """
+
+    @abstractmethod
+    def clear_faults(self) -> None:
+        """End what was made to go wrong, and every push.
+
+        Raises:
+            ArmCommandError: The arm is not simulated.
+        """
+
+
+class FrankaServicesInterface(HardwareResourceManager[FrankaServices]):
+    """Services of arms by arm_id."""
+
+    type_name: ClassVar[str] = "franka_control::FrankaServicesInterface"

@@ -1,0 +1,41 @@
+"""The whole state of an arm; reading claims nothing.
+
+Source: franka_ros@c11f000 franka_hw/include/franka_hw/franka_state_interface.h.
+"""
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    ResourceHandle,
+)
+
+
+class FrankaStateHandle(ResourceHandle):
+    """Reads the state of one arm. Control thread only.
+
+    Args:
+        name: `<arm_id>_robot`.
+        state: The arm's live state.
+        refresh: Brings the derived fields of `state` up to date; cheap when they are.
+    """
+
+    def __init__(
+        self, name: str, state: RobotState, refresh: Callable[[], None]
+    ) -> None:
+        super().__init__(name)
+        self._state = state
+        self._refresh = refresh
+
+    def get_robot_state(self) -> RobotState:
+        """Return the live state, every field of this cycle."""
+        self._refresh()
+        return self._state
+
+
+class FrankaStateInterface(HardwareResourceManager[FrankaStateHandle]):
+    """States of arms by name."""
+
+    type_name: ClassVar[str] = "franka_hw::FrankaStateInterface"

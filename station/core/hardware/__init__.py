@@ -1,0 +1,1 @@
+"""Hardware as ros_control sees it: interfaces, limits, transmissions, robots."""

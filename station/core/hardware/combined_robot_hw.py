@@ -1,0 +1,231 @@
+"""Several robots as one, each seeing only the part of a switch that concerns it.
+
+Source: ros_control@0.20.0 combined_robot_hw/src/combined_robot_hw.cpp; differs:
+`switch_result` asks the robots instead of always answering DONE (CM-114), and `init`
+raises with its reason.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from math import inf
+
+from typing_extensions import override
+
+from station.core.errors import HardwareInterfaceError, StationError
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    InterfaceResources,
+    RobotHW,
+    SwitchState,
+)
+from station.core.hardware.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    SceneObjectReport,
+    TransmissionReport,
+)
+from station.core.parameters import Parameters
+
+CreateRobot = Callable[[str], RobotHW]
+"""Returns a new robot of a type, not yet initialised; raises a StationError."""
+
+
+class CombinedRobotHW(RobotHW):
+    """Reads, writes and switches its robots in the order of `robot_hardware`.
+
+    Parameters: `robot_hardware`, a list of names; and per name a namespace with the
+    robot's `type` and what that type needs.
+
+    Args:
+        create: Makes the robots.
+
+    Attributes:
+        robots: The robots by name, in order.
+    """
+
+    def __init__(self, create: CreateRobot) -> None:
+        super().__init__()
+        self._create = create
+        self.robots: dict[str, RobotHW] = {}
+
+    @override
+    def init(self, root_params: Parameters, hw_params: Parameters) -> None:
+        """Make and initialise all robots (CM-110).
+
+        Args:
+            root_params: Parameters of the station's root namespace.
+            hw_params: Parameters of the combined robot.
+
+        Raises:
+            ParameterError: `robot_hardware` or a robot's `type` is missing.
+            HardwareInterfaceError: A robot's `init` failed. Those before it stay.
+            StationError: There is no robot of that type.
+        """
+        for name in hw_params.get_str_list("robot_hardware"):
+            params = hw_params.namespace(name)
+            robot = self._create(params.get_str("type"))
+            try:
+                robot.init(root_params, params)
+            except StationError:
+                raise
+            except Exception as error:
+                raise HardwareInterfaceError(
+                    f"Robot '{name}' cannot be initialised: its init raised "
+                    f"{type(error).__name__}: {error}.",
+                    remedy="Correct its parameters or the robot.",
+                    details={"robot": name},
+                ) from error
+            self.add_robot(name, robot)
+
+    def add_robot(self, name: str, robot: RobotHW) -> None:
+        """Take in a robot that is initialised already.
+
+        Args:
+            name: Its name.
+            robot: The robot.
+        """
+        self.robots[name] = robot
+        self.register_interface_manager(robot)
+
+    @override
+    def read(self, time: float, period: float) -> None:
+        for robot in self.robots.values():
+            robot.read(time, period)
+
+    @override
+    def write(self, time: float, period: float) -> None:
+        for robot in self.robots.values():
+            robot.write(time, period)
+
+    @override
+    def check_period(self, period: float) -> None:
+        """Ask every robot.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: The loop is too fast or too slow for a robot.
+        """
+        for robot in self.robots.values():
+            robot.check_period(period)
+
+    @override
+    def longest_period(self) -> float:
+        """Return that of the robot that waits least [s]."""
+        return max((one.longest_period() for one in self.robots.values()), default=inf)
+
+    @override
+    def prepare_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Ask the robots in order; the first that refuses ends it (CM-111).
+
+        Args:
+            start: Controllers that will be started.
+            stop: Controllers that will be stopped.
+
+        Raises:
+            SwitchRefusedError: A robot refuses.
+        """
+        for robot in self.robots.values():
+            robot.prepare_switch(_part_of(robot, start), _part_of(robot, stop))
+
+    @override
+    def do_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        for robot in self.robots.values():
+            robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
+
+    @override
+    def switch_result(self) -> SwitchState:
+        return _together([robot.switch_result() for robot in self.robots.values()])
+
+    @override
+    def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
+        return _together([
+            robot.switch_result_for(part)
+            for robot in self.robots.values()
+            for part in _part_of(robot, [controller])
+        ])
+
+    @override
+    def joint_limits(self) -> Sequence[JointLimitsReport]:
+        return [r for robot in self.robots.values() for r in robot.joint_limits()]
+
+    @override
+    def transmissions(self) -> Sequence[TransmissionReport]:
+        return [r for robot in self.robots.values() for r in robot.transmissions()]
+
+    @override
+    def clamps(self) -> Sequence[ClampReport]:
+        return [r for robot in self.robots.values() for r in robot.clamps()]
+
+    @override
+    def is_interrupted(self) -> bool:
+        return any(robot.is_interrupted() for robot in self.robots.values())
+
+    @override
+    def interruption_of(self, controller: ControllerInfo) -> str:
+        reasons = [
+            robot.interruption_of(part)
+            for robot in self.robots.values()
+            for part in _part_of(robot, [controller])
+        ]
+        return "; ".join(reason for reason in reasons if reason)
+
+    @override
+    def scene(self) -> Sequence[SceneObjectReport]:
+        """Return what any robot sees; robots in one world see the same."""
+        found = {one.name: one for hw in self.robots.values() for one in hw.scene()}
+        return list(found.values())
+
+    @override
+    def simulated_time(self) -> float | None:
+        """Return the time of the first simulated robot [s]; None if one is real."""
+        times = [robot.simulated_time() for robot in self.robots.values()]
+        return None if None in times or not times else times[0]
+
+    @override
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:
+        if self.simulated_time() is None:
+            super().reset_simulation(positions)
+        for robot in self.robots.values():
+            own = robot.resources()
+            robot.reset_simulation({n: p for n, p in positions.items() if n in own})
+
+    @override
+    def mode(self) -> str:
+        """Return the mode all robots are in, else that of the first not running."""
+        modes = [robot.mode() for robot in self.robots.values()]
+        return next((mode for mode in modes if mode != "running"), "running")
+
+
+def _together(states: list[SwitchState]) -> SwitchState:
+    for state in (SwitchState.ERROR, SwitchState.ONGOING):
+        if state in states:
+            return state
+    return SwitchState.DONE
+
+
+def _part_of(
+    robot: RobotHW, controllers: Sequence[ControllerInfo]
+) -> list[ControllerInfo]:
+    """Return what of `controllers` concerns `robot` (CM-112, CM-113).
+
+    Resources the robot does not have are left out, and controllers of which nothing
+    remains; a controller that claims nothing at all concerns every robot.
+    """
+    parts: list[ControllerInfo] = []
+    for controller in controllers:
+        claims: list[InterfaceResources] = []
+        for claim in controller.claimed_resources:
+            owned = set(robot.get_interface_resources(claim.hardware_interface))
+            resources = tuple(r for r in claim.resources if r in owned)
+            if resources:
+                claims.append(InterfaceResources(claim.hardware_interface, resources))
+        if claims or not controller.claimed_resources:
+            parts.append(
+                ControllerInfo(controller.name, controller.type, tuple(claims))
+            )
+    return parts

@@ -1,0 +1,88 @@
+"""What a controller can claim: handles and hardware interfaces, one family a file."""
+
+from station.core.hardware.interfaces.actuator import (
+    ActuatorCommandInterface,
+    ActuatorHandle,
+    ActuatorStateHandle,
+    ActuatorStateInterface,
+    EffortActuatorInterface,
+    PositionActuatorInterface,
+    VelocityActuatorInterface,
+)
+from station.core.hardware.interfaces.force_torque_sensor import (
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+)
+from station.core.hardware.interfaces.imu_sensor import (
+    ImuSensorHandle,
+    ImuSensorInterface,
+)
+from station.core.hardware.interfaces.interface_manager import (
+    InterfaceManager,
+    interface_type_name,
+)
+from station.core.hardware.interfaces.joint import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.interfaces.joint_group import JointGroup, JointStateGroup
+from station.core.hardware.interfaces.joint_mode import (
+    JointCommandMode,
+    JointModeHandle,
+    JointModeInterface,
+)
+from station.core.hardware.interfaces.pos_vel import (
+    PositionVelocityTorqueGainsJointHandle,
+    PositionVelocityTorqueGainsJointInterface,
+    PosVelAccJointHandle,
+    PosVelAccJointInterface,
+    PosVelJointHandle,
+    PosVelJointInterface,
+)
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    ResourceHandle,
+    ResourceManager,
+)
+
+__all__ = [
+    "ActuatorCommandInterface",
+    "ActuatorHandle",
+    "ActuatorStateHandle",
+    "ActuatorStateInterface",
+    "EffortActuatorInterface",
+    "EffortJointInterface",
+    "ForceTorqueSensorHandle",
+    "ForceTorqueSensorInterface",
+    "HardwareResourceManager",
+    "ImuSensorHandle",
+    "ImuSensorInterface",
+    "InterfaceManager",
+    "JointCommandInterface",
+    "JointCommandMode",
+    "JointGroup",
+    "JointHandle",
+    "JointModeHandle",
+    "JointModeInterface",
+    "JointStateGroup",
+    "JointStateHandle",
+    "JointStateInterface",
+    "PosVelAccJointHandle",
+    "PosVelAccJointInterface",
+    "PosVelJointHandle",
+    "PosVelJointInterface",
+    "PositionActuatorInterface",
+    "PositionJointInterface",
+    "PositionVelocityTorqueGainsJointHandle",
+    "PositionVelocityTorqueGainsJointInterface",
+    "ResourceHandle",
+    "ResourceManager",
+    "VelocityActuatorInterface",
+    "VelocityJointInterface",
+    "interface_type_name",
+]

@@ -1,0 +1,221 @@
+"""Joint handles and interfaces: state, and effort, velocity or position commands.
+
+Source: ros_control@0.20.0 hardware_interface/joint_state_interface.h,
+joint_command_interface.h; differs: a "pointer" is a list of floats and an index, so
+that a group of joints can be read and written in one go (`joint_group.py`).
+"""
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.core.errors import HardwareInterfaceError
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    ResourceHandle,
+    check_storage,
+)
+
+POSITION_START_JUMP = 0.01
+"""Largest first position command away from rest [rad or m]."""
+VELOCITY_START_JUMP = 0.05
+"""Largest first velocity command away from rest [rad/s or m/s]."""
+EFFORT_START_JUMP = 5.0
+"""Largest first effort command away from rest [Nm or N]."""
+
+
+class JointStateHandle(ResourceHandle):
+    """Reads the state of one joint.
+
+    Args:
+        name: Name of the joint.
+        position: The robot's positions [rad or m]; slot `index` is this joint's.
+        velocity: The robot's velocities [rad/s or m/s].
+        effort: The robot's efforts [Nm or N].
+        index: The joint's slot in all these lists.
+        absolute_position: Absolute encoder positions [rad or m]; None if there is none.
+        torque_sensor: Joint torque sensors [Nm or N]; None if there is none.
+
+    The robot must change the lists in place and never bind new ones.
+
+    Raises:
+        HardwareInterfaceError: A list is None or has no slot `index`.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        position: list[float] | None,
+        velocity: list[float] | None,
+        effort: list[float] | None,
+        index: int = 0,
+        *,
+        absolute_position: list[float] | None = None,
+        torque_sensor: list[float] | None = None,
+    ) -> None:
+        super().__init__(name)
+        self.index = index
+        self.position_storage = check_storage(name, "Position", position, index)
+        self.velocity_storage = check_storage(name, "Velocity", velocity, index)
+        self.effort_storage = check_storage(name, "Effort", effort, index)
+        self.absolute_position_storage = absolute_position
+        self.torque_sensor_storage = torque_sensor
+        if absolute_position is not None:
+            check_storage(name, "Absolute position", absolute_position, index)
+        if torque_sensor is not None:
+            check_storage(name, "Torque sensor", torque_sensor, index)
+
+    def get_position(self) -> float:
+        """Return the position [rad or m]."""
+        return self.position_storage[self.index]
+
+    def get_velocity(self) -> float:
+        """Return the velocity [rad/s or m/s]."""
+        return self.velocity_storage[self.index]
+
+    def get_effort(self) -> float:
+        """Return the effort [Nm or N]."""
+        return self.effort_storage[self.index]
+
+    def has_absolute_position(self) -> bool:
+        """Say whether the joint has an absolute encoder."""
+        return self.absolute_position_storage is not None
+
+    def has_torque_sensor(self) -> bool:
+        """Say whether the joint has a torque sensor."""
+        return self.torque_sensor_storage is not None
+
+    def get_absolute_position(self) -> float:
+        """Return the absolute encoder's position [rad or m].
+
+        Raises:
+            HardwareInterfaceError: The joint has no absolute encoder.
+        """
+        if self.absolute_position_storage is None:
+            raise HardwareInterfaceError(
+                f"Joint '{self.name}' has no absolute encoder.",
+                remedy="Ask has_absolute_position() first.",
+                details={"resource": self.name},
+            )
+        return self.absolute_position_storage[self.index]
+
+    def get_torque_sensor(self) -> float:
+        """Return the torque sensor's reading [Nm or N].
+
+        Raises:
+            HardwareInterfaceError: The joint has no torque sensor.
+        """
+        if self.torque_sensor_storage is None:
+            raise HardwareInterfaceError(
+                f"Joint '{self.name}' has no torque sensor.",
+                remedy="Ask has_torque_sensor() first.",
+                details={"resource": self.name},
+            )
+        return self.torque_sensor_storage[self.index]
+
+
+class CommandedJointHandle(JointStateHandle):
+    """What all handles share that command a joint: its state, and a slot for commands.
+
+    Args:
+        state: State handle of the joint.
+        index: The joint's slot in the lists of commands; the state's when left out.
+
+    Attributes:
+        command_index: The joint's slot in the lists of commands.
+    """
+
+    def __init__(self, state: JointStateHandle, index: int | None = None) -> None:
+        super().__init__(
+            state.name,
+            state.position_storage,
+            state.velocity_storage,
+            state.effort_storage,
+            state.index,
+            absolute_position=state.absolute_position_storage,
+            torque_sensor=state.torque_sensor_storage,
+        )
+        self.command_index: int = state.index if index is None else index
+
+
+class JointHandle(CommandedJointHandle):
+    """Reads the state of one joint and commands it with one value.
+
+    Args:
+        state: State handle of the joint.
+        command: The robot's commands of one kind.
+        index: The joint's slot in `command`; the state's slot when left out.
+
+    Raises:
+        HardwareInterfaceError: `command` is None or has no slot `index`.
+    """
+
+    def __init__(
+        self,
+        state: JointStateHandle,
+        command: list[float] | None,
+        index: int | None = None,
+    ) -> None:
+        super().__init__(state, index)
+        self.command_storage = check_storage(
+            state.name, "Command", command, self.command_index
+        )
+
+    def get_command(self) -> float:
+        """Return the value commanded last."""
+        return self.command_storage[self.command_index]
+
+    def set_command(self, command: float) -> None:
+        """Command `command`, in the unit of the interface."""
+        self.command_storage[self.command_index] = command
+
+    @override
+    def command_slots(self) -> list[tuple[list[float], int]]:
+        return [(self.command_storage, self.command_index)]
+
+
+class JointStateInterface(HardwareResourceManager[JointStateHandle]):
+    """Joint states; reading claims nothing."""
+
+    type_name: ClassVar[str] = "hardware_interface::JointStateInterface"
+
+
+class JointCommandInterface(HardwareResourceManager[JointHandle]):
+    """Joint commands of one kind; asking for a handle claims the joint."""
+
+    type_name: ClassVar[str] = "hardware_interface::JointCommandInterface"
+    claims_resources: ClassVar[bool] = True
+    start_jump: ClassVar[float] = float("inf")
+
+    @override
+    def start_jump_limits(self, name: str) -> list[float]:
+        return [self.start_jump]
+
+
+class EffortJointInterface(JointCommandInterface):
+    """Effort commands [Nm or N]."""
+
+    type_name: ClassVar[str] = "hardware_interface::EffortJointInterface"
+    start_jump: ClassVar[float] = EFFORT_START_JUMP
+
+
+class VelocityJointInterface(JointCommandInterface):
+    """Velocity commands [rad/s or m/s]."""
+
+    type_name: ClassVar[str] = "hardware_interface::VelocityJointInterface"
+    start_jump: ClassVar[float] = VELOCITY_START_JUMP
+
+    @override
+    def present_commands(self, name: str) -> list[float]:
+        return [self._handles[name].get_velocity()]
+
+
+class PositionJointInterface(JointCommandInterface):
+    """Position commands [rad or m]; a joint rests at its (desired) position."""
+
+    type_name: ClassVar[str] = "hardware_interface::PositionJointInterface"
+    start_jump: ClassVar[float] = POSITION_START_JUMP
+
+    @override
+    def rest_commands(self, name: str) -> list[float]:
+        return [self._handles[name].get_position()]

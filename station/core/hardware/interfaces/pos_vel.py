@@ -1,0 +1,263 @@
+"""Joints commanded by several values at once: position, velocity, and more.
+
+Source: ros_control@0.20.0 hardware_interface/posvel_command_interface.h,
+posvelacc_command_interface.h, position_velocity_torque_gains_command_interface.h;
+differs: a "pointer" is a list of floats and an index.
+"""
+
+import math
+from typing import ClassVar, TypeVar
+
+from typing_extensions import override
+
+from station.core.hardware.interfaces.joint import (
+    EFFORT_START_JUMP,
+    POSITION_START_JUMP,
+    VELOCITY_START_JUMP,
+    CommandedJointHandle,
+    JointStateHandle,
+)
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    check_storage,
+)
+
+ACCELERATION_START_JUMP = 1.0
+"""Largest first acceleration command away from rest [rad/s^2 or m/s^2]."""
+
+
+class PosVelJointHandle(CommandedJointHandle):
+    """Reads one joint and commands its position and velocity.
+
+    Args:
+        state: State handle of the joint.
+        position: The robot's position commands [rad or m].
+        velocity: The robot's velocity commands [rad/s or m/s].
+        index: The joint's slot in all command lists; the state's when left out.
+
+    Raises:
+        HardwareInterfaceError: A list is None or has no slot `index`.
+    """
+
+    def __init__(
+        self,
+        state: JointStateHandle,
+        position: list[float] | None,
+        velocity: list[float] | None,
+        index: int | None = None,
+    ) -> None:
+        super().__init__(state, index)
+        self.command_storages: list[list[float]] = []
+        self.add_command("Command position", position)
+        self.add_command("Command velocity ", velocity)  # the original has two spaces
+
+    def add_command(self, what: str, storage: list[float] | None) -> None:
+        """Let the handle command one value more; for constructors.
+
+        Args:
+            what: The value in an error message, as the original spells it.
+            storage: The robot's commands of this value.
+
+        Raises:
+            HardwareInterfaceError: `storage` is None or has no slot for the joint.
+        """
+        checked = check_storage(
+            self.name, what, storage, self.command_index, kind="pointer"
+        )
+        self.command_storages.append(checked)
+
+    def set_command(self, position: float, velocity: float) -> None:
+        """Command a position [rad or m] and a velocity [rad/s or m/s]."""
+        self.set_command_position(position)
+        self.set_command_velocity(velocity)
+
+    def set_command_position(self, position: float) -> None:
+        """Command a position [rad or m]."""
+        self.command_storages[0][self.command_index] = position
+
+    def set_command_velocity(self, velocity: float) -> None:
+        """Command a velocity [rad/s or m/s]."""
+        self.command_storages[1][self.command_index] = velocity
+
+    def get_command_position(self) -> float:
+        """Return the position commanded last [rad or m]."""
+        return self.command_storages[0][self.command_index]
+
+    def get_command_velocity(self) -> float:
+        """Return the velocity commanded last [rad/s or m/s]."""
+        return self.command_storages[1][self.command_index]
+
+    @override
+    def command_slots(self) -> list[tuple[list[float], int]]:
+        return [(storage, self.command_index) for storage in self.command_storages]
+
+
+class PosVelAccJointHandle(PosVelJointHandle):
+    """Reads one joint and commands its position, velocity and acceleration.
+
+    Args:
+        state: State handle of the joint.
+        position: The robot's position commands [rad or m].
+        velocity: The robot's velocity commands [rad/s or m/s].
+        acceleration: The robot's acceleration commands [rad/s^2 or m/s^2].
+        index: The joint's slot in all command lists; the state's when left out.
+
+    Raises:
+        HardwareInterfaceError: A list is None or has no slot `index`.
+    """
+
+    def __init__(
+        self,
+        state: JointStateHandle,
+        position: list[float] | None,
+        velocity: list[float] | None,
+        acceleration: list[float] | None,
+        index: int | None = None,
+    ) -> None:
+        super().__init__(state, position, velocity, index)
+        self.add_command("Command acceleration data", acceleration)
+
+    @override
+    def set_command(  # type: ignore[override]  # one value more, as in the original
+        self, position: float, velocity: float, acceleration: float
+    ) -> None:
+        """Command position, velocity and acceleration [rad/s^2 or m/s^2]."""
+        super().set_command(position, velocity)
+        self.set_command_acceleration(acceleration)
+
+    def set_command_acceleration(self, acceleration: float) -> None:
+        """Command an acceleration [rad/s^2 or m/s^2]."""
+        self.command_storages[2][self.command_index] = acceleration
+
+    def get_command_acceleration(self) -> float:
+        """Return the acceleration commanded last [rad/s^2 or m/s^2]."""
+        return self.command_storages[2][self.command_index]
+
+
+class PositionVelocityTorqueGainsJointHandle(PosVelJointHandle):
+    """Reads one joint and commands a position, a velocity, an effort and gains.
+
+    Args:
+        state: State handle of the joint.
+        position: The robot's position commands [rad or m].
+        velocity: The robot's velocity commands [rad/s or m/s].
+        effort: The robot's feed-forward efforts [Nm or N].
+        kp: The robot's position gains [Nm/rad or N/m].
+        kd: The robot's velocity gains [Nm s/rad or N s/m].
+        index: The joint's slot in all command lists; the state's when left out.
+
+    Raises:
+        HardwareInterfaceError: A list is None or has no slot `index`.
+    """
+
+    def __init__(
+        self,
+        state: JointStateHandle,
+        position: list[float] | None,
+        velocity: list[float] | None,
+        effort: list[float] | None,
+        kp: list[float] | None,
+        kd: list[float] | None,
+        index: int | None = None,
+    ) -> None:
+        super().__init__(state, position, velocity, index)
+        self.add_command("Command effort data", effort)
+        self.add_command("Command position gain data", kp)
+        self.add_command("Command derivative gain data", kd)
+
+    @override
+    def set_command(  # type: ignore[override]  # three values more, as in the original
+        self, position: float, velocity: float, effort: float, kp: float, kd: float
+    ) -> None:
+        """Command position, velocity, feed-forward effort and both gains."""
+        super().set_command(position, velocity)
+        self.set_command_effort(effort)
+        self.set_command_kp(kp)
+        self.set_command_kd(kd)
+
+    def set_command_effort(self, effort: float) -> None:
+        """Command a feed-forward effort [Nm or N]."""
+        self.command_storages[2][self.command_index] = effort
+
+    def set_command_kp(self, kp: float) -> None:
+        """Command the position gain [Nm/rad or N/m]."""
+        self.command_storages[3][self.command_index] = kp
+
+    def set_command_kd(self, kd: float) -> None:
+        """Command the velocity gain [Nm s/rad or N s/m]."""
+        self.command_storages[4][self.command_index] = kd
+
+    def get_command_effort(self) -> float:
+        """Return the feed-forward effort commanded last [Nm or N]."""
+        return self.command_storages[2][self.command_index]
+
+    def get_command_kp(self) -> float:
+        """Return the position gain commanded last [Nm/rad or N/m]."""
+        return self.command_storages[3][self.command_index]
+
+    def get_command_kd(self) -> float:
+        """Return the velocity gain commanded last [Nm s/rad or N s/m]."""
+        return self.command_storages[4][self.command_index]
+
+
+PosVelH = TypeVar("PosVelH", bound=PosVelJointHandle)
+
+
+class PosVelFamilyInterface(HardwareResourceManager[PosVelH]):
+    """What the interfaces below share: a claimed joint rests at its position."""
+
+    claims_resources: ClassVar[bool] = True
+    further_jumps: ClassVar[tuple[float, ...]] = ()
+
+    @override
+    def rest_commands(self, name: str) -> list[float]:
+        handle = self._handles[name]
+        further = [0.0 for _ in handle.command_storages[2:]]
+        return [handle.get_position(), 0.0, *further]
+
+    @override
+    def present_commands(self, name: str) -> list[float]:
+        position, _, *further = self.rest_commands(name)
+        return [position, self._handles[name].get_velocity(), *further]
+
+    @override
+    def start_jump_limits(self, name: str) -> list[float]:
+        return [POSITION_START_JUMP, VELOCITY_START_JUMP, *self.further_jumps]
+
+
+class PosVelJointInterface(PosVelFamilyInterface[PosVelJointHandle]):
+    """Position and velocity commands."""
+
+    type_name: ClassVar[str] = "hardware_interface::PosVelJointInterface"
+
+
+class PosVelAccJointInterface(PosVelFamilyInterface[PosVelAccJointHandle]):
+    """Position, velocity and acceleration commands."""
+
+    type_name: ClassVar[str] = "hardware_interface::PosVelAccJointInterface"
+    further_jumps: ClassVar[tuple[float, ...]] = (ACCELERATION_START_JUMP,)
+
+
+class PositionVelocityTorqueGainsJointInterface(
+    PosVelFamilyInterface[PositionVelocityTorqueGainsJointHandle]
+):
+    """Position, velocity, feed-forward effort and gain commands.
+
+    A joint at rest keeps the gains commanded last, so that it does not give way.
+    """
+
+    type_name: ClassVar[str] = (
+        "hardware_interface::PositionVelocityTorqueGainsJointInterface"
+    )
+    further_jumps: ClassVar[tuple[float, ...]] = (
+        EFFORT_START_JUMP,
+        float("inf"),
+        float("inf"),
+    )
+
+    @override
+    def rest_commands(self, name: str) -> list[float]:
+        handle = self._handles[name]
+        gains = (handle.get_command_kp(), handle.get_command_kd())
+        kept = [gain if math.isfinite(gain) else 0.0 for gain in gains]
+        return [handle.get_position(), 0.0, 0.0, *kept]

@@ -1,0 +1,84 @@
+"""Joint limits: what a joint may do, and the handles that see to it.
+
+The handles act in `RobotHW.write`, after the controllers. Formulas and sources stand in
+`position_joint_limits`, `velocity_joint_limits` and `effort_joint_limits`.
+"""
+
+from station.core.hardware.limits.effort_joint_limits import (
+    EffortJointSaturationHandle,
+    EffortJointSoftLimitsHandle,
+)
+from station.core.hardware.limits.joint_limits import (
+    JointLimits,
+    JointLimitsError,
+    SoftJointLimits,
+)
+from station.core.hardware.limits.joint_limits_handle import (
+    Clamp,
+    ClampReason,
+    JointLimitsHandle,
+)
+from station.core.hardware.limits.joint_limits_interface import (
+    EffortJointSaturationInterface,
+    EffortJointSoftLimitsInterface,
+    JointLimitsInterface,
+    PositionJointSaturationInterface,
+    PositionJointSoftLimitsInterface,
+    VelocityJointSaturationInterface,
+    VelocityJointSoftLimitsInterface,
+)
+from station.core.hardware.limits.limit_mode import LimitMode, make_limits_handle
+from station.core.hardware.limits.parameters import (
+    joint_limits_from_parameters,
+    soft_joint_limits_from_parameters,
+)
+from station.core.hardware.limits.position_joint_limits import (
+    PositionJointSaturationHandle,
+    PositionJointSoftLimitsHandle,
+)
+from station.core.hardware.limits.rate_joint_limits import (
+    PositionJointRateLimitsHandle,
+    PositionJointRateLimitsInterface,
+    VelocityJointRateLimitsHandle,
+    VelocityJointRateLimitsInterface,
+)
+from station.core.hardware.limits.urdf import (
+    joint_limits_from_urdf,
+    soft_joint_limits_from_urdf,
+)
+from station.core.hardware.limits.velocity_joint_limits import (
+    VelocityJointSaturationHandle,
+    VelocityJointSoftLimitsHandle,
+)
+
+__all__ = [
+    "Clamp",
+    "ClampReason",
+    "EffortJointSaturationHandle",
+    "EffortJointSaturationInterface",
+    "EffortJointSoftLimitsHandle",
+    "EffortJointSoftLimitsInterface",
+    "JointLimits",
+    "JointLimitsError",
+    "JointLimitsHandle",
+    "JointLimitsInterface",
+    "LimitMode",
+    "PositionJointRateLimitsHandle",
+    "PositionJointRateLimitsInterface",
+    "PositionJointSaturationHandle",
+    "PositionJointSaturationInterface",
+    "PositionJointSoftLimitsHandle",
+    "PositionJointSoftLimitsInterface",
+    "SoftJointLimits",
+    "VelocityJointRateLimitsHandle",
+    "VelocityJointRateLimitsInterface",
+    "VelocityJointSaturationHandle",
+    "VelocityJointSaturationInterface",
+    "VelocityJointSoftLimitsHandle",
+    "VelocityJointSoftLimitsInterface",
+    "joint_limits_from_parameters",
+    "joint_limits_from_urdf",
+    "make_limits_handle",
+    "soft_joint_limits_from_parameters",
+    "soft_joint_limits_from_urdf",
+]

@@ -1,0 +1,130 @@
+"""Read joint limits from parameters, in the form that MoveIt uses too.
+
+```yaml
+joint_limits:
+  elbow:
+    has_position_limits: true
+    min_position: -1.5
+    max_position: 1.5
+    has_velocity_limits: true
+    max_velocity: 2.0
+    has_soft_limits: true
+    soft_lower_limit: -1.4
+    soft_upper_limit: 1.4
+    k_position: 10.0
+    k_velocity: 20.0
+```
+
+and in the same way `max_acceleration`, `max_jerk` and `max_effort`, each with its
+`has_…_limits`. A value counts only with its flag. `angle_wraparound` counts for a joint
+with `has_position_limits: false`.
+
+Source: ros_control@633c374 joint_limits_rosparam.h; ROS parameters are typed: a flag
+that is not true or false, or a value that is not a number, is as good as absent.
+"""
+
+from dataclasses import replace
+
+from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimits
+from station.core.parameters import Parameters
+
+_SOFT_KEYS = ("k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit")
+
+
+def joint_limits_from_parameters(
+    joint: str, params: Parameters, limits: JointLimits | None = None
+) -> JointLimits | None:
+    """Return a joint's limits from `joint_limits/<joint>`.
+
+    A flag that is false removes an earlier limit; a flag that is true with all its
+    values replaces it; everything else leaves it as it is. Called after the URDF's, so
+    that parameters win.
+
+    Args:
+        joint: Name of the joint.
+        params: The namespace that holds `joint_limits`.
+        limits: Earlier limits to be completed; none when absent.
+
+    Returns:
+        The limits, or None if there is no entry for the joint.
+    """
+    if not params.has(f"joint_limits/{joint}"):
+        return None
+    entry = params.namespace(f"joint_limits/{joint}")
+    result = _read_position_limits(entry, limits or JointLimits())
+    return replace(
+        result,
+        max_velocity=_read_limit(entry, "velocity", result.max_velocity),
+        max_acceleration=_read_limit(entry, "acceleration", result.max_acceleration),
+        max_jerk=_read_limit(entry, "jerk", result.max_jerk),
+        max_effort=_read_limit(entry, "effort", result.max_effort),
+    )
+
+
+def soft_joint_limits_from_parameters(
+    joint: str, params: Parameters, soft_limits: SoftJointLimits | None = None
+) -> SoftJointLimits | None:
+    """Return a joint's soft limits from `joint_limits/<joint>`.
+
+    Args:
+        joint: Name of the joint.
+        params: The namespace that holds `joint_limits`.
+        soft_limits: Earlier soft limits; their value stands where the parameter is not
+            a number.
+
+    Returns:
+        The soft limits, or None unless `has_soft_limits` is true and all four values
+        are there.
+    """
+    entry = params.namespace(f"joint_limits/{joint}")
+    if entry.get("has_soft_limits") is not True:
+        return None
+    if not all(entry.has(key) for key in _SOFT_KEYS):
+        return None
+    earlier = soft_limits or SoftJointLimits()
+    return SoftJointLimits(
+        min_position=_number_or(entry, "soft_lower_limit", earlier.min_position),
+        max_position=_number_or(entry, "soft_upper_limit", earlier.max_position),
+        k_position=_number_or(entry, "k_position", earlier.k_position),
+        k_velocity=_number_or(entry, "k_velocity", earlier.k_velocity),
+    )
+
+
+def _read_position_limits(entry: Parameters, earlier: JointLimits) -> JointLimits:
+    flag = entry.get("has_position_limits")
+    if flag is True:
+        low = _number(entry, "min_position")
+        high = _number(entry, "max_position")
+        if low is None or high is None:
+            return earlier
+        return replace(earlier, min_position=low, max_position=high)
+    if flag is False:
+        wraparound = entry.get("angle_wraparound")
+        if not isinstance(wraparound, bool):
+            wraparound = earlier.angle_wraparound
+        return replace(
+            earlier, min_position=None, max_position=None, angle_wraparound=wraparound
+        )
+    return earlier
+
+
+def _read_limit(
+    entry: Parameters, quantity: str, earlier: float | None
+) -> float | None:
+    flag = entry.get(f"has_{quantity}_limits")
+    if flag is True:
+        number = _number(entry, f"max_{quantity}")
+        return earlier if number is None else number
+    return None if flag is False else earlier
+
+
+def _number(entry: Parameters, key: str) -> float | None:
+    value = entry.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(value)
+
+
+def _number_or(entry: Parameters, key: str, default: float) -> float:
+    number = _number(entry, key)
+    return default if number is None else number

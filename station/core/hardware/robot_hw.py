@@ -1,0 +1,258 @@
+"""The robot as the controller manager sees it: read, write, and switching hooks.
+
+Source: ros_control@0.20.0 hardware_interface/robot_hw.h, controller_info.h,
+interface_resources.h; differs: a conflict is described instead of reported as `True`,
+and a refused switch raises with its reason instead of returning `False`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from math import inf
+
+from station.core.errors import SimulationError
+from station.core.hardware.interfaces.interface_manager import InterfaceManager
+from station.core.hardware.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    SceneObjectReport,
+    TransmissionReport,
+)
+from station.core.parameters import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceResources:
+    """The resources a controller claims through one interface.
+
+    Attributes:
+        hardware_interface: Wire name, e.g. `hardware_interface::EffortJointInterface`.
+        resources: Claimed names, sorted; empty for an interface that claims nothing.
+    """
+
+    hardware_interface: str
+    resources: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerInfo:
+    """What the hardware is told about a controller.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Its type, `package/Class`.
+        claimed_resources: One entry per hardware interface it uses.
+    """
+
+    name: str
+    type: str
+    claimed_resources: tuple[InterfaceResources, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ResourceConflict:
+    """Why a set of controllers cannot run together.
+
+    Attributes:
+        resource: The resource in dispute.
+        holders: (controller, hardware interface) of everyone who claims it.
+        reason: One sentence for the user.
+    """
+
+    resource: str
+    holders: tuple[tuple[str, str], ...]
+    reason: str
+
+
+class SwitchState(Enum):
+    """How far the hardware is with a switch."""
+
+    DONE = "done"
+    ONGOING = "ongoing"
+    ERROR = "error"
+
+
+class RobotHW(InterfaceManager):
+    """Base of all robots.
+
+    A robot keeps its state and commands in lists of floats, registers interfaces
+    whose handles point into them, and moves values between these lists and the
+    hardware. Threads: `init`, `check_for_conflict` and `prepare_switch` are called
+    outside of the control thread and may block; `read`, `write`, `do_switch`,
+    `switch_result…` run in the control thread and must not wait, log or allocate
+    growing data.
+
+    Order in a cycle: `read`, controllers, then `do_switch` and `switch_result` when
+    a switch is pending, `write`.
+    """
+
+    def init(self, root_params: Parameters, hw_params: Parameters) -> None:
+        """Set the robot up. Called once before the first cycle.
+
+        Args:
+            root_params: Parameters of the station's root namespace.
+            hw_params: Parameters of this robot.
+
+        Raises:
+            StationError: The robot cannot be used; subclasses say why.
+        """
+
+    def read(self, time: float, period: float) -> None:
+        """Bring the hardware's state into the handles' storage.
+
+        Args:
+            time: Station time of this cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+
+    def write(self, time: float, period: float) -> None:
+        """Send the commands in the handles' storage to the hardware.
+
+        Args:
+            time: Station time of this cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+
+    def check_for_conflict(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        """Return the conflicts among controllers that would run together.
+
+        The default: every resource has at most one claim, whatever the interface
+        (CM-52 … CM-57). Override it for a robot that allows more or less. Called by
+        any thread, also in the control thread when a fallback is to take over: it
+        must answer at once.
+
+        Args:
+            controllers: All controllers that would be running after the switch.
+
+        Returns:
+            One entry per conflict; an empty list when they can run together.
+        """
+        holders: dict[str, list[tuple[str, str]]] = {}
+        for controller in controllers:
+            for claimed in controller.claimed_resources:
+                for resource in claimed.resources:
+                    holders.setdefault(resource, []).append((
+                        controller.name,
+                        claimed.hardware_interface,
+                    ))
+        return [
+            ResourceConflict(resource, tuple(claims), _describe(resource, claims))
+            for resource, claims in holders.items()
+            if len(claims) > 1
+        ]
+
+    def check_period(self, period: float) -> None:
+        """Refuse a loop that the robot cannot be run with; once, after `init`.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+
+        Raises:
+            HardwareInterfaceError: The loop is too fast or too slow for the robot.
+        """
+
+    def longest_period(self) -> float:
+        """Return the most time that passes for the robot in one cycle [s].
+
+        A simulated world may wait for a loop that is very late; time stands still for
+        the controllers too, then. Infinite for a robot that nothing waits for.
+        """
+        return inf
+
+    def prepare_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Check, outside of the control thread, whether a switch is possible.
+
+        Args:
+            start: Controllers that are not running and will be started.
+            stop: Controllers that are running and will be stopped.
+
+        Raises:
+            SwitchRefusedError: The hardware cannot do it; nothing has changed.
+        """
+
+    def do_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Begin the mode switch of the hardware, in the control thread.
+
+        Must not fail. It is also called without `prepare_switch`: with an empty
+        `start`, to take a failed controller off the hardware at once; for the
+        fallback of such a controller; and to take a switch back whose start failed.
+        """
+
+    def switch_result(self) -> SwitchState:
+        """Say whether the switch of all controllers is done."""
+        return SwitchState.DONE
+
+    def switch_result_for(self, controller: ControllerInfo) -> SwitchState:  # noqa: ARG002
+        """Say whether the switch is done as far as `controller` is concerned."""
+        return SwitchState.DONE
+
+    def joint_limits(self) -> Sequence[JointLimitsReport]:
+        """Return the limits it enforces; settled in `init`. Any thread."""
+        return ()
+
+    def transmissions(self) -> Sequence[TransmissionReport]:
+        """Return its transmissions; settled in `init`. Any thread."""
+        return ()
+
+    def clamps(self) -> Sequence[ClampReport]:
+        """Return which commands its limits have cut off. Any thread."""
+        return ()
+
+    def is_interrupted(self) -> bool:
+        """Tell whether the robot has stopped to carry out what controllers command.
+
+        Called in the control thread once per cycle, after `read`: must be cheap. When
+        it is true, the manager asks `interruption_of` for every running controller.
+        """
+        return False
+
+    def interruption_of(self, controller: ControllerInfo) -> str:  # noqa: ARG002
+        """Return why a controller's commands are not carried out; empty if they are.
+
+        The manager stops such a controller in the same cycle and calls `do_switch`.
+        """
+        return ""
+
+    def scene(self) -> Sequence[SceneObjectReport]:
+        """Return the things around a simulated robot, now; control thread."""
+        return ()
+
+    def simulated_time(self) -> float | None:
+        """Return the time of the simulated world [s]; None for a real robot."""
+        return None
+
+    def reset_simulation(self, positions: Mapping[str, float]) -> None:  # noqa: ARG002
+        """Put the simulated world back to its start; control thread.
+
+        The loop voids all commands and restarts the running controllers after it.
+
+        Args:
+            positions: Joint name to position [rad or m]; the others go back to
+                where they began.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world; nothing changed.
+            SimulationError: The robot is not simulated.
+        """
+        raise SimulationError(
+            f"The robot {type(self).__name__} is not simulated.",
+            remedy="Move it with a controller.",
+        )
+
+    def mode(self) -> str:
+        """Return the robot's mode in one word, for status displays.
+
+        Called in the control thread once per cycle: return a constant string.
+        """
+        return "running"
+
+
+def _describe(resource: str, claims: list[tuple[str, str]]) -> str:
+    holders = " and ".join(f"'{name}' ({interface})" for name, interface in claims)
+    return f"Resource '{resource}' is claimed by {holders}."

@@ -1,0 +1,131 @@
+"""What a robot tells about itself: limits, transmissions, and what was cut off."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from station.core.hardware.limits import (
+    Clamp,
+    JointLimits,
+    JointLimitsHandle,
+    SoftJointLimits,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimitsReport:
+    """The limits of one joint, and who set them.
+
+    Attributes:
+        joint: Its name.
+        limits: What it may do.
+        soft_limits: Where it is slowed down; None if it is not.
+        sources: Where each kind of limit comes from, such as "urdf limit" or
+            "parameters"; keys are "position", "velocity", "acceleration", "jerk",
+            "effort" and "soft", as far as there is such a limit.
+    """
+
+    joint: str
+    limits: JointLimits
+    soft_limits: SoftJointLimits | None
+    sources: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class TransmissionReport:
+    """A transmission between actuators and joints.
+
+    Attributes:
+        name: Its name.
+        type: Its type, such as "transmission_interface/SimpleTransmission".
+        joints: Names of its joints.
+        actuators: Names of its actuators.
+    """
+
+    name: str
+    type: str
+    joints: tuple[str, ...]
+    actuators: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ClampReport:
+    """How often the commands of a joint were cut off.
+
+    Attributes:
+        hardware_interface: The interface that was commanded.
+        count: Number of cycles since the station started, > 0.
+        last: The latest occurrence.
+    """
+
+    hardware_interface: str
+    count: int
+    last: Clamp
+
+
+@dataclass(frozen=True, slots=True)
+class SceneObjectReport:
+    """A thing in a simulated world, where it is now.
+
+    Attributes:
+        name: Its name.
+        kind: `box`, `sphere`, `cylinder`, `table` or `mesh`.
+        size: Edges of a box or table; radius of a sphere; radius and height of a
+            cylinder [m]; empty for a mesh.
+        position: Of its middle, in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w.
+        mass: [kg]; 0 for a thing that cannot move.
+        file: File of a mesh.
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    position: tuple[float, ...]
+    orientation: tuple[float, ...]
+    mass: float
+    file: str
+
+
+def limit_values(
+    limits: JointLimits, soft_limits: SoftJointLimits | None
+) -> dict[str, object]:
+    """Return each kind of limit that there is, to be compared with others.
+
+    Args:
+        limits: Hard limits.
+        soft_limits: Soft limits, or None.
+
+    Returns:
+        Values by the keys of `JointLimitsReport.sources`.
+    """
+    has_range = limits.has_position_limits
+    values: dict[str, object] = {
+        "position": (limits.min_position, limits.max_position) if has_range else None,
+        "velocity": limits.max_velocity,
+        "acceleration": limits.max_acceleration,
+        "jerk": limits.max_jerk,
+        "effort": limits.max_effort,
+        "soft": soft_limits,
+    }
+    return {kind: value for kind, value in values.items() if value is not None}
+
+
+def report_clamps(
+    handles: Mapping[tuple[str, str], JointLimitsHandle],
+) -> list[ClampReport]:
+    """Return what some limits have cut off. Any thread.
+
+    Args:
+        handles: The limits by joint and hardware interface; not changed any more.
+
+    Returns:
+        One entry per handle that ever did.
+    """
+    reports = []
+    for (_, hardware_interface), handle in handles.items():
+        last = handle.last_clamp
+        if last is not None:
+            # Counted after it is kept: the count may be one behind, never 0.
+            count = max(1, handle.clamp_count)
+            reports.append(ClampReport(hardware_interface, count, last))
+    return reports

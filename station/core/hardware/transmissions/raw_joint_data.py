@@ -1,0 +1,113 @@
+"""Keep the joint side of a robot whose hardware has actuators only."""
+
+from math import nan
+
+from station.core.hardware.transmissions.transmission_handle import JointData, Slot
+
+
+class RawJointData:
+    """Hold state and commands of joints in lists of floats, one slot per joint.
+
+    All values are NaN until they are first written: states by the transmissions in the
+    robot's first `read`, commands by the robot when it starts and by controllers.
+
+    Attributes:
+        names: Joint names, in the order of the slots.
+        position: Positions [rad or m], shape (n,).
+        velocity: Velocities [rad/s or m/s], shape (n,).
+        effort: Efforts [N*m or N], shape (n,).
+        absolute_position: Absolute encoders, joint side [rad or m], shape (n,).
+        torque_sensor: Torque sensors, joint side [N*m or N], shape (n,).
+        position_command: Position commands [rad or m], shape (n,).
+        velocity_command: Velocity commands [rad/s or m/s], shape (n,).
+        effort_command: Effort commands [N*m or N], shape (n,).
+
+    Source:
+        ros_control@633c374 transmission_interface_loader.h, RawJointData; differs: one
+        list per quantity, not one object per joint.
+    """
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self.position: list[float] = []
+        self.velocity: list[float] = []
+        self.effort: list[float] = []
+        self.absolute_position: list[float] = []
+        self.torque_sensor: list[float] = []
+        self.position_command: list[float] = []
+        self.velocity_command: list[float] = []
+        self.effort_command: list[float] = []
+
+    def add(self, name: str) -> int:
+        """Return the slot of a joint, a new one if it has none.
+
+        Args:
+            name: Name of the joint.
+
+        Returns:
+            The index in every list.
+        """
+        if name in self.names:
+            return self.names.index(name)
+        self.names.append(name)
+        for values in (
+            self.position,
+            self.velocity,
+            self.effort,
+            self.absolute_position,
+            self.torque_sensor,
+            self.position_command,
+            self.velocity_command,
+            self.effort_command,
+        ):
+            values.append(nan)
+        return len(self.names) - 1
+
+    def state_data(self, names: list[str]) -> JointData:
+        """Return the places of the states of some joints.
+
+        Args:
+            names: Joints that have a slot, in the order of a transmission.
+
+        Returns:
+            The places, in the same order.
+        """
+        return JointData(
+            position=self._slots(self.position, names),
+            velocity=self._slots(self.velocity, names),
+            effort=self._slots(self.effort, names),
+            absolute_position=self._slots(self.absolute_position, names),
+            torque_sensor=self._slots(self.torque_sensor, names),
+        )
+
+    def command_data(self, names: list[str], quantity: str) -> JointData:
+        """Return the places of one kind of command of some joints.
+
+        Args:
+            names: Joints that have a slot, in the order of a transmission.
+            quantity: "position", "velocity" or "effort".
+
+        Returns:
+            The places, in the same order, under that quantity.
+        """
+        data = JointData()
+        data.set_quantity(quantity, self._slots(self.commands(quantity), names))
+        return data
+
+    def commands(self, quantity: str) -> list[float]:
+        """Return the list that holds one kind of command.
+
+        Args:
+            quantity: "position", "velocity" or "effort".
+
+        Returns:
+            The list itself, one slot per joint.
+        """
+        return {
+            "position": self.position_command,
+            "velocity": self.velocity_command,
+            "effort": self.effort_command,
+        }[quantity]
+
+    def _slots(self, values: list[float], names: list[str]) -> list[Slot | None]:
+        return [(values, self.names.index(name)) for name in names]

@@ -1,0 +1,323 @@
+"""Give a robot that registers actuators its joints, through its transmissions.
+
+Source: ros_control@633c374 transmission_interface_loader.cpp and the providers of joint
+interfaces beside it; differs: failures raise, and a joint has an absolute position and
+a torque sensor only if all actuators of its transmission have one.
+
+As in the original, roles order the parameters of a transmission, while joints and
+actuators themselves stay in the order of the document: list them in the order of
+their roles.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+from station.core.errors import HardwareInterfaceError, ResourceNotFoundError
+from station.core.hardware.interfaces.actuator import (
+    ActuatorHandle,
+    ActuatorStateHandle,
+    ActuatorStateInterface,
+)
+from station.core.hardware.interfaces.interface_manager import InterfaceManager
+from station.core.hardware.interfaces.joint import (
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+)
+from station.core.hardware.interfaces.resource_manager import (
+    ResourceHandle,
+    ResourceManager,
+)
+from station.core.hardware.transmissions.hardware_interface_kind import (
+    HARDWARE_INTERFACES,
+    CommandKind,
+    connect_actuator_to_joint_state,
+    connect_joint_to_actuator_state,
+    interface_of,
+)
+from station.core.hardware.transmissions.parser import (
+    TransmissionInfo,
+    TransmissionParser,
+)
+from station.core.hardware.transmissions.raw_joint_data import RawJointData
+from station.core.hardware.transmissions.transmission import (
+    Transmission,
+    TransmissionInterfaceError,
+)
+from station.core.hardware.transmissions.transmission_handle import (
+    ActuatorData,
+    Slot,
+)
+from station.core.hardware.transmissions.transmission_interface import (
+    ActuatorToJointStateInterface,
+    JointToActuatorStateInterface,
+    RobotTransmissions,
+)
+from station.core.hardware.transmissions.transmission_loader import (
+    TransmissionFactory,
+    load_transmission,
+)
+
+_Handle = TypeVar("_Handle", bound=ResourceHandle)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedTransmission:
+    """Tell through which interface a transmission was connected.
+
+    Attributes:
+        info: Its description.
+        hardware_interface: Name of the joint interface in the description.
+        transmission: The maps.
+    """
+
+    info: TransmissionInfo
+    hardware_interface: str
+    transmission: Transmission
+
+
+class TransmissionInterfaceLoader:
+    """Connect transmissions: joint interfaces on one side, actuators on the other.
+
+    Used in a robot's `init`, after it has registered its actuator interfaces. Joint
+    interfaces that the robot lacks are registered on it, and so are the transmission
+    interfaces on its `RobotTransmissions`. The robot then propagates: actuator to joint
+    state in `read`, the joint to actuator interface of the active commands in `write`.
+
+    Attributes:
+        raw_joint_data: State and commands of all joints loaded.
+        loaded: One entry per transmission and joint interface, in the order of loading.
+        problems: What was skipped without making a load fail, as sentences.
+    """
+
+    def __init__(
+        self,
+        robot_hw: InterfaceManager,
+        robot_transmissions: RobotTransmissions,
+        transmission_types: Mapping[str, TransmissionFactory] | None = None,
+    ) -> None:
+        """Start with nothing loaded.
+
+        Args:
+            robot_hw: The robot, whose actuators are used and which gets the joints.
+            robot_transmissions: Where the transmission interfaces go.
+            transmission_types: Own types of transmissions by the name in `<type>`.
+        """
+        self._robot_hw = robot_hw
+        self._robot_transmissions = robot_transmissions
+        self._transmission_types = transmission_types
+        self.raw_joint_data = RawJointData()
+        self.loaded: list[LoadedTransmission] = []
+        self.problems: list[str] = []
+
+    def load_urdf(self, urdf: str) -> None:
+        """Load all transmissions of a robot description that can be read.
+
+        Args:
+            urdf: The robot description.
+
+        Raises:
+            RobotDescriptionError: The description is not XML.
+            TransmissionInterfaceError: It has no readable transmission, or one that
+                cannot be loaded; those before it stay loaded.
+        """
+        parser = TransmissionParser()
+        infos = parser.parse(urdf)
+        self.problems.extend(parser.problems)
+        if not infos:
+            reasons = " ".join(parser.problems)
+            raise TransmissionInterfaceError(
+                f"No transmissions were found in the robot description. {reasons}",
+                remedy="Give the robot description <transmission> elements.",
+            )
+        for info in infos:
+            self.load(info)
+
+    def load(self, info: TransmissionInfo) -> None:
+        """Load a transmission for all joint interfaces that its description names.
+
+        Args:
+            info: Its description.
+
+        Raises:
+            TransmissionInterfaceError: Its type or parameters are wrong, its joints
+                name different interfaces, or none of the interfaces can be connected.
+        """
+        transmission = load_transmission(info, self._transmission_types)
+        interfaces = info.joints[0].hardware_interfaces
+        for joint in info.joints:
+            if sorted(joint.hardware_interfaces) != sorted(interfaces):
+                raise TransmissionInterfaceError(
+                    f"Failed to load transmission '{info.name}'. It has joints with "
+                    "different hardware interfaces. This is currently unsupported.",
+                    remedy="Give all its joints the same <hardwareInterface> elements.",
+                    details={"transmission": info.name},
+                )
+        problems = []
+        for name in interfaces:
+            try:
+                self._load_for_interface(name, info, transmission)
+            except HardwareInterfaceError as exc:
+                problems.append(exc.message)
+            else:
+                self.loaded.append(LoadedTransmission(info, name, transmission))
+        if len(problems) == len(interfaces):
+            raise TransmissionInterfaceError(
+                f"Failed to load transmission '{info.name}'. "
+                f"It contains no valid hardware interfaces. {' '.join(problems)}",
+                remedy="Correct its <hardwareInterface> elements or its actuators.",
+                details={"transmission": info.name},
+            )
+        self.problems.extend(problems)
+
+    def _load_for_interface(
+        self, name: str, info: TransmissionInfo, transmission: Transmission
+    ) -> None:
+        if name not in HARDWARE_INTERFACES:
+            raise TransmissionInterfaceError(
+                f"Failed to process the '{name}' hardware interface for transmission "
+                f"'{info.name}'. Known are {', '.join(HARDWARE_INTERFACES)}.",
+                remedy="Use one of the known interfaces.",
+            )
+        kind, is_bidirectional = HARDWARE_INTERFACES[name]
+        states = self._find_actuators(info, ActuatorStateInterface)
+        commands: list[ActuatorHandle] = []
+        if kind is not None:
+            commands = self._find_actuators(info, kind.actuator_interface)
+        self._register_joint_states(info, states)
+        self._connect_states(info, transmission, states, both_ways=is_bidirectional)
+        if kind is None:
+            return
+        self._register_joint_commands(info, kind)
+        actuator = _actuator_command_data(commands, kind.quantity)
+        joint = self.raw_joint_data.command_data(_joint_names(info), kind.quantity)
+        arguments = (
+            self._robot_transmissions,
+            info.name,
+            transmission,
+            actuator,
+            joint,
+        )
+        kind.connect_to_actuator(*arguments)
+        if is_bidirectional:
+            kind.connect_to_joint(*arguments)
+
+    def _find_actuators(
+        self, info: TransmissionInfo, interface_type: type[ResourceManager[_Handle]]
+    ) -> list[_Handle]:
+        type_name = interface_type.type_name
+        interface = self._robot_hw.get(interface_type)
+        if interface is None:
+            raise TransmissionInterfaceError(
+                f"Robot does not have the required hardware interface '{type_name}'.",
+                remedy="Register it on the robot before the transmissions are loaded.",
+            )
+        handles = []
+        for actuator in info.actuators:
+            try:
+                handles.append(interface.get_handle(actuator.name))
+            except ResourceNotFoundError as exc:
+                raise TransmissionInterfaceError(
+                    f"Actuator '{actuator.name}' does not expose the required hardware "
+                    f"interface '{type_name}'.",
+                    remedy=exc.remedy,
+                ) from exc
+        return handles
+
+    def _register_joint_states(
+        self, info: TransmissionInfo, actuators: list[ActuatorStateHandle]
+    ) -> None:
+        interface = interface_of(self._robot_hw, JointStateInterface)
+        raw = self.raw_joint_data
+        registered = interface.get_names()
+        for name in _joint_names(info):
+            if name in registered and name not in raw.names:
+                raise TransmissionInterfaceError(
+                    f"Joint '{name}' of transmission '{info.name}' already has a state "
+                    "that does not come from a transmission.",
+                    remedy="Leave the joint to the transmission, or the transmission "
+                    "out of the robot description.",
+                )
+        has_encoders = all(a.has_absolute_position() for a in actuators)
+        has_torque_sensors = all(a.has_torque_sensor() for a in actuators)
+        for name in _joint_names(info):
+            if name in registered:
+                continue
+            index = raw.add(name)
+            handle = JointStateHandle(
+                name,
+                raw.position,
+                raw.velocity,
+                raw.effort,
+                index,
+                absolute_position=raw.absolute_position if has_encoders else None,
+                torque_sensor=raw.torque_sensor if has_torque_sensors else None,
+            )
+            interface.register_handle(handle)
+
+    def _register_joint_commands(
+        self, info: TransmissionInfo, kind: CommandKind
+    ) -> None:
+        interface = interface_of(self._robot_hw, kind.joint_interface)
+        states = interface_of(self._robot_hw, JointStateInterface)
+        registered = interface.get_names()
+        commands = self.raw_joint_data.commands(kind.quantity)
+        for name in _joint_names(info):
+            if name not in registered:
+                index = self.raw_joint_data.add(name)
+                handle = JointHandle(states.get_handle(name), commands, index)
+                interface.register_handle(handle)
+
+    def _connect_states(
+        self,
+        info: TransmissionInfo,
+        transmission: Transmission,
+        actuators: list[ActuatorStateHandle],
+        *,
+        both_ways: bool,
+    ) -> None:
+        transmissions = self._robot_transmissions
+        actuator = _actuator_state_data(actuators)
+        joint = self.raw_joint_data.state_data(_joint_names(info))
+        arguments = (transmissions, info.name, transmission, actuator, joint)
+        forward = interface_of(transmissions, ActuatorToJointStateInterface)
+        if info.name not in forward.get_names():
+            connect_actuator_to_joint_state(*arguments)
+        if both_ways:
+            inverse = interface_of(transmissions, JointToActuatorStateInterface)
+            if info.name not in inverse.get_names():
+                connect_joint_to_actuator_state(*arguments)
+
+
+def _joint_names(info: TransmissionInfo) -> list[str]:
+    return [joint.name for joint in info.joints]
+
+
+def _actuator_state_data(handles: list[ActuatorStateHandle]) -> ActuatorData:
+    data = ActuatorData(
+        position=[(h.position_storage, h.index) for h in handles],
+        velocity=[(h.velocity_storage, h.index) for h in handles],
+        effort=[(h.effort_storage, h.index) for h in handles],
+    )
+    encoders: list[Slot | None] = []
+    torque_sensors: list[Slot | None] = []
+    for handle in handles:
+        if handle.absolute_position_storage is not None:
+            encoders.append((handle.absolute_position_storage, handle.index))
+        if handle.torque_sensor_storage is not None:
+            torque_sensors.append((handle.torque_sensor_storage, handle.index))
+    if len(encoders) == len(handles):
+        data.absolute_position = encoders
+    if len(torque_sensors) == len(handles):
+        data.torque_sensor = torque_sensors
+    return data
+
+
+def _actuator_command_data(
+    handles: list[ActuatorHandle], quantity: str
+) -> ActuatorData:
+    slots: list[Slot | None] = [(h.command_storage, h.command_index) for h in handles]
+    data = ActuatorData()
+    data.set_quantity(quantity, slots)
+    return data

@@ -1,0 +1,1 @@
+"""The control thread: cycles, snapshots, the stop, operations between cycles."""

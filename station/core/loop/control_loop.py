@@ -1,0 +1,345 @@
+"""The loop: read, update, write, at a fixed rate in a thread, or step by step.
+
+Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
+never made up for: the next cycle gets the longer `period`, which is the scheduled time
+since the last cycle and so a multiple of the nominal period, up to what the robot
+waits for.
+
+While it is paused the thread goes on waking: posted operations, the stop and switches
+are carried out, the robot is not written to and no controller is updated.
+"""
+
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+from station.core.clock import Clock
+from station.core.control.controller_manager import ControllerManager
+from station.core.errors import LoopError
+from station.core.faults import CONTAINED, trace_of_fault
+from station.core.franka import GripperServicesInterface
+from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
+from station.core.hardware.robot_hw import RobotHW
+from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
+from station.core.loop.operations import Operations
+from station.core.loop.pace import Pace
+from station.core.loop.scheduling import request_realtime_priority
+from station.core.loop.snapshot import Snapshot, SnapshotRing
+from station.core.loop.stop_latch import StopLatch
+
+T = TypeVar("T")
+
+
+class ControlLoop:
+    """Runs a robot and its controllers.
+
+    Either `start` and `stop` a thread, or call `step` for a deterministic run with
+    the same code. One thread at a time: `step` is refused while the thread runs.
+
+    Args:
+        hw: The robot, initialised.
+        manager: Its controllers.
+        clock: Wall time.
+        period: Nominal period [s], > 0.
+        real_time_factor: Station time over wall time of the thread, > 0.
+        snapshots: Where every cycle leaves its snapshot.
+
+    Attributes:
+        epoch: Number that commands must not be older than.
+        stop_latch: The latched stop; the loop carries it out.
+        pace: Whether time passes in the thread, and how fast.
+    """
+
+    def __init__(
+        self,
+        hw: RobotHW,
+        manager: ControllerManager,
+        *,
+        clock: Clock,
+        period: float = 0.001,
+        real_time_factor: float = 1.0,
+        snapshots: SnapshotRing | None = None,
+    ) -> None:
+        self.hw = hw
+        self.manager = manager
+        self.clock = clock
+        self.period = period
+        self.pace = Pace(real_time_factor)
+        self.snapshots = snapshots or SnapshotRing()
+        self.stop_latch = StopLatch()
+        self.epoch = 1
+        self.time = 0.0
+        self.cycle = 0
+        interface = hw.get(JointStateInterface)
+        self._joints = JointStateGroup(interface.handles() if interface else [])
+        grippers = hw.get(GripperServicesInterface)
+        self._grippers = grippers.handles() if grippers else []
+        self._meter = LoopMeter(clock)
+        self._operations = Operations()
+        self._thread: threading.Thread | None = None
+        self._stopping = False
+        self._restart = False
+        self._late_cycles = 0
+        self._state = LoopState.STOPPED
+        self._failure = ""
+        self._scheduler = ""
+        manager.pump = self.step
+        # A switch posted before a stop must not start anything after it.
+        manager.start_gate = self.stop_latch.check
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints in the snapshots, in their order."""
+        return list(self._joints.names)
+
+    @property
+    def state(self) -> LoopState:
+        """Whether the thread runs, was stopped, or died."""
+        return self._state
+
+    def start(self) -> None:
+        """Run in a thread of its own until `stop`.
+
+        Raises:
+            LoopError: It runs already.
+        """
+        if self._thread is not None:
+            raise LoopError("The control loop runs already.", remedy="Stop it first.")
+        self._stopping = False
+        self._failure = ""
+        self._meter.reset()
+        self._state = LoopState.RUNNING
+        self.manager.pump = None
+        self._thread = threading.Thread(target=self._run, name="control", daemon=True)
+        self._thread.start()
+
+    def stop(self, timeout: float = 2.0) -> None:
+        """End the thread after the current cycle; does nothing when there is none.
+
+        Raises:
+            LoopError: The cycle did not end within `timeout` [s].
+        """
+        thread = self._thread
+        if thread is None:
+            return
+        self._stopping = True
+        thread.join(timeout)
+        if thread.is_alive():
+            raise LoopError(
+                f"The control thread did not end within {timeout} s.",
+                remedy="A cycle hangs in the hardware or in a controller.",
+            )
+        self._thread = None
+        self.manager.pump = self.step
+        if self._state is LoopState.RUNNING:
+            self._state = LoopState.STOPPED
+
+    def step(self, cycles: int = 1) -> None:
+        """Run `cycles` cycles now, without waiting for the clock.
+
+        Raises:
+            LoopError: The thread runs.
+        """
+        if self._thread is not None:
+            raise LoopError(
+                "Cannot step: the control loop runs in its thread.",
+                remedy="Stop the loop first.",
+            )
+        for _ in range(cycles):
+            late = self._take_late_cycles()
+            if late:
+                self._meter.woke(late * self.period / self.pace.real_time_factor, late)
+            self._cycle((1 + late) * self.period)
+
+    def run_in_cycle(self, action: Callable[[], T], timeout: float = 1.0) -> T:
+        """Run `action` in the control thread between two cycles; return its result.
+
+        At once when no thread runs, or when called from the control thread.
+
+        Args:
+            action: Short, and must not wait for anything.
+            timeout: How long to wait for it [s wall time].
+
+        Raises:
+            LoopError: The loop died, or did not get to it in time; it will not be
+                run later.
+        """
+        thread = self._thread
+        if thread is None or thread is threading.current_thread():
+            return action()
+        operation = self._operations.post(action)
+        self.check_alive()  # after it: whoever dies later gives it up
+        if not operation.done.acquire(timeout=timeout):
+            operation.abandoned = True
+            raise LoopError(
+                f"The control loop did not answer within {timeout} s.",
+                remedy="Look at /loop: it is overloaded, or it has died.",
+                details={"state": self._state.value, "failure": self._failure},
+            )
+        if operation.error is not None:
+            raise operation.error
+        return operation.result  # type: ignore[return-value]  # of this action
+
+    def check_alive(self) -> None:
+        """Refuse when the loop died; nothing moves any more.
+
+        Raises:
+            LoopError: It did, and why.
+        """
+        if self._state is LoopState.FAILED:
+            raise self._death()
+
+    def report(self) -> LoopReport:
+        """Return how the loop is doing. Any thread."""
+        return self._meter.report(
+            state=self._state,
+            failure=self._failure,
+            period=self.period,
+            real_time_factor=self.pace.real_time_factor,
+            scheduler=self._scheduler,
+        )
+
+    def reset_statistics(self) -> None:
+        """Start the statistics anew."""
+        self.run_in_cycle(self.begin_statistics)
+
+    def begin_statistics(self) -> None:
+        """Start the statistics anew; control thread or between cycles."""
+        self._meter.reset()
+
+    def delay_next_cycle(self, cycles: int) -> None:
+        """Let the next cycle begin late, as if something had kept the thread.
+
+        Args:
+            cycles: By how many nominal periods, >= 0. They are skipped and counted.
+        """
+        self._late_cycles = cycles
+
+    def _take_late_cycles(self) -> int:
+        late, self._late_cycles = self._late_cycles, 0
+        return late
+
+    def next_epoch(self, reason: str) -> int:
+        """Make everything commanded so far void; control thread or between cycles.
+
+        Args:
+            reason: Why, one sentence; the goals and gripper motions that end say it.
+        """
+        self.epoch += 1
+        self.manager.void_commands(reason)
+        for gripper in self._grippers:
+            gripper.interrupt(reason)
+        return self.epoch
+
+    def begin_anew(self) -> None:
+        """Void all commands and restart what runs in the next cycle, once.
+
+        For a world that was put somewhere else; control thread or between cycles.
+        """
+        self.next_epoch("A reset put the simulated world back to its start.")
+        self._restart = True
+
+    def carry_out_stop(self) -> None:
+        """Stop every controller now; control thread, or when no thread runs."""
+        why = self.stop_latch.reason or self.failure_summary() or "no reason given"
+        self.next_epoch(f"The station was stopped: {why.rstrip('.')}.")
+        self.manager.stop_all(self.time)
+        if self.stop_latch.pending:
+            self.stop_latch.carried_out(self.cycle)
+
+    def age(self) -> float:
+        """Return how long ago the last cycle ended [s wall time]."""
+        return self._meter.age()
+
+    def failure_summary(self) -> str:
+        """Return the last line of what ended the thread; empty if nothing did."""
+        return self._failure.strip().rpartition("\n")[2]
+
+    def _run(self) -> None:
+        self._scheduler = request_realtime_priority()
+        try:
+            self._run_until_stopped()
+        except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
+            self._failure = trace_of_fault()
+            self._state = LoopState.FAILED
+            self._end_what_ran()
+
+    def _end_what_ran(self) -> None:
+        """Stop the controllers of a loop that died and tell who waits for it."""
+        try:
+            self.carry_out_stop()
+        except CONTAINED:
+            self._failure = f"{trace_of_fault()}\nAfter:\n{self._failure}"
+        self._operations.give_up(self._death())
+
+    def _death(self) -> LoopError:
+        return LoopError(
+            f"The control loop died: {self.failure_summary()}",
+            remedy="Restart the station; GET /loop has the whole traceback.",
+            details={"failure": self._failure},
+        )
+
+    def _run_until_stopped(self) -> None:
+        pace = self.pace
+        deadline = self.clock.now() + self.period / pace.real_time_factor
+        while not self._stopping:
+            wall_period = self.period / pace.real_time_factor
+            late = 0 if pace.paused else self._take_late_cycles()
+            self.clock.sleep_until(deadline + late * wall_period)
+            lateness = self.clock.now() - deadline
+            skipped = int(lateness / wall_period)
+            if not pace.passes():
+                self._idle()
+            elif pace.paused:
+                self._cycle(self.period)  # a step is a step, however late
+            else:
+                self._meter.woke(lateness, skipped)
+                self._cycle((1 + skipped) * self.period)
+            deadline += (1 + skipped) * wall_period
+
+    def _cycle(self, period: float) -> None:
+        period = min(period, self.hw.longest_period())
+        meter = self._meter
+        self.time += period
+        self.cycle += 1
+        self._between_cycles()
+        meter.begin()
+        self.hw.read(self.time, period)
+        meter.read_done()
+        self.manager.update(self.time, period, reset_controllers=self._restart)
+        self._restart = False
+        meter.update_done()
+        self.hw.write(self.time, period)
+        meter.write_done()
+        self._push_snapshot(period)
+
+    def _between_cycles(self) -> bool:
+        changed = self._operations.run()
+        if self.stop_latch.pending:
+            self.carry_out_stop()
+            changed = True
+        return changed
+
+    def _idle(self) -> None:
+        """Let time stand still, and show what was done meanwhile."""
+        changed = self._between_cycles()
+        if self.manager.carry_on_switch(self.time) or changed:
+            self.cycle += 1
+            self.hw.read(self.time, 0.0)
+            self._push_snapshot(0.0)
+        self._meter.idled()
+
+    def _push_snapshot(self, period: float) -> None:
+        self.snapshots.push(
+            Snapshot(
+                self.cycle,
+                self.epoch,
+                self.time,
+                period,
+                self.hw.mode(),
+                self._joints.get_positions(),
+                self._joints.get_velocities(),
+                self._joints.get_efforts(),
+                self.manager.samples(),
+            )
+        )

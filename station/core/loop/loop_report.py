@@ -1,0 +1,167 @@
+"""How the control loop is doing: measured each cycle, summarised on demand."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+from station.core.clock import Clock
+from station.core.numerics.statistics import DurationRing, Percentiles
+
+
+class LoopState(Enum):
+    """What the control thread does."""
+
+    RUNNING = "running"
+    STOPPED = "stopped"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class LoopReport:
+    """A summary of the cycles since the last reset.
+
+    Attributes:
+        state: Whether the thread runs.
+        failure: Traceback of what ended it; empty if nothing did.
+        rate: Rate asked for [Hz], in wall time.
+        achieved_rate: Cycles over wall time since the reset [Hz].
+        period: Nominal period in station time [s].
+        cycles: Number of cycles since the reset.
+        skipped: Deadlines that had passed before their cycle could begin.
+        real_time_factor: Station time over wall time, as asked for.
+        achieved_real_time_factor: The same, as it was.
+        lateness: How long after its deadline a cycle began [s].
+        read, update, write, total: How long the parts of a cycle took [s].
+        scheduler: Scheduling class granted to the thread, in words.
+    """
+
+    state: LoopState
+    failure: str
+    rate: float
+    achieved_rate: float
+    period: float
+    cycles: int
+    skipped: int
+    real_time_factor: float
+    achieved_real_time_factor: float
+    lateness: Percentiles
+    read: Percentiles
+    update: Percentiles
+    write: Percentiles
+    total: Percentiles
+    scheduler: str
+
+
+class LoopMeter:
+    """Takes the times of a cycle; no allocation. The control thread measures.
+
+    Args:
+        clock: Wall time.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._lateness = DurationRing()
+        self._read = DurationRing()
+        self._update = DurationRing()
+        self._write = DurationRing()
+        self._total = DurationRing()
+        self._begin = 0.0
+        self._mark = 0.0
+        self._since = clock.now()
+        self._last = self._since
+        self._cycles = 0
+        self._skipped = 0
+
+    def reset(self) -> None:
+        """Start anew."""
+        for ring in (
+            self._lateness,
+            self._read,
+            self._update,
+            self._write,
+            self._total,
+        ):
+            ring.reset()
+        self._since = self._last = self._clock.now()
+        self._cycles = 0
+        self._skipped = 0
+
+    def woke(self, lateness: float, skipped: int) -> None:
+        """Note how late the thread woke [s] and how many deadlines had passed."""
+        self._lateness.add(lateness)
+        self._skipped += skipped
+
+    def begin(self) -> None:
+        """Note the beginning of a cycle."""
+        self._begin = self._mark = self._clock.now()
+
+    def read_done(self) -> None:
+        """Note that the robot has been read."""
+        now = self._clock.now()
+        self._read.add(now - self._mark)
+        self._mark = now
+
+    def update_done(self) -> None:
+        """Note that the controllers have been updated."""
+        now = self._clock.now()
+        self._update.add(now - self._mark)
+        self._mark = now
+
+    def write_done(self) -> None:
+        """Note that the commands have been written: the cycle is over."""
+        now = self._clock.now()
+        self._write.add(now - self._mark)
+        self._total.add(now - self._begin)
+        self._last = now
+        self._cycles += 1
+
+    def idled(self) -> None:
+        """Note that the thread woke while time stands still: it counts for nothing."""
+        now = self._clock.now()
+        self._since += now - self._last
+        self._last = now
+
+    def age(self) -> float:
+        """Return how long ago the last cycle ended, or the thread idled [s]."""
+        return self._clock.now() - self._last
+
+    def report(
+        self,
+        *,
+        state: LoopState,
+        failure: str,
+        period: float,
+        real_time_factor: float,
+        scheduler: str,
+    ) -> LoopReport:
+        """Summarise the cycles since the last reset. Any thread.
+
+        Args:
+            state: Whether the thread runs.
+            failure: Traceback of what ended it; empty if nothing did.
+            period: Nominal period in station time [s], > 0.
+            real_time_factor: Station time over wall time, as asked for, > 0.
+            scheduler: Scheduling class granted to the thread, in words.
+        """
+        elapsed = self._last - self._since
+        cycles, skipped = self._cycles, self._skipped
+        rate = real_time_factor / period
+        achieved = cycles / elapsed if elapsed > 0.0 else 0.0
+        simulated = (cycles + skipped) * period
+        return LoopReport(
+            state=state,
+            failure=failure,
+            rate=rate,
+            achieved_rate=achieved,
+            period=period,
+            cycles=cycles,
+            skipped=skipped,
+            real_time_factor=real_time_factor,
+            achieved_real_time_factor=simulated / elapsed if elapsed > 0.0 else 0.0,
+            lateness=self._lateness.percentiles(),
+            read=self._read.percentiles(),
+            update=self._update.percentiles(),
+            write=self._write.percentiles(),
+            total=self._total.percentiles(),
+            scheduler=scheduler,
+        )

@@ -1,0 +1,1 @@
+"""Arithmetic: angles, rigid motions, PID, statistics."""

@@ -1,0 +1,1 @@
+"""Where other threads hand set-points and goals to a controller."""

@@ -1,0 +1,1 @@
+"""Tools of control_toolbox and realtime_tools for controllers that users write."""

@@ -1,0 +1,1 @@
+"""The seam: what FrankaHW asks of an arm, and what is true of every Franka arm."""

@@ -1,0 +1,50 @@
+"""The URDF of an arm, with the limits of its kind.
+
+The packages that can be installed have a Panda and no FR3. Both have the same
+kinematics, and franka_ros gives both the same inertias, so that an FR3 is made of the
+Panda's URDF: its shapes and inertias stay, the limits of its joints change.
+
+Source: franka_ros@c11f000 franka_description/robots, fr3/joint_limits.yaml,
+common/inertial.yaml, common/utils.xacro.
+"""
+
+from dataclasses import replace
+from xml.etree import ElementTree
+
+from station.hw.franka.arm.arm_limits import ArmLimits, UrdfLimits
+from station.hw.franka.arm.arm_names import find_prefix, joint_names
+from station.hw.robot_description import RobotDescription, load_robot_description
+
+_PANDA = "panda_"
+
+
+def load_arm_description(reference: str, limits: ArmLimits) -> RobotDescription:
+    """Find and read the URDF of an arm.
+
+    A Panda's URDF, by the names in it, gets the limits of the kind of arm that it is to
+    be. A URDF with other names keeps its limits.
+
+    Args:
+        reference: `example-robot-data:<robot>` or the path of a URDF file.
+        limits: What this kind of arm can do.
+
+    Raises:
+        RobotDescriptionError: It cannot be found or read, or is no Franka arm.
+    """
+    description = load_robot_description(reference)
+    prefix = find_prefix(description)
+    if limits.urdf is None or prefix != _PANDA:
+        return description
+    return _with_limits(description, limits.urdf)
+
+
+def _with_limits(description: RobotDescription, limits: UrdfLimits) -> RobotDescription:
+    root = ElementTree.fromstring(description.xml)
+    for i, name in enumerate(joint_names("panda")):
+        lower, upper = repr(limits.lower[i]), repr(limits.upper[i])
+        velocity = repr(limits.velocity[i])
+        for limit in root.iterfind(f"joint[@name='{name}']/limit"):
+            limit.attrib.update(lower=lower, upper=upper, velocity=velocity)
+        for soft in root.iterfind(f"joint[@name='{name}']/safety_controller"):
+            soft.attrib.update(soft_lower_limit=lower, soft_upper_limit=upper)
+    return replace(description, xml=ElementTree.tostring(root, encoding="unicode"))

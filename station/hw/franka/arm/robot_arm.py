@@ -1,0 +1,268 @@
+"""The seam between FrankaHW and an arm, cut where libfranka has it.
+
+A real arm is another implementation of `RobotArm`.
+
+Source: libfranka@0.9.2 include/franka/robot.h, Robot; differs: a motion is started and
+stopped explicitly and commanded once per cycle, instead of by a blocking `control` with
+callbacks, because the cycle belongs to the station's loop.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from enum import Enum
+
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.hw.franka.arm.load import Load
+
+REST_VELOCITY = 2e-4
+"""Joints slower than this are at rest [rad/s]."""
+
+
+class ControllerMode(Enum):
+    """Who makes the torques during a motion."""
+
+    JOINT_IMPEDANCE = "joint_impedance"
+    CARTESIAN_IMPEDANCE = "cartesian_impedance"
+    EXTERNAL_CONTROLLER = "external_controller"
+
+
+class MotionGeneratorMode(Enum):
+    """Which desired motion the client commands."""
+
+    NONE = "none"
+    JOINT_POSITION = "joint_position"
+    JOINT_VELOCITY = "joint_velocity"
+    CARTESIAN_POSITION = "cartesian_position"
+    CARTESIAN_VELOCITY = "cartesian_velocity"
+
+
+class RobotArm(ABC):
+    """An arm with 7 joints that is read and commanded once per cycle.
+
+    Order: `read_once` once per elapsed cycle; between reads, while a motion runs, the
+    commands that its modes ask for, each once per cycle. A cycle without a command is
+    one in which a packet was lost: the motion goes on with constant acceleration, and
+    ends after 20 of them. With no motion running the arm holds its pose itself.
+
+    Threads: all methods belong to the control thread; `read_once`, `start_motion`,
+    `stop_motion` and the `command_…` methods neither wait for anything but the arm's
+    next state, nor log, nor raise once their arguments are valid.
+
+    Attributes:
+        cycle_time: Time from one state of the arm to the next [s].
+        state: The arm's state; one object for the life of the arm, see `RobotState`.
+    """
+
+    cycle_time: float
+    state: RobotState
+
+    @abstractmethod
+    def read_once(self) -> RobotState:
+        """Wait for the arm's next state and return `state`."""
+
+    @abstractmethod
+    def refusal(
+        self,
+        controller_mode: ControllerMode,
+        motion_generator_mode: MotionGeneratorMode,
+    ) -> str:
+        """Say why a motion with these modes could not start, were the arm not moving.
+
+        Empty when it could. Any thread.
+        """
+
+    @abstractmethod
+    def is_at_rest(self) -> bool:
+        """Say whether neither the arm nor what it is meant to do moves."""
+
+    @abstractmethod
+    def start_motion(
+        self,
+        controller_mode: ControllerMode,
+        motion_generator_mode: MotionGeneratorMode,
+    ) -> None:
+        """Begin a motion. Until its first command the arm stays where it is.
+
+        Args:
+            controller_mode: Who makes the torques.
+            motion_generator_mode: What is commanded besides torques; NONE only with
+                the external controller.
+
+        Raises:
+            ArmCommandError: A motion runs already, the modes do not go together, or
+                the arm cannot move now.
+        """
+
+    @abstractmethod
+    def stop_motion(self) -> None:
+        """End the motion: slow down to rest and hold. Nothing happens when idle."""
+
+    @abstractmethod
+    def command_joint_torques(self, tau: list[float]) -> None:
+        """Command torques, shape (7,); the arm adds gravity compensation.
+
+        Args:
+            tau: Desired link-side torques without gravity [Nm].
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+            ArmCommandError: No motion with the external controller runs.
+        """
+
+    @abstractmethod
+    def command_joint_positions(self, q: list[float]) -> None:
+        """Command positions, shape (7,).
+
+        Args:
+            q: Desired positions [rad].
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+            ArmCommandError: No joint position motion runs.
+        """
+
+    @abstractmethod
+    def command_joint_velocities(self, dq: list[float]) -> None:
+        """Command velocities, shape (7,).
+
+        Args:
+            dq: Desired velocities [rad/s].
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+            ArmCommandError: No joint velocity motion runs.
+        """
+
+    @abstractmethod
+    def command_cartesian_pose(
+        self, pose: list[float], elbow: list[float] | None = None
+    ) -> None:
+        """Command the end effector's pose.
+
+        Args:
+            pose: Homogeneous transform O_T_EE, column-major, shape (16,) [-, m].
+            elbow: Position of joint 3 [rad] and sign of joint 4 (+1 or -1), or None to
+                leave the elbow to the arm.
+
+        Raises:
+            InvalidCommandError: Not a transform, or an impossible elbow.
+            ArmCommandError: No Cartesian position motion runs.
+        """
+
+    @abstractmethod
+    def command_cartesian_velocity(
+        self, twist: list[float], elbow: list[float] | None = None
+    ) -> None:
+        """Command the end effector's twist.
+
+        Args:
+            twist: O_dP_EE: linear [m/s], then angular velocity [rad/s], shape (6,).
+            elbow: As in `command_cartesian_pose`.
+
+        Raises:
+            InvalidCommandError: Not finite numbers, or an impossible elbow.
+            ArmCommandError: No Cartesian velocity motion runs.
+        """
+
+    @abstractmethod
+    def refresh_state(self) -> None:
+        """Bring the derived fields of `state` up to date; cheap when they are."""
+
+    @abstractmethod
+    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
+        """Set the stiffness of the internal joint impedance controller.
+
+        Args:
+            stiffness: > 0 [Nm/rad], shape (7,).
+
+        Raises:
+            ArmCommandError: A motion runs; as for all setters.
+        """
+
+    @abstractmethod
+    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
+        """Set the stiffness of the internal Cartesian impedance controller.
+
+        Args:
+            stiffness: In the axes of the stiffness frame, > 0 [N/m, Nm/rad], (6,).
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_end_effector_frame(self, frame: Sequence[float]) -> None:
+        """Set the end effector in the nominal end effector frame.
+
+        Args:
+            frame: NE_T_EE, a homogeneous transform, 16 numbers.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_stiffness_frame(self, frame: Sequence[float]) -> None:
+        """Set the stiffness frame in the end effector frame.
+
+        Args:
+            frame: EE_T_K, a homogeneous transform, 16 numbers.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_load(self, load: Load) -> None:
+        """Set what the end effector holds; the arm carries its weight.
+
+        Args:
+            load: The load.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
+        """Set the thresholds of contact and collision.
+
+        Args:
+            behavior: The thresholds, > 0.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+
+    @abstractmethod
+    def check_recovery(self) -> None:
+        """Refuse when the arm cannot recover itself now; without errors it can.
+
+        Raises:
+            ArmCommandError: It cannot, e.g. because the user stop is pressed.
+        """
+
+    @abstractmethod
+    def automatic_error_recovery(self) -> None:
+        """Return from Reflex to Idle and forget the errors; no motion starts.
+
+        The arm is in AutomaticErrorRecovery until it is at rest. Nothing happens when
+        it is not in Reflex.
+
+        Raises:
+            ArmCommandError: The arm is in a state from which it cannot recover itself.
+        """
+
+    @abstractmethod
+    def errors(self) -> list[ArmError]:
+        """Return what the present errors, or else the last motion's, came from."""
+
+    @abstractmethod
+    def log(self) -> list[ArmRecord]:
+        """Return the last cycles before the last error, oldest first, at most 50."""
+
+    @abstractmethod
+    def remedy(self) -> str:
+        """Say what to do so that the arm can move; empty when it can."""

@@ -1,0 +1,1 @@
+"""From the handles of FrankaHW to the commands of the arm."""

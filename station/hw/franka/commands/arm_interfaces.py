@@ -1,0 +1,47 @@
+"""The interfaces through which controllers see an arm as a whole.
+
+Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, setupFrankaStateInterface,
+setupFrankaModelInterface; differs: the model is `<arm_id>_robot` as well, as the public
+documentation says.
+"""
+
+from station.core.franka import (
+    FrankaModelHandle,
+    FrankaModelInterface,
+    FrankaStateHandle,
+    FrankaStateInterface,
+)
+from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.simulated.franka_model import ArmModel
+from station.hw.robot_description import RobotDescription
+
+
+def state_interface(arm: RobotArm, arm_id: str) -> FrankaStateInterface:
+    """Return the interface with the arm's whole state, `<arm_id>_robot`.
+
+    Args:
+        arm: The arm.
+        arm_id: Prefix of its names.
+    """
+    states = FrankaStateInterface()
+    name = f"{arm_id}_robot"
+    states.register_handle(FrankaStateHandle(name, arm.state, arm.refresh_state))
+    return states
+
+
+def model_interface(
+    arm: RobotArm, arm_id: str, description: RobotDescription
+) -> FrankaModelInterface:
+    """Return the interface with the arm's model, `<arm_id>_model`.
+
+    Args:
+        arm: The arm.
+        arm_id: Prefix of its names.
+        description: Its URDF.
+    """
+    models, model = FrankaModelInterface(), ArmModel(description)
+    for name in (f"{arm_id}_model", f"{arm_id}_robot"):
+        models.register_handle(
+            FrankaModelHandle(name, model, arm.state, arm.refresh_state)
+        )
+    return models

@@ -1,0 +1,280 @@
+"""The services of one arm behind FrankaHW: setters, recovery, connection, faults."""
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+from typing_extensions import override
+
+from station.core.errors import ArmCommandError, InvalidCommandError
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_model import FrankaModelHandle
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_services import (
+    ArmRecord,
+    CollisionBehavior,
+    FaultKind,
+    FrankaServices,
+    SimulatedFault,
+)
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_motion import check_transform
+from station.hw.franka.franka_parameters import collision_behavior_problem
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
+
+if TYPE_CHECKING:
+    from station.hw.franka.franka_hw import FrankaHW
+
+JOINT_STIFFNESS = (0.0, 14250.0)
+"""Range of the joint impedance [Nm/rad]."""
+TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
+"""Range of the Cartesian impedance along the axes [N/m]."""
+ROTATIONAL_STIFFNESS = (1.0, 300.0)
+"""Range of the Cartesian impedance about the axes [Nm/rad]."""
+LONGEST_DELAY = 500
+"""Nominal periods by which a cycle can be delayed."""
+_SYMMETRY = 1e-9
+
+
+class ArmServices(FrankaServices):
+    """The services of a FrankaHW's arm. Control thread only.
+
+    Source: franka_ros@c11f000 franka_hw/src/services.cpp; differs: values are checked
+    here and refused with their range.
+
+    Args:
+        hw: The robot.
+        model: Its model.
+    """
+
+    def __init__(self, hw: "FrankaHW", model: FrankaModelHandle) -> None:
+        super().__init__(hw.parameters.arm_id)
+        self._hw = hw
+        self._model = model
+
+    @override
+    def robot_mode(self) -> RobotMode:
+        return self._hw.arm.state.robot_mode
+
+    @override
+    def get_robot_state(self) -> RobotState:
+        self._hw.arm.refresh_state()
+        return self._hw.arm.state.copy()
+
+    @override
+    def model(self) -> FrankaModelHandle:
+        return self._model
+
+    @override
+    def errors(self) -> list[ArmError]:
+        return self._hw.arm.errors()
+
+    @override
+    def log(self) -> list[ArmRecord]:
+        return self._hw.arm.log()
+
+    @override
+    def remedy(self) -> str:
+        if not self._hw.is_connected:
+            return "connect the arm"
+        remedy = self._hw.arm.remedy()
+        if self._hw.arm.state.robot_mode is RobotMode.REFLEX:
+            return f"{remedy} (POST /robots/{self.name}/error_recovery)"
+        return remedy
+
+    @override
+    def is_connected(self) -> bool:
+        return self._hw.is_connected
+
+    @override
+    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
+        self._check_connected()
+        values = _in_range(stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
+        self._hw.arm.set_joint_impedance(values)
+
+    @override
+    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
+        self._check_connected()
+        ranges = [TRANSLATIONAL_STIFFNESS] * 3 + [ROTATIONAL_STIFFNESS] * 3
+        values = _in_range(stiffness, ranges, "cartesian_stiffness")
+        self._hw.arm.set_cartesian_impedance(values)
+
+    @override
+    def set_EE_frame(self, NE_T_EE: Sequence[float]) -> None:
+        self._check_connected()
+        self._hw.arm.set_end_effector_frame(check_transform(NE_T_EE, "NE_T_EE"))
+
+    @override
+    def set_K_frame(self, EE_T_K: Sequence[float]) -> None:
+        self._check_connected()
+        self._hw.arm.set_stiffness_frame(check_transform(EE_T_K, "EE_T_K"))
+
+    @override
+    def set_load(
+        self,
+        mass: float,
+        F_x_center_load: Sequence[float],
+        load_inertia: Sequence[float],
+    ) -> None:
+        self._check_connected()
+        numbers = (mass, *F_x_center_load, *load_inertia)
+        if len(numbers) != 13 or not isfinite(sum(numbers)) or mass < 0.0:
+            raise InvalidCommandError(
+                f"a load of {mass} kg at {list(F_x_center_load)} with inertia "
+                f"{list(load_inertia)} is not possible",
+                remedy="give a mass of 0 or more, 3 and 9 finite numbers",
+                details=_field_error("mass", "must be 0 or more, all finite", mass),
+            )
+        tensor = np.reshape(load_inertia, (3, 3))
+        if (
+            np.abs(tensor - tensor.T).max() > _SYMMETRY
+            or np.linalg.eigvalsh(tensor)[0] < -_SYMMETRY
+        ):
+            raise InvalidCommandError(
+                f"no body has the inertia {list(load_inertia)}",
+                remedy="give a symmetric tensor without negative moments",
+                details=_field_error(
+                    "load_inertia",
+                    "must be symmetric without negative moments",
+                    list(load_inertia),
+                ),
+            )
+        load = Load(mass, tuple(F_x_center_load), tuple(load_inertia))
+        self._hw.arm.set_load(load)
+
+    @override
+    def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
+        self._check_connected()
+        field, problem = collision_behavior_problem(behavior)
+        if problem:
+            value = getattr(behavior, field)
+            raise InvalidCommandError(
+                f"the collision threshold '{field}' {list(value)} is not possible",
+                remedy=f"give {problem}",
+                details=_field_error(field, f"must be {problem}", list(value)),
+            )
+        self._hw.arm.set_collision_behavior(behavior)
+
+    @override
+    def check_recovery(self) -> None:
+        self._check_connected()
+        try:
+            self._hw.arm.check_recovery()
+        except ArmCommandError as exc:
+            message = f"arm '{self.name}' {exc.message}"
+            raise ArmCommandError(message, remedy=exc.remedy) from exc
+
+    @override
+    def error_recovery(self) -> bool:
+        self.check_recovery()
+        arm = self._hw.arm
+        had_error = arm.state.robot_mode is RobotMode.REFLEX
+        arm.automatic_error_recovery()
+        return had_error
+
+    @override
+    def set_user_stop(self, *, pressed: bool) -> None:
+        self._simulated().set_user_stop(pressed=pressed)
+
+    @override
+    def set_guiding(self, *, pressed: bool) -> None:
+        self._simulated().set_guiding(pressed=pressed)
+
+    @override
+    def connect(self) -> None:
+        if self._hw.is_connected:
+            raise ArmCommandError(
+                f"arm '{self.name}' is connected already", remedy="use it"
+            )
+        self._hw.is_connected = True
+        # Of the settings the thresholds alone are sent again, as franka_hw does.
+        behavior = self._hw.parameters.collision_behavior
+        self._hw.arm.set_collision_behavior(behavior)
+
+    @override
+    def disconnect(self) -> None:
+        self._check_connected()
+        if self._hw.control_mode is not ControlMode.NONE:
+            raise ArmCommandError(
+                f"arm '{self.name}' cannot be disconnected: a controller commands "
+                f"{self._hw.control_mode.describe()}",
+                remedy="stop the controllers of this arm first",
+            )
+        self._hw.is_connected = False
+
+    @override
+    def apply_force(
+        self,
+        link: str,
+        force: Sequence[float],
+        torque: Sequence[float],
+        duration: float,
+        *,
+        frame: str = "world",
+        point: Sequence[float] | None = None,
+    ) -> None:
+        self._simulated().apply_force(
+            link, force, torque, duration, frame=frame, point=point
+        )
+
+    @override
+    def inject(self, fault: SimulatedFault) -> None:
+        arm = self._simulated()
+        late = fault.cycles if fault.kind is FaultKind.DELAYED_CYCLE else 0
+        if late > LONGEST_DELAY:
+            raise InvalidCommandError(
+                f"'cycles' of a delayed cycle is {late}",
+                remedy=f"give at most {LONGEST_DELAY}: nothing answers in that time",
+                details={"cycles": late},
+            )
+        arm.inject(fault)
+
+    @override
+    def faults(self) -> list[SimulatedFault]:
+        return self._simulated().faults()
+
+    @override
+    def clear_faults(self) -> None:
+        self._simulated().clear_faults()
+
+    def _simulated(self) -> SimulatedArm:
+        arm = self._hw.arm
+        if not isinstance(arm, SimulatedArm):
+            raise ArmCommandError(
+                f"arm '{self.name}' is not simulated", remedy="do it by hand"
+            )
+        return arm
+
+    def _check_connected(self) -> None:
+        if not self._hw.is_connected:
+            raise ArmCommandError(
+                f"arm '{self.name}' is not connected", remedy="connect it first"
+            )
+
+
+def _in_range(
+    values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
+) -> list[float]:
+    found = [
+        _field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
+        for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
+        if not low <= value <= high
+    ]
+    if len(values) != len(ranges) or found:
+        allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
+        raise InvalidCommandError(
+            f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers",
+            remedy=f"give numbers in these ranges: {allowed}",
+            details={"errors": found},
+        )
+    return list(values)
+
+
+def _field_error(
+    field: str, message: str, value: object
+) -> dict[str, list[dict[str, str]]]:
+    """Return what the API says about one field of a request."""
+    error = {"field": f"body/{field}", "message": message, "value": str(value)}
+    return {"errors": [error]}

@@ -1,0 +1,130 @@
+"""What FrankaHW sends to the arm in each of its cycles: limited and filtered."""
+
+from station.core.errors import InvalidCommandError
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.arm.control_mode import GENERATOR_OF_MODE, ControlMode
+from station.hw.franka.arm.robot_arm import (
+    ControllerMode,
+    MotionGeneratorMode,
+    RobotArm,
+)
+from station.hw.franka.commands.cartesian_commands import CartesianCommands
+from station.hw.franka.commands.command_filter import CommandFilter
+from station.hw.franka.commands.joint_commands import JointCommands
+from station.hw.franka.franka_parameters import CommandSettings
+
+
+class CommandSender:
+    """Sends the commands of the present mode. Control thread only.
+
+    Args:
+        arm: The arm.
+        commands: Joint commands and their limits.
+        cartesian: Cartesian commands.
+        command_filter: Filter and rate limits of the joint commands.
+
+    Attributes:
+        refusal: Why a command was not sent and the motion ended; empty if none was.
+    """
+
+    def __init__(
+        self,
+        arm: RobotArm,
+        commands: JointCommands,
+        cartesian: CartesianCommands,
+        command_filter: CommandFilter,
+    ) -> None:
+        self._arm = arm
+        self._commands = commands
+        self._cartesian = cartesian
+        self._filter = command_filter
+        self._settings: CommandSettings | None = None
+        self._goals: list[float] = []
+        self.refusal = ""
+
+    def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
+        """Take commands of the kinds in `mode` from now on, seeded with rest.
+
+        Args:
+            mode: What is commanded.
+            settings: How it is passed on.
+        """
+        self._settings = settings
+        self.refusal = ""
+        self._commands.begin(mode)
+        self._cartesian.begin(mode)
+        self._goals = self._commands.goals()
+        self._filter.begin(
+            cutoff_frequency=settings.cutoff_frequency,
+            rate_limiting=settings.rate_limiting,
+        )
+
+    def send_limited(self, period: float) -> None:
+        """Limit and send the controllers' commands; the arm stops if one is no number.
+
+        Args:
+            period: Time since the last cycle [s], >= 0.
+        """
+        commands = self._commands
+        if self._arm.state.robot_mode is not RobotMode.MOVE:
+            return
+        if not (commands.are_finite() and self._cartesian.are_finite()):
+            self.refusal = "a command is no finite number"
+            self._arm.stop_motion()
+            return
+        if commands.has_positions:
+            self._goals = commands.goals()
+        if period > 0.0:
+            commands.enforce_limits(period)
+        self.send(is_new=True)
+
+    @property
+    def bridges_gaps(self) -> bool:
+        """Whether a loop that is late for some cycles leaves the arm no gap."""
+        return self._cartesian.has_pose
+
+    def send_again(self) -> None:
+        """Send the last commands in a cycle of the arm between two of the loop.
+
+        Poses go on by themselves; others only with rate limits, within which they go on
+        towards their goal: without, the same command twice would be a step in velocity,
+        and the arm goes on by itself.
+        """
+        limits_rates = self._settings is not None and self._settings.rate_limiting
+        if limits_rates or self.bridges_gaps:
+            self.send()
+
+    def send(self, *, is_new: bool = False) -> None:
+        """Filter and send the commands as they are, for one cycle of the arm.
+
+        Args:
+            is_new: The controllers have had their say since the last time.
+        """
+        arm, commands, state = self._arm, self._commands, self._arm.state
+        if state.robot_mode is not RobotMode.MOVE:
+            return
+        goals, filtered = self._goals, self._filter
+        if commands.has_positions:
+            q = filtered.positions(commands.positions, state, goals=goals)
+            arm.command_joint_positions(q)
+        if commands.has_velocities:
+            dq = filtered.velocities(commands.velocities, state)
+            arm.command_joint_velocities(dq)
+        if commands.has_efforts:
+            arm.command_joint_torques(filtered.torques(commands.efforts, state))
+        if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
+            try:
+                self._cartesian.send(self._settings, is_new=is_new)
+            except InvalidCommandError as error:
+                self.refusal = error.message
+                arm.stop_motion()
+
+
+def arm_modes(
+    mode: ControlMode, settings: CommandSettings
+) -> tuple[ControllerMode, MotionGeneratorMode]:
+    """Return what the arm has to be told for a supported mode that is not NONE."""
+    generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
+    if mode & ControlMode.JOINT_TORQUE:
+        return ControllerMode.EXTERNAL_CONTROLLER, generator
+    return settings.internal_controller, generator

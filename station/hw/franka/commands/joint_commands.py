@@ -1,0 +1,240 @@
+"""The arm's joint interfaces: command buffers, handles on them, and their limits."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf, isfinite
+
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.limits import (
+    JointLimits,
+    JointLimitsHandle,
+    JointLimitsInterface,
+    LimitMode,
+    SoftJointLimits,
+    make_limits_handle,
+)
+from station.core.hardware.robot_report import (
+    ClampReport,
+    JointLimitsReport,
+    report_clamps,
+)
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.commands.rate_limiter import RateLimits
+from station.hw.urdf import Joint
+
+_DOF = 7
+# How far before the ends of its range a joint stops that is limited by rate [rad]: the
+# low-pass behind the limits lags, and the arm tolerates nothing beyond the range.
+_RANGE_MARGIN = 2e-3
+_SOURCES = {
+    "position": "urdf limit",
+    "velocity": "urdf limit",
+    "acceleration": "rate limits of the arm",
+    "jerk": "rate limits of the arm",
+    "effort": "urdf limit",
+    "soft": "urdf safety_controller",
+}
+
+
+class JointCommands:
+    """Joint state and command handles of one arm.
+
+    Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp,
+    FrankaHW::setupJointStateInterface, setupJointCommandInterface,
+    setupLimitInterface, enforceLimits, reset; differs: there is a choice of limits.
+
+    Args:
+        state: The arm's state, whose lists the handles read.
+        names: Names of the 7 joints, from base to flange.
+        limit_mode: How commands are limited.
+
+    Attributes:
+        positions: Commanded positions [rad], shape (7,); in place, as the next two.
+        velocities: Commanded velocities [rad/s], shape (7,).
+        efforts: Commanded torques without gravity [Nm], shape (7,).
+        has_positions: Whether position commands are taken.
+        has_velocities: Whether velocity commands are taken.
+        has_efforts: Whether torque commands are taken.
+        limit_reports: The limits that are enforced, and their sources.
+    """
+
+    def __init__(
+        self,
+        state: RobotState,
+        names: Sequence[str],
+        limit_mode: LimitMode = LimitMode.ROS_CONTROL,
+    ) -> None:
+        self._state = state
+        self._limit_mode = limit_mode
+        self.positions = [0.0] * _DOF
+        self.velocities = [0.0] * _DOF
+        self.efforts = [0.0] * _DOF
+        self._lower = [-inf] * _DOF
+        self._upper = [inf] * _DOF
+        self.limit_reports: list[JointLimitsReport] = []
+        self._states = JointStateInterface()
+        self._position_interface = PositionJointInterface()
+        self._velocity_interface = VelocityJointInterface()
+        self._effort_interface = EffortJointInterface()
+        self._position_limits = JointLimitsInterface[JointLimitsHandle]()
+        self._velocity_limits = JointLimitsInterface[JointLimitsHandle]()
+        self._effort_limits = JointLimitsInterface[JointLimitsHandle]()
+        # Kept here too: asking an interface for a handle claims its joint.
+        self._handles: list[tuple[JointHandle, JointHandle, JointHandle]] = []
+        for i, name in enumerate(names):
+            measured = JointStateHandle(name, state.q, state.dq, state.tau_J, i)
+            desired = JointStateHandle(name, state.q_d, state.dq_d, state.tau_J, i)
+            position = JointHandle(desired, self.positions, i)
+            velocity = JointHandle(desired, self.velocities, i)
+            effort = JointHandle(measured, self.efforts, i)
+            self._states.register_handle(measured)
+            self._position_interface.register_handle(position)
+            self._velocity_interface.register_handle(velocity)
+            self._effort_interface.register_handle(effort)
+            self._handles.append((position, velocity, effort))
+        self.begin(ControlMode.NONE)
+
+    def interfaces(self) -> list[JointStateInterface | JointCommandInterface]:
+        """Return the interfaces that controllers may ask for."""
+        return [
+            self._states,
+            self._position_interface,
+            self._velocity_interface,
+            self._effort_interface,
+        ]
+
+    def add_limits(
+        self, joints: Sequence[Joint], rates: Sequence[RateLimits]
+    ) -> list[str]:
+        """Enforce the limits of the URDF from now on.
+
+        Args:
+            joints: The 7 joints of the URDF, from base to flange.
+            rates: Acceleration and jerk limits of the joints, shape (7,).
+
+        Returns:
+            The joints that have no `<limit>` or no `<safety_controller>`; nothing is
+            enforced for them.
+        """
+        skipped = []
+        for i, (joint, rate) in enumerate(zip(joints, rates, strict=True)):
+            position, velocity, effort = self._handles[i]
+            if joint.limit is None or joint.safety is None:
+                skipped.append(position.name)
+                continue
+            if joint.limit.lower is not None and joint.limit.upper is not None:
+                self._lower[i], self._upper[i] = joint.limit.lower, joint.limit.upper
+            limits = JointLimits(
+                min_position=joint.limit.lower,
+                max_position=joint.limit.upper,
+                max_velocity=joint.limit.velocity,
+                max_acceleration=rate.acceleration,
+                max_jerk=rate.jerk,
+                max_effort=joint.limit.effort,
+            )
+            soft = SoftJointLimits(
+                min_position=joint.safety.soft_lower_limit,
+                max_position=joint.safety.soft_upper_limit,
+                k_position=joint.safety.k_position,
+                k_velocity=joint.safety.k_velocity,
+            )
+            self.limit_reports.append(
+                JointLimitsReport(position.name, limits, soft, _SOURCES)
+            )
+            mode = self._limit_mode
+            if mode is LimitMode.RATE:
+                limits = _with_margin(limits)
+            for quantity, handle, enforced in (
+                ("position", position, self._position_limits),
+                ("velocity", velocity, self._velocity_limits),
+                ("effort", effort, self._effort_limits),
+            ):
+                enforced.register_handle(
+                    make_limits_handle(mode, quantity, handle, limits, soft)
+                )
+        return skipped
+
+    def limit_interfaces(self) -> list[JointLimitsInterface[JointLimitsHandle]]:
+        """Return the limits that are enforced, with their clamp counts."""
+        return [self._position_limits, self._velocity_limits, self._effort_limits]
+
+    def clamps(self) -> list[ClampReport]:
+        """Return which commands were cut off. Any thread."""
+        return report_clamps({
+            (handle.name, interface.type_name): handle
+            for interface, limits in (
+                (self._position_interface, self._position_limits),
+                (self._velocity_interface, self._velocity_limits),
+                (self._effort_interface, self._effort_limits),
+            )
+            for handle in limits.handles()
+        })
+
+    def begin(self, mode: ControlMode) -> None:
+        """Take commands of the kinds in `mode` from now on.
+
+        They are seeded with what keeps the arm where it is; earlier ones are forgotten.
+        """
+        self.positions[:] = self._state.q_d
+        self.velocities[:] = [0.0] * _DOF
+        self.efforts[:] = [0.0] * _DOF
+        self._position_limits.reset()
+        self._velocity_limits.reset()
+        self.has_positions = bool(mode & ControlMode.JOINT_POSITION)
+        self.has_velocities = bool(mode & ControlMode.JOINT_VELOCITY)
+        self.has_efforts = bool(mode & ControlMode.JOINT_TORQUE)
+
+    def goals(self) -> list[float]:
+        """Return the commanded positions, clipped to the position limits [rad]."""
+        return [
+            max(low, min(high, q))
+            for q, low, high in zip(
+                self.positions, self._lower, self._upper, strict=True
+            )
+        ]
+
+    def are_finite(self) -> bool:
+        """Tell whether all commands that are taken are finite.
+
+        To be asked first: limits and filters may turn a NaN into a number.
+        """
+        total = 0.0
+        if self.has_positions:
+            total += sum(self.positions)
+        if self.has_velocities:
+            total += sum(self.velocities)
+        if self.has_efforts:
+            total += sum(self.efforts)
+        return isfinite(total)
+
+    def enforce_limits(self, period: float) -> None:
+        """Limit the commands that are taken.
+
+        Args:
+            period: Time since the last cycle [s], > 0.
+        """
+        if self.has_positions:
+            self._position_limits.enforce_limits(period)
+        if self.has_velocities:
+            self._velocity_limits.enforce_limits(period)
+        if self.has_efforts:
+            self._effort_limits.enforce_limits(period)
+
+
+def _with_margin(limits: JointLimits) -> JointLimits:
+    if limits.min_position is None or limits.max_position is None:
+        return limits
+    return replace(
+        limits,
+        min_position=limits.min_position + _RANGE_MARGIN,
+        max_position=limits.max_position - _RANGE_MARGIN,
+    )

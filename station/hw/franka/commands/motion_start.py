@@ -1,0 +1,103 @@
+"""When the arm begins a motion: by joint motions at once, else when it is at rest.
+
+Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::prepareSwitch, which
+waits for the end of the running motion; differs: a joint motion takes over from a
+moving arm at once, because its limits are those of the joints. Those of a Cartesian
+motion say nothing about the joints: one that began within another would break them.
+Torques of a client act only once the arm rests: its controller starts there, too, and
+not at the pose and the braking torques of before.
+"""
+
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.arm.robot_arm import REST_VELOCITY, RobotArm
+from station.hw.franka.commands.command_sender import CommandSender, arm_modes
+from station.hw.franka.franka_parameters import CommandSettings
+
+LONGEST_WAIT = 500
+"""Cycles of the arm after which a motion begins although the arm still trembles."""
+_CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
+_FROM_REST = _CARTESIAN | ControlMode.JOINT_TORQUE
+
+
+class MotionStart:
+    """Ends the arm's motion and begins the next one. Control thread only.
+
+    Args:
+        arm: The arm.
+        sender: What sends the commands; told what to seed them with.
+
+    Attributes:
+        mode: What is commanded, from the switch on.
+        is_waiting: The arm is coming to rest before a motion.
+        has_failed: The arm refused the last motion.
+    """
+
+    def __init__(self, arm: RobotArm, sender: CommandSender) -> None:
+        self._arm = arm
+        self._sender = sender
+        self._settings: CommandSettings | None = None
+        self._waited = 0
+        self.mode = ControlMode.NONE
+        self.is_waiting = False
+        self.has_failed = False
+
+    def refusal(
+        self, mode: ControlMode, settings: CommandSettings, kept: ControlMode
+    ) -> str:
+        """Return why the arm cannot go to another mode now, '' if it can.
+
+        Args:
+            mode: What would be commanded.
+            settings: How it would be passed on.
+            kept: What of it is commanded already, by somebody who would not begin anew.
+        """
+        arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
+        reason = arm.refusal(*arm_modes(mode, settings))
+        velocities = (*arm.state.dq, *arm.state.dq_d)
+        moves = any(abs(velocity) > REST_VELOCITY for velocity in velocities)
+        if not reason and motion and mode & _FROM_REST and moves:
+            reason = (
+                f"that would interrupt its motion by {motion.describe()}; let it come "
+                "to rest, or stop its controllers, then start them together"
+            )
+        return reason
+
+    def enter(
+        self, mode: ControlMode, settings: CommandSettings, started: ControlMode
+    ) -> None:
+        """Change the arm to another mode, its commands seeded with what it does now.
+
+        Args:
+            mode: What is commanded.
+            settings: How it is passed on.
+            started: What is commanded by somebody else than before.
+        """
+        arm = self._arm
+        if mode != self.mode or started & _CARTESIAN:
+            arm.stop_motion()
+        self.mode, self._settings = mode, settings
+        self._sender.begin(mode, settings)
+        self.is_waiting = bool(mode) and arm.state.robot_mode is not RobotMode.MOVE
+        self._waited = 0
+        self.advance(0)
+
+    def advance(self, cycles: int) -> None:
+        """Begin the motion if the arm is ready for it.
+
+        Args:
+            cycles: Cycles of the arm since the last call.
+        """
+        settings = self._settings
+        if not self.is_waiting or settings is None:
+            return
+        arm, modes = self._arm, arm_modes(self.mode, settings)
+        if arm.refusal(*modes):
+            self.is_waiting, self.has_failed = False, True
+            return
+        self._waited += cycles
+        is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
+        if is_ready or self._waited > LONGEST_WAIT:
+            self.is_waiting = False
+            self._sender.begin(self.mode, settings)
+            arm.start_motion(*modes)

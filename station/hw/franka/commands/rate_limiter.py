@@ -1,0 +1,189 @@
+"""Low-pass filter and rate limits of one joint's commands, as libfranka has them.
+
+Pure functions of plain floats. `period` is libfranka's fixed cycle of 1 ms.
+
+Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
+limitRate; include/franka/rate_limiting.h, the limits of the Panda; libfranka@0.15.0,
+the same files, for the FR3.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimits
+
+PERIOD = 0.001
+"""Cycle of the arm [s]."""
+MAX_CUTOFF_FREQUENCY = 1000.0
+"""From here on the low-pass is off [Hz]."""
+MARGIN = 1e-3
+"""Subtracted from every limit."""
+
+
+VelocityRange = tuple[float, float]
+"""Lowest velocity [rad/s], <= 0, and highest velocity [rad/s], >= 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class RateLimits:
+    """Limits of one joint's command.
+
+    Attributes:
+        velocity: [rad/s], > 0.
+        acceleration: [rad/s^2], > 0.
+        jerk: [rad/s^3], > 0.
+        torque_rate: [Nm/s], > 0.
+    """
+
+    velocity: float
+    acceleration: float
+    jerk: float
+    torque_rate: float
+
+
+def rate_limits_of(limits: ArmLimits) -> tuple[RateLimits, ...]:
+    """Return the limits of an arm's joints, with libfranka's margins, shape (7,).
+
+    Args:
+        limits: The arm's own limits.
+    """
+    result = []
+    for velocity, acceleration, jerk in zip(
+        limits.velocity, limits.acceleration, limits.jerk, strict=True
+    ):
+        motion = with_margins(
+            MotionLimits(velocity, acceleration, jerk), limits.tolerated_losses
+        )
+        result.append(
+            RateLimits(
+                motion.velocity,
+                motion.acceleration,
+                motion.jerk,
+                limits.torque_rate - MARGIN,
+            )
+        )
+    return tuple(result)
+
+
+def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
+    """Return limits less libfranka's margins.
+
+    Args:
+        limits: The arm's own limits of a motion.
+        tolerated_losses: Lost packets, during which the arm goes on with constant
+            acceleration, for which the velocity leaves room.
+    """
+    acceleration = limits.acceleration - MARGIN
+    reserve = tolerated_losses * PERIOD * acceleration
+    return MotionLimits(
+        limits.velocity - MARGIN - reserve, acceleration, limits.jerk - MARGIN
+    )
+
+
+def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> VelocityRange:
+    """Return the velocities that the limiter allows a joint at a position.
+
+    Without reserve for lost packets: limits that depend on the position have none.
+
+    Args:
+        limits: The arm's own limits.
+        joint: Index of the joint, 0 to 6.
+        q_d: Its desired position [rad].
+
+    Source:
+        libfranka@0.15.0 include/franka/rate_limiting.h,
+        computeUpperLimitsJointVelocity, computeLowerLimitsJointVelocity; differs: the
+        margin does not turn a range of 0 inside out.
+    """
+    lowest, highest = limits.velocity_range(joint, q_d)
+    return min(0.0, lowest + MARGIN), max(0.0, highest - MARGIN)
+
+
+PANDA_RATE_LIMITS = rate_limits_of(PANDA_LIMITS)
+"""The Panda's limits, joints 1 to 7."""
+
+
+def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:
+    """Return the first-order low-pass of a command.
+
+    Args:
+        value: The new command.
+        previous: The filter's last output.
+        cutoff_frequency: [Hz], > 0; `MAX_CUTOFF_FREQUENCY` and above is off.
+    """
+    if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
+        return value
+    gain = PERIOD / (PERIOD + 1.0 / (2.0 * pi * cutoff_frequency))
+    return gain * value + (1.0 - gain) * previous
+
+
+def limit_rate(value: float, previous: float, max_rate: float) -> float:
+    """Return the value nearest to a command that the rate limit allows.
+
+    Args:
+        value: The new command, e.g. a torque [Nm].
+        previous: The last command.
+        max_rate: Largest rate per second, > 0.
+    """
+    step = max_rate * PERIOD
+    return previous + max(-step, min(step, value - previous))
+
+
+def limit_velocity(
+    velocity: float,
+    last_velocity: float,
+    last_acceleration: float,
+    limits: RateLimits,
+    velocity_range: VelocityRange | None = None,
+) -> float:
+    """Return the velocity nearest to a command that all limits allow.
+
+    Close to the velocity limit the acceleration is limited further, so that it can end
+    in time without breaking the jerk limit.
+
+    Args:
+        velocity: The new command [rad/s].
+        last_velocity: The last command [rad/s].
+        last_acceleration: Its acceleration [rad/s^2].
+        limits: The joint's limits.
+        velocity_range: What is allowed at the present position; None: what `limits`
+            allow anywhere.
+    """
+    lowest_velocity, highest_velocity = velocity_range or (
+        -limits.velocity,
+        limits.velocity,
+    )
+    jerk = ((velocity - last_velocity) / PERIOD - last_acceleration) / PERIOD
+    jerk = max(-limits.jerk, min(limits.jerk, jerk))
+    acceleration = last_acceleration + jerk * PERIOD
+    slope = limits.jerk / limits.acceleration
+    highest = min(slope * (highest_velocity - last_velocity), limits.acceleration)
+    lowest = max(slope * (lowest_velocity - last_velocity), -limits.acceleration)
+    return last_velocity + max(lowest, min(highest, acceleration)) * PERIOD
+
+
+def limit_position(
+    position: float,
+    last_position: float,
+    last_velocity: float,
+    last_acceleration: float,
+    limits: RateLimits,
+    velocity_range: VelocityRange | None = None,
+) -> float:
+    """Return the position nearest to a command that all limits allow.
+
+    It does not look ahead: after a step it arrives with full speed and overshoots.
+
+    Args:
+        position: The new command [rad].
+        last_position: The last command [rad].
+        last_velocity: Its velocity [rad/s].
+        last_acceleration: Its acceleration [rad/s^2].
+        limits: The joint's limits.
+        velocity_range: As for `limit_velocity`.
+    """
+    velocity = (position - last_position) / PERIOD
+    velocity = limit_velocity(
+        velocity, last_velocity, last_acceleration, limits, velocity_range
+    )
+    return last_position + velocity * PERIOD

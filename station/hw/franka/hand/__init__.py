@@ -1,0 +1,1 @@
+"""The Franka hand: fingers, gripper services, the simulated gripper."""

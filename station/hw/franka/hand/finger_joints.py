@@ -1,0 +1,176 @@
+"""The finger joints of a simulated hand, as controllers see them.
+
+Source: franka_ros@c11f000 franka_gazebo/src/franka_hw_sim.cpp, FrankaHWSim.initSim,
+writeSim; differs: position commands are taken besides efforts, unclaimed fingers hold
+where they are instead of going limp, and the joint states stay those of the arm alone,
+as on the real robot, where the hand is another device.
+"""
+
+from collections.abc import Iterable, Sequence
+from math import isfinite
+
+from station.core.franka import GripperServicesInterface
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    PositionJointInterface,
+)
+from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
+from station.hw.franka.hand.hand_services import HandServices
+from station.hw.franka.hand.simulated_gripper import SimulatedGripper
+
+_KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
+
+
+class FingerJoints:
+    """Handles on the two fingers, and what becomes of their commands.
+
+    The fingers are coupled: a position is that of both, efforts act on both. Whoever
+    claims one claims the hand, through one kind of interface at a time.
+
+    While nobody claims them they obey `hand`, the gripper's own commands.
+
+    Args:
+        gripper: The fingers' motor.
+        names: Names of the two joints.
+        arm_id: The arm with that hand.
+
+    Attributes:
+        names: As given.
+        hand: Homing, move, grasp and stop.
+        services: The interface that has it.
+    """
+
+    def __init__(
+        self, gripper: SimulatedGripper, names: Sequence[str], arm_id: str
+    ) -> None:
+        size = len(names)
+        self.hand = HandServices(arm_id, gripper)
+        self.services = GripperServicesInterface()
+        self.services.register_handle(self.hand)
+        self.names = tuple(names)
+        self._gripper = gripper
+        self._positions = [gripper.read_position()] * size
+        self._velocities = [0.0] * size
+        self._efforts = [0.0] * size
+        self._position_commands = list(self._positions)
+        self._effort_commands = [0.0] * size
+        self._claimed: dict[str, str] = {}
+        self._owners: dict[str, str] = {}
+        self.states = [
+            JointStateHandle(
+                name, self._positions, self._velocities, self._efforts, index
+            )
+            for index, name in enumerate(names)
+        ]
+
+    def register(
+        self, interfaces: Iterable[JointStateInterface | JointCommandInterface]
+    ) -> None:
+        """Add the fingers to the interfaces for position and effort.
+
+        Args:
+            interfaces: Those of the arm; other kinds are left alone.
+        """
+        for interface in interfaces:
+            for index, state in enumerate(self.states):
+                if isinstance(interface, PositionJointInterface):
+                    handle = JointHandle(state, self._position_commands, index)
+                    interface.register_handle(handle)
+                elif isinstance(interface, EffortJointInterface):
+                    handle = JointHandle(state, self._effort_commands, index)
+                    interface.register_handle(handle)
+
+    def read(self) -> None:
+        """Bring the state up to date."""
+        gripper, size = self._gripper, len(self.names)
+        self._positions[:] = [gripper.read_position()] * size
+        self._velocities[:] = [gripper.read_velocity()] * size
+        self._efforts[:] = [gripper.read_force()] * size
+
+    def write(self) -> None:
+        """Hand the commands of the claimed fingers on; the others follow."""
+        if not self._claimed:
+            self.hand.advance()
+            return
+        kind = next(iter(self._claimed.values()))
+        is_position = kind == PositionJointInterface.type_name
+        commands = self._position_commands if is_position else self._effort_commands
+        claimed = [commands[self.names.index(name)] for name in self._claimed]
+        mean = sum(claimed) / len(claimed)
+        if not isfinite(mean):
+            return
+        if is_position:
+            lower, upper = self._gripper.limits
+            self._gripper.hold(2.0 * min(max(mean, lower), upper))
+        else:
+            limit, force = self._gripper.effort_limit, sum(claimed) / len(self.names)
+            self._gripper.press(min(max(force, -limit), limit))
+
+    def find_conflicts(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        """Say why some controllers cannot share the fingers.
+
+        Args:
+            controllers: All controllers that would be running.
+        """
+        holders = _holders(controllers, self.names)
+        kinds = {kind for _, kind, _ in holders}
+        if len(kinds) <= 1:
+            return []
+        parties = tuple(dict.fromkeys((owner, kind) for owner, kind, _ in holders))
+        described = " and ".join(f"'{owner}' ({kind})" for owner, kind in parties)
+        reason = (
+            f"The fingers {' and '.join(self.names)} move as one; they cannot follow "
+            f"{described} at once."
+        )
+        return [ResourceConflict(holders[0][2], parties, reason)]
+
+    def do_switch(
+        self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+    ) -> None:
+        """Take commands of started controllers from now on; released fingers hold.
+
+        Args:
+            start: Controllers that are started.
+            stop: Controllers that are stopped.
+        """
+        stopped = _holders(stop, self.names)
+        started = _holders(start, self.names)
+        for _, _, name in stopped:
+            self._claimed.pop(name, None)
+            self._owners.pop(name, None)
+        if not stopped and not started:
+            return
+        self._gripper.hold(2.0 * self._gripper.read_position())
+        self._position_commands[:] = [self._gripper.read_position()] * len(self.names)
+        self._effort_commands[:] = [0.0] * len(self.names)
+        for owner, kind, name in started:
+            self._claimed[name] = kind
+            self._owners[name] = owner
+        self.hand.give_to(next(iter(self._owners.values()), ""))
+
+    def begin_anew(self) -> None:
+        """Forget the commands: the world was reset."""
+        self.read()
+        self.hand.begin_anew()
+        self._position_commands[:] = self._positions
+        self._effort_commands[:] = [0.0] * len(self.names)
+
+
+def _holders(
+    controllers: Sequence[ControllerInfo], names: Sequence[str]
+) -> list[tuple[str, str, str]]:
+    """Return (controller, hardware interface, joint) of every claim of a finger."""
+    return [
+        (controller.name, claim.hardware_interface, resource)
+        for controller in controllers
+        for claim in controller.claimed_resources
+        if claim.hardware_interface in _KINDS
+        for resource in claim.resources
+        if resource in names
+    ]

@@ -1,0 +1,194 @@
+"""The services of a simulated hand: its commands, their checks, and how they ended."""
+
+from dataclasses import replace
+from math import isfinite
+from typing import Protocol
+
+from typing_extensions import override
+
+from station.core.errors import GripperCommandError, InvalidCommandError
+from station.core.franka import (
+    DEFAULT_SPEED,
+    GraspRequest,
+    GripperAction,
+    GripperActivity,
+    GripperCommand,
+    GripperServices,
+    GripperState,
+)
+from station.core.ports.goal import GoalStatus
+from station.hw.franka.hand.gripper_motion import GripperMotion, GripperMotor
+from station.hw.franka.hand.simulated_gripper import MAX_FORCE
+
+FASTEST = 0.4
+"""Largest speed of the width [m/s]: twice that of a finger in panda.urdf."""
+WEAKEST = 0.1
+"""Smallest force of a grasp [N]; below it the fingers hardly move."""
+ROOM_TEMPERATURE = 20.0
+"""What a simulated hand has [degree Celsius]."""
+
+
+class HandMotor(GripperMotor, Protocol):
+    """A motor that tells its range and its force."""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest position of a finger [m]."""
+
+    def read_force(self) -> float:
+        """Return what the motor gave each finger [N]."""
+
+
+class HandServices(GripperServices):
+    """The services of a simulated hand. Control thread only.
+
+    Args:
+        arm_id: The arm it belongs to.
+        motor: What moves the fingers.
+
+    Attributes:
+        owner: The controller that claims the fingers; empty while none does.
+    """
+
+    def __init__(self, arm_id: str, motor: HandMotor) -> None:
+        super().__init__(arm_id)
+        self._motor = motor
+        self._open_width = 2.0 * motor.limits[1]
+        self._motion = GripperMotion(motor, self._open_width)
+        self._command: GripperCommand | None = None
+        self._last: GripperCommand | None = None
+        self._count = 0
+        self.owner = ""
+
+    @override
+    def get_state(self) -> GripperState:
+        motion = self._motion
+        activity = GripperActivity.CONTROLLED if self.owner else motion.activity
+        return GripperState(
+            width=motion.width(),
+            max_width=motion.max_width,
+            is_grasped=motion.is_grasped(),
+            temperature=ROOM_TEMPERATURE,
+            time=self._motor.read_time(),
+            activity=activity,
+            force=self._motor.read_force(),
+            command=self._command,
+            last=self._last,
+        )
+
+    @override
+    def homing(self) -> None:
+        self._check_free()
+        self._begin(GripperAction.HOMING, {})
+        self._motion.home()
+
+    @override
+    def move(self, width: float, speed: float = DEFAULT_SPEED) -> None:
+        self._check_free()
+        self._check("width", width, 0.0 <= width <= self._open_width)
+        self._check("speed", speed, 0.0 < speed <= FASTEST)
+        self._begin(GripperAction.MOVE, {"width": width, "speed": speed})
+        self._motion.move(width, speed)
+
+    @override
+    def grasp(self, request: GraspRequest) -> None:
+        self._check_free()
+        inner, outer = request.epsilon_inner, request.epsilon_outer
+        self._check("width", request.width, 0.0 <= request.width < self._open_width)
+        self._check("force", request.force, WEAKEST <= request.force <= MAX_FORCE)
+        self._check("speed", request.speed, 0.0 < request.speed <= FASTEST)
+        self._check("epsilon_inner", inner, inner >= 0.0 and isfinite(inner))
+        self._check("epsilon_outer", outer, outer >= 0.0 and isfinite(outer))
+        self._begin(
+            GripperAction.GRASP,
+            {
+                "width": request.width,
+                "force": request.force,
+                "speed": request.speed,
+                "epsilon_inner": inner,
+                "epsilon_outer": outer,
+            },
+        )
+        self._motion.grasp(request)
+
+    @override
+    def stop(self) -> None:
+        self._end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
+        if not self.owner:
+            self._motion.rest()
+
+    @override
+    def interrupt(self, reason: str) -> None:
+        if self._command is not None:
+            self._end(GoalStatus.PREEMPTED, reason)
+            self._motion.rest()
+
+    def give_to(self, owner: str) -> None:
+        """Leave the fingers to a controller, or take them back.
+
+        Args:
+            owner: Its name; empty when none claims them any more.
+        """
+        if owner and owner != self.owner:
+            self._end(GoalStatus.PREEMPTED, f"Controller '{owner}' took the fingers.")
+            self._motion.give_up()
+        self.owner = owner
+
+    def begin_anew(self) -> None:
+        """Forget what the fingers did: the world was reset."""
+        self._end(GoalStatus.PREEMPTED, "A reset put the hand back to its start.")
+        self._motion.give_up()
+
+    def advance(self) -> None:
+        """Let a motion go on; once per cycle."""
+        outcome = self._motion.advance()
+        if outcome is not None:
+            done = GoalStatus.ABORTED if outcome.message else GoalStatus.SUCCEEDED
+            self._end(done, outcome.message)
+
+    def _begin(self, action: GripperAction, request: dict[str, float]) -> None:
+        self._count += 1
+        self._end(GoalStatus.PREEMPTED, f"A newer command took over: {action.value}.")
+        self._command = GripperCommand(
+            self._count,
+            action,
+            GoalStatus.ACTIVE,
+            "",
+            request,
+            started=self._motor.read_time(),
+        )
+
+    def _end(self, status: GoalStatus, message: str) -> None:
+        command, self._command = self._command, None
+        if command is not None:
+            ended = self._motor.read_time()
+            self._last = replace(command, status=status, message=message, ended=ended)
+
+    def _check_free(self) -> None:
+        if self.owner:
+            raise GripperCommandError(
+                f"The gripper of arm '{self.name}' takes no commands: controller "
+                f"'{self.owner}' claims its fingers.",
+                remedy=f"Stop '{self.owner}' first, or give it the goals.",
+                details={"arm_id": self.name, "controller": self.owner},
+            )
+
+    def _check(self, name: str, value: float, is_allowed: bool) -> None:  # noqa: FBT001 - of the value just named
+        if is_allowed:
+            return
+        allowed = {
+            "width": f"0 to {self._open_width:g} m, for a grasp less",
+            "speed": f"above 0, at most {FASTEST:g} m/s",
+            "force": f"{WEAKEST:g} to {MAX_FORCE:g} N",
+        }.get(name, "0 m or more")
+        error = {
+            "field": f"body/{name.replace('epsilon_', 'epsilon/')}",
+            "message": f"must be {allowed}",
+            "value": f"{value}",
+        }
+        raise InvalidCommandError(
+            f"The gripper of arm '{self.name}' was given '{name}' {value}; allowed is "
+            f"{allowed}.",
+            remedy="Give a number in this range.",
+            details={"errors": [error]},
+        )

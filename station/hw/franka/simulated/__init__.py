@@ -1,0 +1,1 @@
+"""A Franka arm simulated in MuJoCo."""

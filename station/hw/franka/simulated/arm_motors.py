@@ -1,0 +1,190 @@
+"""The arm's motors and what makes their torques, in a MuJoCo world.
+
+Torques are those of the client, or of an internal impedance:
+
+    joint:      tau = K (q_d - q) + D (dq_d - dq) + M_ii ddq_d + coriolis(q, dq)
+                D = 2 zeta sqrt(K M_ii)
+    Cartesian:  tau = J^T (K_x e + D_x de) + coriolis(q, dq) + null space
+                D_x = 2 zeta sqrt(K_x)
+
+with M_ii the inertia at each joint, in D that when the impedance starts to act. What
+depends on q and dq in the joint impedance lives in the motors, where the integrator
+treats D implicitly. Gravity is compensated in the world besides, the weight of a
+configured load by the motors. Motors saturate at the effort limits.
+"""
+
+from collections.abc import Sequence
+from math import sqrt
+
+import numpy as np
+
+from station.core.franka.franka_model import Frame
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.numerics.rigid_motion import rotation_between
+from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.mujoco.world_joints import WorldJoints
+
+DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
+"""Stiffness of the internal controller [Nm/rad]. Source: libfranka@0.9.2
+examples/examples_common.cpp, setDefaultBehavior."""
+DEFAULT_CARTESIAN_IMPEDANCE = (3000.0, 3000.0, 3000.0, 300.0, 300.0, 300.0)
+"""Stiffness of the internal Cartesian controller [N/m, Nm/rad]. Source: as above."""
+# Of the null space: holds the elbow [Nm/rad].
+_NULL_SPACE_STIFFNESS = 20.0
+_DAMPING_OF_INVERSE = 1e-4
+_ZEROS = [0.0] * 7
+
+
+class ArmMotors:
+    """Drives the 7 joints of one arm. Control thread only.
+
+    Args:
+        joints: The arm's joints in the world.
+        state: The arm's state; `tau_J_d`, `tau_J` and `dtau_J` are written.
+        damping_ratio: Damping ratio zeta of the internal controllers, > 0.
+
+    Attributes:
+        torques_act: The motors follow the client's torques, not an impedance.
+        load_weight: Torques that carry the configured load [Nm], shape (7,).
+        joint_stiffness: Of the joint impedance [Nm/rad], shape (7,).
+        cartesian_stiffness: Of the Cartesian impedance [N/m, Nm/rad], shape (6,).
+    """
+
+    def __init__(
+        self, joints: WorldJoints, state: RobotState, damping_ratio: float
+    ) -> None:
+        self._joints = joints
+        self._state = state
+        self._limits = joints.effort_limits
+        self._damping_ratio = damping_ratio
+        self._damping = _ZEROS
+        self._is_cartesian = False
+        self.torques_act = False
+        self.load_weight = list(_ZEROS)
+        self.joint_stiffness = list(DEFAULT_JOINT_IMPEDANCE)
+        self.cartesian_stiffness = list(DEFAULT_CARTESIAN_IMPEDANCE)
+
+    def engage_joint_impedance(self) -> None:
+        """Let the joint impedance act from the next step on."""
+        self.torques_act = self._is_cartesian = False
+        self._damping = [
+            2.0 * self._damping_ratio * sqrt(k * inertia)
+            for k, inertia in zip(
+                self.joint_stiffness, self._joints.read_inertia(), strict=True
+            )
+        ]
+        self._joints.set_servo(self.joint_stiffness, self._damping)
+
+    def engage_cartesian_impedance(self) -> None:
+        """Let the Cartesian impedance act from the next step on."""
+        self._let_motors_be_forces()
+        self._is_cartesian = True
+
+    def engage_torques(self) -> None:
+        """Let the client's torques act from the next step on."""
+        self._let_motors_be_forces()
+        self.torques_act = True
+
+    def apply_torques(self, torques: Sequence[float]) -> None:
+        """Set the motors' controls.
+
+        Args:
+            torques: The client's torques without gravity [Nm], shape (7,).
+        """
+        clipped = [
+            max(-limit, min(limit, tau))
+            for tau, limit in zip(torques, self._limits, strict=True)
+        ]
+        self._state.tau_J_d[:] = clipped
+        self._set_controls(clipped)
+
+    def apply_impedance(self, q: Sequence[float], dq: Sequence[float]) -> None:
+        """Set the motors' controls so that the arm follows q_d.
+
+        Args:
+            q: Positions [rad], shape (7,).
+            dq: Velocities [rad/s], shape (7,).
+        """
+        if self._is_cartesian:
+            self._apply_cartesian(q, dq)
+            return
+        state = self._state
+        is_moving = state.robot_mode is RobotMode.MOVE
+        bias = self._joints.read_bias_forces()
+        weight = self._joints.read_compensation()
+        inertia = self._joints.read_inertia()
+        controls = []
+        for i, (k, d) in enumerate(
+            zip(self.joint_stiffness, self._damping, strict=True)
+        ):
+            control = k * state.q_d[i] + d * state.dq_d[i] + bias[i] - weight[i]
+            control += inertia[i] * state.ddq_d[i]
+            controls.append(control)
+            if is_moving:
+                tau = control - k * q[i] - d * dq[i]
+                limit = self._limits[i]
+                state.tau_J_d[i] = max(-limit, min(limit, tau))
+        self._set_controls(controls)
+
+    def read_torques(self, last_dq: Sequence[float], period: float) -> None:
+        """Derive the link-side torques of the last step.
+
+        A torque sensor behind the gears feels motor and brake less what accelerates the
+        rotor and rubs in the joint. The damping of the impedance acts implicitly: it
+        takes the velocity at the step's end, the motor's reading that at its beginning.
+
+        Args:
+            last_dq: Velocities at the beginning of the step [rad/s], shape (7,).
+            period: Duration of the step [s], > 0.
+        """
+        state, joints = self._state, self._joints
+        dq = joints.read_velocities()
+        forces = joints.read_motor_forces()
+        weight = joints.read_compensation()
+        brakes = joints.read_brake_forces()
+        for i, velocity in enumerate(dq):
+            change = velocity - last_dq[i]
+            tau = forces[i] + brakes[i] + weight[i] - joints.damping[i] * velocity
+            tau -= joints.armature[i] * change / period
+            if self._damping[i] and abs(forces[i]) < self._limits[i]:
+                tau -= self._damping[i] * change
+            state.dtau_J[i] = (tau - state.tau_J[i]) / period
+            state.tau_J[i] = tau
+
+    def _let_motors_be_forces(self) -> None:
+        self.torques_act = self._is_cartesian = False
+        self._damping = _ZEROS
+        self._joints.set_servo(_ZEROS, _ZEROS)
+
+    def _set_controls(self, controls: list[float]) -> None:
+        if any(self.load_weight):
+            controls = [a + b for a, b in zip(controls, self.load_weight, strict=True)]
+        self._joints.set_controls(controls)
+
+    def _apply_cartesian(self, q: Sequence[float], dq: Sequence[float]) -> None:
+        state = self._state
+        frames = (state.F_T_EE, state.EE_T_K)
+        pose = frame_pose(Frame.STIFFNESS, q, *frames)
+        desired = frame_pose(Frame.STIFFNESS, state.q_d, *frames)
+        jacobian = np.reshape(zero_jacobian(Frame.STIFFNESS, q, *frames), (7, 6))
+        turn = rotation_between(pose, desired)
+        error = np.array([
+            desired[12] - pose[12], desired[13] - pose[13], desired[14] - pose[14],
+            *turn,
+        ])  # fmt: skip
+        rate = (np.array(state.dq_d) - dq) @ jacobian
+        axes = np.reshape((*pose[0:3], *pose[4:7], *pose[8:11]), (3, 3))  # rows: K axes
+        stiffness = np.array(self.cartesian_stiffness)
+        damping = 2.0 * self._damping_ratio * np.sqrt(stiffness)
+        wrench = np.empty(6)
+        for part in (slice(0, 3), slice(3, 6)):
+            local = stiffness[part] * (axes @ error[part])
+            local += damping[part] * (axes @ rate[part])
+            wrench[part] = axes.T @ local
+        gram = jacobian.T @ jacobian + _DAMPING_OF_INVERSE * np.eye(6)
+        stray = _NULL_SPACE_STIFFNESS * (np.array(state.q_d) - q)
+        stray += 2.0 * sqrt(_NULL_SPACE_STIFFNESS) * (np.array(state.dq_d) - dq)
+        stray -= jacobian @ np.linalg.solve(gram, jacobian.T @ stray)
+        bias = np.array(self._joints.read_bias_forces())
+        bias -= self._joints.read_compensation()
+        self.apply_torques((jacobian @ wrench + stray + bias).tolist())

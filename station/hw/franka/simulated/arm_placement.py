@@ -1,0 +1,44 @@
+"""From the parameters of FrankaHW to an arm in the simulated world."""
+
+from collections.abc import Sequence
+
+from station.hw.franka.arm.arm_description import load_arm_description
+from station.hw.franka.franka_parameters import FrankaParameters
+from station.hw.franka.simulated.simulation import ArmPlacement, Simulation, simulate
+from station.hw.mujoco.scene import SceneObject
+
+
+def placement_of(parameters: FrankaParameters) -> ArmPlacement:
+    """Return the arm that parameters describe.
+
+    Raises:
+        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
+    """
+    return ArmPlacement(
+        parameters.arm_id,
+        load_arm_description(parameters.robot_description, parameters.limits),
+        parameters.base,
+        parameters.initial_positions,
+        parameters.limits,
+        parameters.thresholds,
+    )
+
+
+def simulate_one(
+    parameters: FrankaParameters, objects: Sequence[SceneObject]
+) -> Simulation:
+    """Return a world with the arm that parameters describe, and some things.
+
+    Args:
+        parameters: The arm.
+        objects: What else is in the world.
+
+    Raises:
+        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
+    """
+    simulation = simulate(
+        [placement_of(parameters)], gravity=parameters.gravity, objects=objects
+    )
+    arm = simulation.arms[parameters.arm_id]
+    arm.set_collision_behavior(parameters.collision_behavior)
+    return simulation

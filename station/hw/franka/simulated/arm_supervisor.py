@@ -1,0 +1,358 @@
+"""Watches what is measured and keeps the errors, as the arm itself would.
+
+Source: Franka Control Interface documentation, Errors; libfranka@0.9.2
+include/franka/errors.h; differs: thresholds that Franka does not publish are in
+`SupervisorLimits`.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, pi, sqrt
+
+from station.core.franka.franka_errors import ERROR_INDEX, ArmError
+from station.core.franka.franka_model import Frame
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import ArmRecord
+from station.core.numerics.rigid_motion import rotation_between, times
+from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.arm.self_collision import clearance
+
+LOG_LENGTH = 50
+"""Cycles that are kept from before an error."""
+# Farther than any end effector is from any joint axis [m].
+_REACH = 1.3
+# How much worse than at a recovery a value may get before it is an error again [rad or
+# m]; for other units as a share of the limit.
+_WORSE = 0.005
+_WORSE_SHARE = 0.1
+
+_Floats = tuple[float, ...]
+_Cycle = tuple[float, _Floats, _Floats, _Floats, _Floats, _Floats, _Floats]
+
+
+@dataclass(frozen=True, slots=True)
+class SupervisorLimits:
+    """Thresholds of measured quantities that Franka does not publish.
+
+    Attributes:
+        position_tolerance: Beyond a position limit [rad]; negative: before it.
+        velocity_factor: Of the velocity limits, joints and end effector. A joint of the
+            simulation is never faster than `OVERSPEED` times its limit: above that only
+            the end effector can be too fast.
+        torque_factor: Of the torque limits: range of the torque sensors.
+        debounce: Cycles that a measured value must be out of its range, >= 1.
+        power: Sum over the joints of |tau_J dq| [W].
+        self_collision_distance: Least distance between links that are not neighbours
+            [m]; the links are capsules, and a negative distance lets them overlap.
+        cartesian_lower: Lowest x, y, z of the end effector, axes of the base [m].
+        cartesian_upper: Highest ones [m]; the walls of a box.
+        path_deviation: How far the end effector may be from where the motion wants it:
+            translation [m], rotation [rad], elbow [rad]. Source: libfranka@0.9.2
+            src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
+    """
+
+    position_tolerance: float = 0.003
+    velocity_factor: float = 1.01
+    torque_factor: float = 1.0
+    debounce: int = 3
+    power: float = inf
+    self_collision_distance: float = 0.03
+    cartesian_lower: tuple[float, ...] = (-inf, -inf, -inf)
+    cartesian_upper: tuple[float, ...] = (inf, inf, inf)
+    path_deviation: tuple[float, ...] = (10.0, 3.12, 2.0 * pi)
+
+
+class ArmSupervisor:
+    """Finds errors in the measured state, and keeps those of the arm.
+
+    What is still out of its range when the arm recovers, e.g. a joint beyond its limit,
+    is an error again only when it gets worse, so that the arm can be moved back.
+
+    Where the links and the end effector are is looked at only when the joints may have
+    turned far enough since the last look to bring them too close.
+
+    Control thread only.
+
+    Args:
+        state: The arm's state; `current_errors` and `last_motion_errors` are written.
+        limits: The arm's limits.
+        thresholds: The rest of the thresholds.
+        period: Duration of a cycle [s], > 0.
+
+    Attributes:
+        errors: What the present errors came from; after a recovery empty.
+        last_motion_errors: What ended the last motion.
+        log: The last cycles before the last error.
+        has_hand: Whether a hand is mounted.
+    """
+
+    def __init__(
+        self,
+        state: RobotState,
+        limits: ArmLimits,
+        thresholds: SupervisorLimits,
+        period: float = 0.001,
+    ) -> None:
+        self._state = state
+        self._limits = limits
+        self._thresholds = thresholds
+        slack = thresholds.position_tolerance
+        self._lower = [value - slack for value in limits.lower]
+        self._upper = [value + slack for value in limits.upper]
+        self._velocity = [v * thresholds.velocity_factor for v in limits.velocity]
+        self._torque = [t * thresholds.torque_factor for t in limits.torque]
+        self._speed = limits.translation.velocity * thresholds.velocity_factor
+        self._reach = _REACH * period
+        # Nothing can be too close before the joints have moved a point this far [m].
+        self._room = 0.0
+        self._bad_cycles = 0
+        self._known: dict[tuple[str, str], float] = {}
+        # The fields of an ArmRecord each; who asks for a log makes the records.
+        self._recent: deque[_Cycle] = deque(maxlen=LOG_LENGTH)
+        self.errors: list[ArmError] = []
+        self.last_motion_errors: list[ArmError] = []
+        self.log: list[ArmRecord] = []
+        self.has_hand = False
+
+    def record(self, command: Sequence[float]) -> None:
+        """Keep this cycle for the log.
+
+        Args:
+            command: What the client sent last.
+        """
+        state = self._state
+        self._recent.append((
+            state.time,
+            tuple(state.q),
+            tuple(state.dq),
+            tuple(state.tau_J),
+            tuple(state.q_d),
+            tuple(state.tau_J_d),
+            tuple(command),
+        ))
+
+    def measured_errors(
+        self, q: Sequence[float], *, is_following: bool = False
+    ) -> list[ArmError]:
+        """Return what of the measured state is out of its range for too long.
+
+        Args:
+            q: Positions [rad], shape (7,).
+            is_following: The arm follows a desired motion.
+        """
+        state = self._state
+        total = power = away = 0.0
+        is_good = True
+        for position, velocity, tau, low, high, fastest, largest, wanted in zip(
+            q,
+            state.dtheta,
+            state.tau_J,
+            self._lower,
+            self._upper,
+            self._velocity,
+            self._torque,
+            state.q_d,
+            strict=True,
+        ):
+            if not (
+                low <= position <= high
+                and -fastest <= velocity <= fastest
+                and -largest <= tau <= largest
+            ):
+                is_good = False
+            total += abs(velocity)
+            power += abs(velocity * tau)
+            away += abs(position - wanted)
+        self._room -= total * self._reach
+        if (
+            is_good
+            and self._room > 0.0
+            and total * _REACH < self._speed
+            and power < self._thresholds.power
+            and not (is_following and self._may_deviate(away))
+            and not (self._limits.curves and self._is_fast_near_limits(q))
+        ):
+            self._bad_cycles = 0
+            if self._known:
+                self._known = {}
+            return []
+        found = self._new(self._find(q, power, is_following=is_following))
+        self._bad_cycles = self._bad_cycles + 1 if found else 0
+        return found if self._bad_cycles >= self._thresholds.debounce else []
+
+    def set_errors(self, errors: Sequence[ArmError], cycle: int) -> None:
+        """Raise errors; those that are there already stay as they are.
+
+        Args:
+            errors: The errors.
+            cycle: Number of the arm's cycle.
+        """
+        state = self._state
+        if not self.errors:
+            self.log = [ArmRecord(*cycle) for cycle in self._recent]
+        known = {(error.name, error.where) for error in self.errors}
+        for error in errors:
+            if (error.name, error.where) not in known:
+                self.errors.append(replace(error, cycle=cycle))
+            state.current_errors[ERROR_INDEX[error.name]] = True
+
+    def begin_motion(self) -> None:
+        """Forget what ended the motion before."""
+        self.clear()
+        self.end_motion()
+
+    def end_motion(self) -> None:
+        """Note that the present errors, if any, have ended a motion."""
+        self.last_motion_errors = list(self.errors)
+        self._state.last_motion_errors[:] = self._state.current_errors
+
+    def clear(self) -> None:
+        """Forget the present errors, not those of the last motion."""
+        self.errors = []
+        self._state.current_errors[:] = [False] * len(self._state.current_errors)
+        self._bad_cycles = 0
+        self._recent.clear()
+
+    def recover(self) -> None:
+        """Forget the present errors; what is out of range now may stay as it is."""
+        self.clear()
+        q, state = self._state.theta, self._state
+        power = sum(
+            abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
+        )
+        self._room = 0.0
+        found = self._find(q, power, is_following=False)
+        self._known = {(e.name, e.where): _excess(e) for e in found}
+
+    def look_again(self) -> None:
+        """Note that the arm is elsewhere: look at once at what may be too close."""
+        self._room = 0.0
+        self._known = {}
+
+    def _may_deviate(self, away: float) -> bool:
+        translation, rotation, elbow = self._thresholds.path_deviation
+        return away * _REACH > translation or away > rotation or away > elbow
+
+    def _is_fast_near_limits(self, q: Sequence[float]) -> bool:
+        """Tell whether a joint is too fast for its position; see `ArmLimits.curves`."""
+        for i, velocity in enumerate(self._state.dtheta):
+            slowest, fastest = self._limits.velocity_range(i, q[i])
+            slack = self._velocity[i] - self._limits.velocity[i]
+            if not slowest - slack <= velocity <= fastest + slack:
+                return True
+        return False
+
+    def _new(self, found: list[ArmError]) -> list[ArmError]:
+        """Return what was not there at the last recovery, or is worse than it was."""
+        known = self._known
+        if not known:
+            return found
+        self._known = {
+            key: min(known[key], _excess(error))
+            for error in found
+            if (key := (error.name, error.where)) in known
+        }
+        return [
+            error
+            for error in found
+            if (key := (error.name, error.where)) not in known
+            or _excess(error) > known[key] + _tolerance(error)
+        ]
+
+    def _find(
+        self, q: Sequence[float], power: float, *, is_following: bool
+    ) -> list[ArmError]:
+        found = self._find_in_joints(q)
+        found += self._find_too_close(q)
+        state, limits = self._state, self._limits
+        twist = times(zero_jacobian(Frame.END_EFFECTOR, q, state.F_T_EE), state.dtheta)
+        speed = sqrt(sum(value * value for value in twist[:3]))
+        if speed > self._speed:
+            bound = limits.translation.velocity
+            name = "cartesian_velocity_violation"
+            found.append(ArmError(name, "end effector", speed, bound, "m/s"))
+        if power > self._thresholds.power:
+            bound = self._thresholds.power
+            found.append(ArmError("power_limit_violation", "", power, bound, "W"))
+        if is_following:
+            found += self._find_deviations(q)
+        return found
+
+    def _find_in_joints(self, q: Sequence[float]) -> list[ArmError]:
+        state, limits = self._state, self._limits
+        found: list[ArmError] = []
+        for i, position in enumerate(q):
+            joint = f"joint{i + 1}"
+            velocity, tau = state.dtheta[i], state.tau_J[i]
+            if not self._lower[i] <= position <= self._upper[i]:
+                bound = min(limits.upper[i], self._upper[i])
+                if position < self._lower[i]:
+                    bound = max(limits.lower[i], self._lower[i])
+                name = "joint_position_limits_violation"
+                found.append(ArmError(name, joint, position, bound, "rad"))
+            slowest, fastest = limits.velocity_range(i, position)
+            slack = self._velocity[i] - limits.velocity[i]
+            if not slowest - slack <= velocity <= fastest + slack:
+                bound = fastest if velocity > 0.0 else slowest
+                name = "joint_velocity_violation"
+                found.append(ArmError(name, joint, velocity, bound, "rad/s"))
+            if abs(tau) > self._torque[i]:
+                bound = self._torque[i]
+                found.append(ArmError("tau_j_range_violation", joint, tau, bound, "Nm"))
+        return found
+
+    def _find_too_close(self, q: Sequence[float]) -> list[ArmError]:
+        """Look at links and walls if need be, and note how far away they are."""
+        if self._room > 0.0:
+            return []
+        limits, found = self._thresholds, []
+        nearest = clearance(q, has_hand=self.has_hand)
+        least = limits.self_collision_distance
+        self._room = nearest.distance - least
+        if self._room < 0.0:
+            name = "self_collision_avoidance_violation"
+            found.append(ArmError(name, nearest.links, nearest.distance, least, "m"))
+        position = frame_pose(Frame.END_EFFECTOR, q, self._state.F_T_EE)[12:15]
+        for axis, value, low, high in zip(
+            "xyz", position, limits.cartesian_lower, limits.cartesian_upper, strict=True
+        ):
+            self._room = min(self._room, value - low, high - value)
+            if not low <= value <= high:
+                name = "cartesian_position_limits_violation"
+                bound = low if value < low else high
+                found.append(ArmError(name, axis, value, bound, "m"))
+        return found
+
+    def _find_deviations(self, q: Sequence[float]) -> list[ArmError]:
+        state = self._state
+        pose = frame_pose(Frame.END_EFFECTOR, q, state.F_T_EE)
+        desired = frame_pose(Frame.END_EFFECTOR, state.q_d, state.F_T_EE)
+        shift = [desired[i] - pose[i] for i in (12, 13, 14)]
+        turn = rotation_between(pose, desired)
+        values = (
+            sqrt(sum(value * value for value in shift)),
+            sqrt(sum(value * value for value in turn)),
+            abs(q[2] - state.q_d[2]),
+        )
+        name = "max_path_pose_deviation_violation"
+        return [
+            ArmError(name, where, value, bound, unit)
+            for where, value, bound, unit in zip(
+                ("translation", "rotation", "elbow"),
+                values,
+                self._thresholds.path_deviation,
+                ("m", "rad", "rad"),
+                strict=True,
+            )
+            if value > bound
+        ]
+
+
+def _excess(error: ArmError) -> float:
+    return abs(error.value - error.limit)
+
+
+def _tolerance(error: ArmError) -> float:
+    return _WORSE if error.unit in {"rad", "m"} else _WORSE_SHARE * error.limit

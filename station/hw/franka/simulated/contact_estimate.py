@@ -1,0 +1,213 @@
+"""External torques and wrench, and the contacts and collisions that follow from them.
+
+A torque sensor's reading less what the model of arm, end effector and load needs is
+what the robot does to its environment: the reverse of every force on the arm that no
+motor, weight or inertia makes. MuJoCo knows those forces exactly.
+
+Source: Franka Control Interface documentation, RobotState; differs: contact forces are
+those of the simulation, so nothing is estimated but the load.
+"""
+
+from collections.abc import Callable, Sequence
+from math import pi
+
+import numpy as np
+
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_model import Frame
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import CollisionBehavior
+from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.mujoco.world_joints import WorldJoints
+
+DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
+    *((20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0),) * 4,
+    *((20.0, 20.0, 20.0, 25.0, 25.0, 25.0),) * 4,
+)
+"""Thresholds as franka_control configures them; contact and collision coincide."""
+CUTOFF_FREQUENCY = 100.0
+"""Of the low-pass on the external torques [Hz]."""
+SINGULAR = 0.05
+"""Smallest singular value of the Jacobian below which the wrench is 0."""
+# Share of the acceleration limit above which the motion counts as accelerating.
+_ACCELERATING = 0.05
+_NEGLIGIBLE = 1e-6
+_ZEROS = [0.0] * 7
+_AXES = ("x", "y", "z", "roll", "pitch", "yaw")
+
+
+class ContactEstimate:
+    """Keeps the external torques and the contact levels of one arm up to date.
+
+    Costs next to nothing while nothing touches the arm. Control thread only.
+
+    Args:
+        joints: The arm's joints in the world.
+        state: The arm's state; the fields from `tau_ext_hat_filtered` to
+            `cartesian_collision` are written.
+        limits: The arm's limits.
+        load_torques: Returns what the configured load needs [Nm], shape (7,), or None
+            when no load is configured.
+
+    Attributes:
+        behavior: The thresholds.
+    """
+
+    def __init__(
+        self,
+        joints: WorldJoints,
+        state: RobotState,
+        limits: ArmLimits,
+        load_torques: Callable[[], list[float] | None],
+    ) -> None:
+        self.behavior = DEFAULT_COLLISION_BEHAVIOR
+        self._joints = joints
+        self._state = state
+        self._gain = joints.timestep / (
+            joints.timestep + 1.0 / (2.0 * pi * CUTOFF_FREQUENCY)
+        )
+        self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
+        self._load_torques = load_torques
+        self._is_quiet = True
+        # How far above its threshold each signal may be without a new collision: as
+        # far as it was when it was found or recovered from, and a threshold more.
+        self._known = [0.0] * 13
+
+    def update(self) -> list[ArmError]:
+        """Take in the forces of the last step; return the new collisions."""
+        external = self._joints.read_external_forces()
+        load = self._load_torques()
+        if self._is_quiet and load is None and not any(external):
+            return []
+        state, gain = self._state, self._gain
+        hat = state.tau_ext_hat_filtered
+        needed = load or _ZEROS
+        largest = 0.0
+        for i, force in enumerate(external):
+            hat[i] += gain * (-force - needed[i] - hat[i])
+            largest = max(largest, abs(hat[i]))
+        self._is_quiet = largest < _NEGLIGIBLE
+        if self._is_quiet:
+            hat[:] = _ZEROS
+        self._update_wrench()
+        return self._update_levels()
+
+    def recover(self) -> None:
+        """Forget the collisions; those that last are no new ones until they end."""
+        state = self._state
+        self._known = self._collisions()
+        state.joint_collision[:] = _ZEROS
+        state.cartesian_collision[:] = [0.0] * 6
+
+    def reset(self) -> None:
+        """Begin anew, with nothing touching the arm."""
+        self._state.tau_ext_hat_filtered[:] = _ZEROS
+        self._is_quiet = True
+        self._known = [0.0] * 13
+        self._update_wrench()
+        self._update_levels()
+
+    def _update_wrench(self) -> None:
+        state = self._state
+        if self._is_quiet:
+            state.O_F_ext_hat_K[:] = state.K_F_ext_hat_K[:] = [0.0] * 6
+            return
+        pose = frame_pose(Frame.STIFFNESS, state.theta, state.F_T_EE, state.EE_T_K)
+        jacobian = np.reshape(
+            zero_jacobian(Frame.STIFFNESS, state.theta, state.F_T_EE, state.EE_T_K),
+            (7, 6),
+        )
+        # Least squares: J J^T F = J tau.
+        gram = jacobian.T @ jacobian
+        if np.linalg.eigvalsh(gram)[0] < SINGULAR * SINGULAR:
+            state.O_F_ext_hat_K[:] = state.K_F_ext_hat_K[:] = [0.0] * 6
+            return
+        wrench = np.linalg.solve(
+            gram, jacobian.T @ np.array(state.tau_ext_hat_filtered)
+        ).tolist()
+        state.O_F_ext_hat_K[:] = wrench
+        for start in (0, 3):
+            x, y, z = wrench[start : start + 3]
+            state.K_F_ext_hat_K[start : start + 3] = [
+                pose[column] * x + pose[column + 1] * y + pose[column + 2] * z
+                for column in (0, 4, 8)
+            ]
+
+    def _collisions(self) -> list[float]:
+        """Return by how much each signal is above its upper threshold, 0 if it is not.
+
+        The signals are the 7 torques and the 6 components of the wrench.
+        """
+        state = self._state
+        torques, forces = self._thresholds(upper=True)
+        return [
+            max(0.0, abs(value) - bound)
+            for value, bound in zip(
+                (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K),
+                (*torques, *forces),
+                strict=True,
+            )
+        ]
+
+    def _thresholds(
+        self, *, upper: bool
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        chosen = self.behavior
+        if any(
+            abs(ddq) > bound
+            for ddq, bound in zip(self._state.ddq_d, self._accelerating, strict=True)
+        ):
+            if upper:
+                return (
+                    chosen.upper_torque_thresholds_acceleration,
+                    chosen.upper_force_thresholds_acceleration,
+                )
+            return (
+                chosen.lower_torque_thresholds_acceleration,
+                chosen.lower_force_thresholds_acceleration,
+            )
+        if upper:
+            return (
+                chosen.upper_torque_thresholds_nominal,
+                chosen.upper_force_thresholds_nominal,
+            )
+        return (
+            chosen.lower_torque_thresholds_nominal,
+            chosen.lower_force_thresholds_nominal,
+        )
+
+    def _update_levels(self) -> list[ArmError]:
+        state = self._state
+        torques, forces = self._thresholds(upper=False)
+        state.joint_contact[:] = _levels(state.tau_ext_hat_filtered, torques)
+        state.cartesian_contact[:] = _levels(state.K_F_ext_hat_K, forces)
+        torques, forces = self._thresholds(upper=True)
+        values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
+        found: list[ArmError] = []
+        for i, bound in enumerate((*torques, *forces)):
+            excess = max(0.0, abs(values[i]) - bound)
+            if excess > self._known[i] + (bound if self._known[i] else 0.0):
+                found.append(_collision(i, values[i], bound))
+                if i < 7:
+                    state.joint_collision[i] = 1.0
+                else:
+                    state.cartesian_collision[i - 7] = 1.0
+                self._known[i] = excess
+            self._known[i] = min(self._known[i], excess)
+        return found
+
+
+def _levels(values: Sequence[float], bounds: Sequence[float]) -> list[float]:
+    return [
+        1.0 if abs(value) > bound else 0.0
+        for value, bound in zip(values, bounds, strict=True)
+    ]
+
+
+def _collision(signal: int, value: float, bound: float) -> ArmError:
+    if signal < 7:
+        return ArmError("joint_reflex", f"joint{signal + 1}", value, bound, "Nm")
+    axis = signal - 7
+    unit = "N" if axis < 3 else "Nm"
+    return ArmError("cartesian_reflex", _AXES[axis], value, bound, unit)

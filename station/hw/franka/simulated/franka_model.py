@@ -1,0 +1,95 @@
+"""The model of one arm: kinematics in plain floats, dynamics by MuJoCo."""
+
+from collections.abc import Sequence
+
+from typing_extensions import override
+
+from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
+from station.hw.franka.arm import franka_kinematics as kinematics
+from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.self_collision import clearance
+from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
+from station.hw.robot_description import RobotDescription
+
+
+class ArmModel(FrankaModel):
+    """Model of an arm, from its URDF. Control thread only.
+
+    Args:
+        description: The URDF of a Franka arm.
+
+    Raises:
+        RobotDescriptionError: It is no Franka arm.
+    """
+
+    def __init__(self, description: RobotDescription) -> None:
+        self._dynamics = FrankaDynamics(description)
+
+    @override
+    def mass(
+        self,
+        q: Sequence[float],
+        I_total: Sequence[float],
+        m_total: float,
+        F_x_Ctotal: Sequence[float],
+    ) -> list[float]:
+        load = Load(m_total, tuple(F_x_Ctotal), tuple(I_total))
+        return self._dynamics.mass(q, load)
+
+    @override
+    def coriolis(
+        self,
+        q: Sequence[float],
+        dq: Sequence[float],
+        I_total: Sequence[float],
+        m_total: float,
+        F_x_Ctotal: Sequence[float],
+    ) -> list[float]:
+        load = Load(m_total, tuple(F_x_Ctotal), tuple(I_total))
+        return self._dynamics.coriolis(q, dq, load)
+
+    @override
+    def gravity(
+        self,
+        q: Sequence[float],
+        m_total: float,
+        F_x_Ctotal: Sequence[float],
+        gravity_earth: Sequence[float] = GRAVITY_EARTH,
+    ) -> list[float]:
+        return self._dynamics.gravity(
+            q, Load(m_total, tuple(F_x_Ctotal)), gravity_earth
+        )
+
+    @override
+    def pose(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        return kinematics.frame_pose(frame, q, F_T_EE, EE_T_K)
+
+    @override
+    def zero_jacobian(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        return kinematics.zero_jacobian(frame, q, F_T_EE, EE_T_K)
+
+    @override
+    def body_jacobian(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        return kinematics.body_jacobian(frame, q, F_T_EE, EE_T_K)
+
+    @override
+    def clearance(self, q: Sequence[float]) -> float:
+        return clearance(q, has_hand=True).distance

@@ -1,0 +1,264 @@
+"""What a commanded motion must keep to, tested as the arm receives it. Pure functions.
+
+Derivatives are backward differences over one cycle, from the values accepted last.
+
+Source: Franka Control Interface documentation, Robot and interface specifications,
+necessary conditions; libfranka@0.15.0 include/franka/errors.h, the position limits that
+an FR3 never reports.
+"""
+
+from collections.abc import Sequence
+from math import sqrt
+
+from station.core.franka.franka_errors import ArmError
+from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
+
+START_POSITION_TOLERANCE = 0.01
+"""How far a first joint position may be from q_d [rad]; not published by Franka."""
+START_TRANSLATION_TOLERANCE = 0.005
+"""How far a first pose may be from O_T_EE_d [m]; not published by Franka."""
+START_ROTATION_TOLERANCE = 0.01
+"""How far a first pose may be turned against O_T_EE_d [rad]; not published."""
+START_ELBOW_TOLERANCE = 0.01
+"""How far a first elbow may be from elbow_d [rad]; not published by Franka."""
+# Rounding of a third difference over 1 ms of positions of some rad.
+_ROUNDING = 1e-4
+# A command may be at a position limit, rounding included [rad].
+_AT_LIMIT = 1e-6
+# So may a velocity, as the difference over 1 ms of positions of some rad [rad/s].
+_AT_VELOCITY_LIMIT = 1e-9
+_JOINT_ERRORS = (
+    "joint_motion_generator_position_limits_violation",
+    "joint_motion_generator_velocity_limits_violation",
+    "joint_motion_generator_velocity_discontinuity",
+    "joint_motion_generator_acceleration_discontinuity",
+)
+_IK_ERRORS = (
+    "cartesian_motion_generator_joint_position_limits_violation",
+    "cartesian_motion_generator_joint_velocity_limits_violation",
+    "cartesian_motion_generator_joint_velocity_discontinuity",
+    "cartesian_motion_generator_joint_acceleration_discontinuity",
+)
+
+
+def joint_motion_errors(
+    q: Sequence[float],
+    dq: Sequence[float],
+    *,
+    last_dq: Sequence[float],
+    last_ddq: Sequence[float],
+    limits: ArmLimits,
+    period: float,
+    from_pose: bool = False,
+) -> list[ArmError]:
+    """Return what is wrong with the next step of a joint motion.
+
+    Args:
+        q: Next positions [rad], shape (7,).
+        dq: Velocities that lead there [rad/s], shape (7,).
+        last_dq: Velocities of the step before [rad/s], shape (7,).
+        last_ddq: Accelerations of the step before [rad/s^2], shape (7,).
+        limits: The arm's limits.
+        period: Duration of a cycle [s], > 0.
+        from_pose: The motion was computed from a Cartesian command.
+    """
+    if not limits.curves and _is_well_inside(q, dq, last_dq, last_ddq, limits, period):
+        return []
+    found: list[ArmError] = []
+    names = _IK_ERRORS if from_pose else _JOINT_ERRORS
+    for i, velocity in enumerate(dq):
+        acceleration = (velocity - last_dq[i]) / period
+        jerk = (acceleration - last_ddq[i]) / period
+        lowest, highest = -limits.velocity[i], limits.velocity[i]
+        if limits.curves:
+            lowest, highest = limits.velocity_range(i, q[i] - velocity * period)
+        is_too_fast = not (
+            lowest - _AT_VELOCITY_LIMIT <= velocity <= highest + _AT_VELOCITY_LIMIT
+        )
+        # Who is outside already may stay, and may come back. Limits that depend on the
+        # position bring the velocity to 0 in time.
+        goes_out = not limits.curves and (
+            (q[i] > limits.upper[i] + _AT_LIMIT and velocity > 0.0)
+            or (q[i] < limits.lower[i] - _AT_LIMIT and velocity < 0.0)
+        )
+        if (
+            not goes_out
+            and not is_too_fast
+            and abs(acceleration) <= limits.acceleration[i] * (1.0 + _ROUNDING)
+            and abs(jerk) <= limits.jerk[i] * (1.0 + _ROUNDING)
+        ):
+            continue
+        bound = limits.upper[i] if q[i] > limits.upper[i] else limits.lower[i]
+        speed = highest if velocity > 0.0 else lowest
+        if goes_out:
+            found.append(ArmError(names[0], _joint(i), q[i], bound, "rad"))
+        if is_too_fast:
+            found.append(ArmError(names[1], _joint(i), velocity, speed, "rad/s"))
+        if abs(acceleration) > limits.acceleration[i] * (1.0 + _ROUNDING):
+            allowed = limits.acceleration[i]
+            found.append(
+                ArmError(names[2], _joint(i), acceleration, allowed, "rad/s^2")
+            )
+        if abs(jerk) > limits.jerk[i] * (1.0 + _ROUNDING):
+            found.append(ArmError(names[3], _joint(i), jerk, limits.jerk[i], "rad/s^3"))
+    return sorted(found, key=lambda error: names.index(error.name))
+
+
+def _is_well_inside(
+    q: Sequence[float],
+    dq: Sequence[float],
+    last_dq: Sequence[float],
+    last_ddq: Sequence[float],
+    limits: ArmLimits,
+    period: float,
+) -> bool:
+    """Tell in the usual case, and cheaply, that there is nothing wrong at all."""
+    for position, velocity, last, last_rate, low, high, fastest, rate, jerk in zip(
+        q,
+        dq,
+        last_dq,
+        last_ddq,
+        limits.lower,
+        limits.upper,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+        strict=True,
+    ):
+        acceleration = (velocity - last) / period
+        if not (
+            low <= position <= high
+            and -fastest <= velocity <= fastest
+            and -rate <= acceleration <= rate
+            and -jerk <= (acceleration - last_rate) / period <= jerk
+        ):
+            return False
+    return True
+
+
+def start_position_errors(q: Sequence[float], q_d: Sequence[float]) -> list[ArmError]:
+    """Return what is wrong with the first positions of a motion.
+
+    Args:
+        q: First positions [rad], shape (7,).
+        q_d: Desired positions before the motion [rad], shape (7,).
+    """
+    name = "joint_position_motion_generator_start_pose_invalid"
+    return [
+        ArmError(name, _joint(i), abs(a - b), START_POSITION_TOLERANCE, "rad")
+        for i, (a, b) in enumerate(zip(q, q_d, strict=True))
+        if abs(a - b) > START_POSITION_TOLERANCE
+    ]
+
+
+def torque_errors(
+    tau: Sequence[float],
+    last: Sequence[float],
+    sent: Sequence[float],
+    limits: ArmLimits,
+    period: float,
+) -> list[ArmError]:
+    """Return what is wrong with the next torques.
+
+    Args:
+        tau: Commanded torques [Nm], shape (7,).
+        last: What the motors gave last, saturated [Nm], shape (7,).
+        sent: What was commanded last [Nm], shape (7,).
+        limits: The arm's limits.
+        period: Duration of a cycle [s], > 0.
+    """
+    largest = limits.torque_rate * period * (1.0 + 1e-9)
+    for value, before in zip(tau, last, strict=True):
+        if not -largest <= value - before <= largest:
+            break
+    else:
+        return []
+    found = []
+    for i, value in enumerate(tau):
+        step = min(abs(value - last[i]), abs(value - sent[i]))
+        if step > largest:
+            rate = step / period
+            name = "controller_torque_discontinuity"
+            found.append(ArmError(name, _joint(i), rate, limits.torque_rate, "Nm/s"))
+    return found
+
+
+def twist_errors(
+    twist: Sequence[float],
+    last: Sequence[float],
+    last_rate: Sequence[float],
+    limits: ArmLimits,
+    period: float,
+) -> list[ArmError]:
+    """Return what is wrong with the next twist of the end effector.
+
+    Args:
+        twist: Linear [m/s], then angular velocity [rad/s], shape (6,).
+        last: Twist of the step before, shape (6,).
+        last_rate: Its rate, shape (6,).
+        limits: The arm's limits.
+        period: Duration of a cycle [s], > 0.
+    """
+    rate = [(new - old) / period for new, old in zip(twist, last, strict=True)]
+    jerk = [(new - old) / period for new, old in zip(rate, last_rate, strict=True)]
+    found: list[ArmError] = []
+    for part, where, unit, bounds in (
+        (slice(0, 3), "translation", "m", limits.translation),
+        (slice(3, 6), "rotation", "rad", limits.rotation),
+    ):
+        found += _bound_errors(
+            (_norm(twist[part]), _norm(rate[part]), _norm(jerk[part])),
+            where,
+            unit,
+            bounds,
+        )
+    return found
+
+
+def elbow_errors(
+    rates: tuple[float, float, float], limits: ArmLimits
+) -> list[ArmError]:
+    """Return what is wrong with the next step of the elbow.
+
+    Args:
+        rates: Velocity [rad/s], acceleration [rad/s^2] and jerk [rad/s^3].
+        limits: The arm's limits.
+    """
+    name = "cartesian_motion_generator_elbow_limit_violation"
+    bounds = (limits.elbow.velocity, limits.elbow.acceleration, limits.elbow.jerk)
+    units = ("rad/s", "rad/s^2", "rad/s^3")
+    return [
+        ArmError(name, "elbow", value, bound, unit)
+        for value, bound, unit in zip(rates, bounds, units, strict=True)
+        if abs(value) > bound * (1.0 + _ROUNDING)
+    ]
+
+
+def _bound_errors(
+    values: tuple[float, float, float], where: str, unit: str, bounds: MotionLimits
+) -> list[ArmError]:
+    return [
+        ArmError(
+            f"cartesian_motion_generator_{what}", where, value, bound, f"{unit}{per}"
+        )
+        for value, bound, what, per in zip(
+            values,
+            (bounds.velocity, bounds.acceleration, bounds.jerk),
+            (
+                "velocity_limits_violation",
+                "velocity_discontinuity",
+                "acceleration_discontinuity",
+            ),
+            ("/s", "/s^2", "/s^3"),
+            strict=True,
+        )
+        if value > bound * (1.0 + _ROUNDING)
+    ]
+
+
+def _norm(vector: Sequence[float]) -> float:
+    return sqrt(sum(value * value for value in vector))
+
+
+def _joint(index: int) -> str:
+    return f"joint{index + 1}"

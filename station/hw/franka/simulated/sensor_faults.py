@@ -1,0 +1,102 @@
+"""Faults of one simulated arm: what goes wrong on request, and for how long."""
+
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import FaultKind, SimulatedFault
+from station.hw.mujoco.push import Push
+from station.hw.mujoco.world import World
+from station.hw.mujoco.world_joints import WorldJoints
+
+# Of a joint that is stuck [Nm s/rad].
+_STUCK_DAMPING = 1e6
+_NAN = float("nan")
+
+
+class SensorFaults:
+    """Makes things go wrong in the simulation. Control thread only.
+
+    Args:
+        world: The world.
+        joints: The arm's joints in it.
+        hand: Body that a collision hits; empty when there is none.
+    """
+
+    def __init__(self, world: World, joints: WorldJoints, hand: str) -> None:
+        self._world = world
+        self._joints = joints
+        self._hand = hand
+        self._lost = 0
+        self._stuck: dict[int, int] = {}
+        self._blind: dict[int, int] = {}
+
+    def inject(self, fault: SimulatedFault) -> None:
+        """Begin with a fault; another of its kind ends.
+
+        A delayed cycle is one of the loop: nothing happens here.
+
+        Raises:
+            HardwareInterfaceError: There is nothing for a collision to hit.
+        """
+        index = fault.joint - 1
+        match fault.kind:
+            case FaultKind.LOST_PACKETS:
+                self._lost = fault.cycles
+            case FaultKind.NAN_SENSOR:
+                self._blind[index] = fault.cycles
+            case FaultKind.STUCK_JOINT:
+                self._stuck[index] = fault.cycles
+                self._joints.set_extra_damping(index, _STUCK_DAMPING)
+            case FaultKind.COLLISION:
+                self._world.push(Push(self._hand, fault.force), fault.cycles)
+            case FaultKind.DELAYED_CYCLE:
+                pass
+
+    def clear(self) -> None:
+        """End every fault and every push."""
+        self._lost = 0
+        self._blind.clear()
+        self._world.end_pushes()
+        for index in list(self._stuck):
+            self._free(index)
+
+    def active(self) -> list[SimulatedFault]:
+        """Return the faults that last, with the cycles that are left."""
+        found = []
+        if self._lost:
+            found.append(SimulatedFault(FaultKind.LOST_PACKETS, self._lost))
+        for kind, joints in (
+            (FaultKind.NAN_SENSOR, self._blind),
+            (FaultKind.STUCK_JOINT, self._stuck),
+        ):
+            found += [
+                SimulatedFault(kind, max(1, left), index + 1)
+                for index, left in joints.items()
+            ]
+        return found
+
+    def before_step(self) -> None:
+        """Count the cycles of stuck joints down."""
+        for index, left in list(self._stuck.items()):
+            if left > 0:
+                self._stuck[index] = left - 1
+            else:
+                self._free(index)
+
+    def loses_packet(self) -> bool:
+        """Tell whether this cycle's command is lost."""
+        if not self._lost:
+            return False
+        self._lost -= 1
+        return True
+
+    def disturb(self, state: RobotState) -> None:
+        """Falsify what the sensors report."""
+        for index, left in list(self._blind.items()):
+            state.q[index] = _NAN
+            if left > 1:
+                self._blind[index] = left - 1
+            else:
+                del self._blind[index]
+
+    def _free(self, index: int) -> None:
+        del self._stuck[index]
+        self._joints.set_extra_damping(index, 0.0)

@@ -1,0 +1,222 @@
+"""Put Franka arms into one simulated world."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import pi
+
+import mujoco
+
+from station.core.franka.franka_model import GRAVITY_EARTH
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
+from station.hw.franka.arm.arm_names import find_prefix, joint_names
+from station.hw.franka.hand.simulated_gripper import OPEN_WIDTH, SimulatedGripper
+from station.hw.franka.simulated.arm_load import ArmLoad
+from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
+from station.hw.franka.simulated.end_effector import (
+    as_transform,
+    end_effector_of,
+    nominal_frame_of,
+)
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
+from station.hw.mujoco.model_builder import (
+    RobotOptions,
+    add_robot,
+    compile_world,
+    new_world,
+)
+from station.hw.mujoco.scene import SceneObject, add_object
+from station.hw.mujoco.world import World
+from station.hw.robot_description import RobotDescription, replace_prefix
+from station.hw.srdf import disabled_collisions
+from station.hw.urdf import Pose, Urdf
+from station.hw.urdf_parser import parse_urdf
+
+INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
+"""Pose in which an arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
+examples/generate_joint_velocity_motion.cpp, q_goal."""
+
+_HARD_CONSTRAINT_STEPS = 2.0
+_HARD_IMPEDANCE = 0.99
+_RIGID_IMPEDANCE = 0.999
+"""Time constant, in time steps, and impedances of the fingers' contacts and of their
+coupling. With MuJoCo's own ones 20 N sink 3.5 mm into what they grasp, and it slips
+out of them; with 0.999 contacts chatter."""
+_FINGERS_WEIGHT = 1e6
+"""The finger decides how hard a contact is, whatever it touches; friction is that of
+both."""
+
+STOP_DISTANCE = 0.005
+"""How far the mechanical stops are beyond the position limits [rad]; not published."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArmPlacement:
+    """An arm to be put into the world.
+
+    Attributes:
+        arm_id: Prefix of its names: `<arm_id>_joint1`, `<arm_id>_link0`, …
+        description: Its URDF.
+        base: Pose of its base in the world.
+        positions: Where it starts [rad], joints 1 to 7.
+        limits: What this kind of arm can do.
+        thresholds: Thresholds that Franka does not publish.
+    """
+
+    arm_id: str
+    description: RobotDescription
+    base: Pose = field(default_factory=Pose)
+    positions: tuple[float, ...] = INITIAL_POSITIONS
+    limits: ArmLimits = PANDA_LIMITS
+    thresholds: SupervisorLimits = field(default_factory=SupervisorLimits)
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """A world and the arms in it.
+
+    Attributes:
+        world: The world.
+        arms: By arm_id.
+        grippers: By arm_id; arms without a hand are not in it.
+    """
+
+    world: World
+    arms: Mapping[str, SimulatedArm]
+    grippers: Mapping[str, SimulatedGripper]
+
+
+def simulate(
+    placements: Sequence[ArmPlacement],
+    *,
+    timestep: float = 0.001,
+    gravity: tuple[float, float, float] = GRAVITY_EARTH,
+    objects: Sequence[SceneObject] = (),
+) -> Simulation:
+    """Build a world with a floor and some arms, each at its start pose and at rest.
+
+    Args:
+        placements: The arms.
+        timestep: The control period [s], > 0.
+        gravity: Acceleration of gravity in the axes of the world [m/s^2].
+        objects: What else is in the world.
+
+    Raises:
+        RobotDescriptionError: A URDF cannot be simulated or is no Franka arm.
+    """
+    spec = new_world(timestep)
+    spec.option.gravity = gravity
+    urdfs = {}
+    limits: dict[str, float] = {}
+    for placement in placements:
+        old, new = find_prefix(placement.description), f"{placement.arm_id}_"
+        urdf = _stopped_at(
+            placement.limits,
+            parse_urdf(placement.description.with_prefix(old, new)),
+            new,
+        )
+        pairs = [
+            (replace_prefix(first, old, new), replace_prefix(second, old, new))
+            for first, second in disabled_collisions(placement.description.srdf_path)
+        ]
+        add_robot(
+            spec,
+            urdf,
+            RobotOptions(base=placement.base, disabled_collisions=tuple(pairs)),
+        )
+        urdfs[placement.arm_id] = urdf
+        for name in joint_names(placement.arm_id):
+            low, high = spec.joint(name).range
+            spec.joint(name).range = [low - STOP_DISTANCE, high + STOP_DISTANCE]
+        limits |= _velocity_limits(placement, urdf)
+        _harden_fingers(spec, placement.arm_id)
+    for one in objects:
+        add_object(spec, one)
+    world = World(compile_world(spec), objects)
+    world.limit_velocities(limits)
+    world.begin_at(_start_positions(placements, urdfs))
+    arms = {p.arm_id: _make_arm(world, p, urdfs[p.arm_id], gravity) for p in placements}
+    grippers = {
+        arm_id: SimulatedGripper(world, f"{arm_id}_finger_joint1")
+        for arm_id, urdf in urdfs.items()
+        if f"{arm_id}_finger_joint1" in urdf.joints
+    }
+    return Simulation(world, arms, grippers)
+
+
+def _make_arm(
+    world: World,
+    placement: ArmPlacement,
+    urdf: Urdf,
+    gravity: tuple[float, float, float],
+) -> SimulatedArm:
+    prefix = f"{placement.arm_id}_"
+    # The base's axes are the columns of its rotation.
+    base = as_transform(placement.base)
+    local = [
+        sum(base[column + row] * gravity[row] for row in range(3))
+        for column in (0, 4, 8)
+    ]
+    hand = f"{prefix}hand"
+    arm = SimulatedArm(
+        world,
+        joint_names(placement.arm_id),
+        load=ArmLoad(placement.description, local),
+        limits=placement.limits,
+        thresholds=placement.thresholds,
+        hand=hand if hand in urdf.links else f"{prefix}link7",
+        gravity=local,
+    )
+    arm.frames.set_end_effector(
+        end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
+    )
+    return arm
+
+
+def _stopped_at(limits: ArmLimits, urdf: Urdf, prefix: str) -> Urdf:
+    """Return the arm with its own position limits for the URDF's narrower ones."""
+    joints = dict(urdf.joints)
+    for number, (lower, upper) in enumerate(
+        zip(limits.lower, limits.upper, strict=True), start=1
+    ):
+        joint = joints[f"{prefix}joint{number}"]
+        if joint.limit is not None:
+            stops = replace(joint.limit, lower=lower, upper=upper)
+            joints[joint.name] = replace(joint, limit=stops)
+    return replace(urdf, joints=joints)
+
+
+def _harden_fingers(spec: mujoco.MjSpec, arm_id: str) -> None:
+    time_constant = _HARD_CONSTRAINT_STEPS * spec.option.timestep
+    for finger in (f"{arm_id}_leftfinger", f"{arm_id}_rightfinger"):
+        body = spec.body(finger)
+        for geom in [] if body is None else body.geoms:
+            geom.solref[0] = time_constant
+            geom.solimp[:2] = _HARD_IMPEDANCE
+            geom.solmix = _FINGERS_WEIGHT
+    coupling = spec.equality(f"{arm_id}_finger_joint2_mimic")
+    if coupling is not None:
+        coupling.solimp[:2] = _RIGID_IMPEDANCE
+
+
+def _velocity_limits(placement: ArmPlacement, urdf: Urdf) -> dict[str, float]:
+    names = joint_names(placement.arm_id)
+    limits = dict(zip(names, placement.limits.velocity, strict=True))
+    for number in (1, 2):
+        finger = urdf.joints.get(f"{placement.arm_id}_finger_joint{number}")
+        if finger is not None and finger.limit is not None:
+            limits[finger.name] = finger.limit.velocity
+    return limits
+
+
+def _start_positions(
+    placements: Sequence[ArmPlacement], urdfs: Mapping[str, Urdf]
+) -> dict[str, float]:
+    positions: dict[str, float] = {}
+    for placement in placements:
+        names = joint_names(placement.arm_id)
+        positions.update(zip(names, placement.positions, strict=True))
+        for finger in (1, 2):
+            name = f"{placement.arm_id}_finger_joint{finger}"
+            if name in urdfs[placement.arm_id].joints:
+                positions[name] = OPEN_WIDTH / 2.0
+    return positions

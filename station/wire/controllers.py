@@ -1,0 +1,327 @@
+"""Wire models of controllers: listing, loading, switching, gains and set-points."""
+
+from typing import Literal, Self
+
+from pydantic import ConfigDict, Field, JsonValue, model_validator
+
+from station.wire.base import (
+    ControllerName,
+    Measured,
+    ParameterValues,
+    RequestModel,
+    ResponseModel,
+)
+
+ControllerStateName = Literal[
+    "unknown", "initialized", "running", "stopped", "waiting", "aborted"
+]
+
+
+class ClaimedResources(ResponseModel):
+    """What a controller claims of one interface (HardwareInterfaceResources)."""
+
+    hardware_interface: str
+    resources: list[str]
+
+
+class Percentiles(ResponseModel):
+    """Durations since the last reset of the statistics [s]; zeros when there are none.
+
+    Attributes:
+        p50: Median.
+        p99: 99 of 100 are at most this.
+        p999: 999 of 1000 are at most this.
+        max: Longest.
+        count: How many there were.
+    """
+
+    p50: float
+    p99: float
+    p999: float
+    max: float
+    count: int
+
+
+class ControllerState(ResponseModel):
+    """A controller as `controller_manager_msgs/ControllerState` has it, and more.
+
+    Attributes:
+        name: Its name.
+        type: Its plugin type.
+        state: Where it is in its life.
+        claimed_resources: What it claims, per interface.
+        fault: Why the station stopped it; empty if it did not.
+        traceback: Traceback that belongs to `fault`; empty if there was none.
+        fallback: Names of the controllers that take over when it fails.
+        time: How long its update takes [s].
+    """
+
+    name: str
+    type: str
+    state: ControllerStateName
+    claimed_resources: list[ClaimedResources]
+    fault: str
+    traceback: str
+    fallback: list[str]
+    time: Percentiles
+
+
+class Controllers(ResponseModel):
+    """All loaded controllers, in the order in which they are updated."""
+
+    controllers: list[ControllerState]
+
+
+class LoadRequest(RequestModel):
+    """Load a controller.
+
+    Attributes:
+        name: Its name.
+        type: Its plugin type; may be left out when the configuration has it.
+        params: Its parameters as in a ros_control YAML; may be left out likewise.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "name": "arm",
+                    "type": "effort_controllers/JointGroupPositionController",
+                    "params": {
+                        "joints": ["panda_joint1"],
+                        "panda_joint1": {"pid": {"p": 600, "i": 0, "d": 30}},
+                    },
+                }
+            ]
+        }
+    )
+
+    name: ControllerName
+    type: str | None = Field(default=None, min_length=1, max_length=256)
+    params: ParameterValues | None = None
+
+
+class SwitchRequest(RequestModel):
+    """Start and stop controllers in one cycle.
+
+    Attributes:
+        start: Names to start.
+        stop: Names to stop.
+        strictness: `strict`: all or nothing; `best_effort`: what is possible.
+        start_asap: Start each as soon as its joints are ready.
+        timeout: Wall-clock deadline [s]; 0 means the station's default.
+        dry_run: Only say what would happen.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"start": ["arm"], "stop": [], "strictness": "strict"}]
+        }
+    )
+
+    start: list[str] = Field(default_factory=list, max_length=64)
+    stop: list[str] = Field(default_factory=list, max_length=64)
+    strictness: Literal["strict", "best_effort"] = "strict"
+    start_asap: bool = False
+    timeout: float = Field(default=0.0, ge=0.0, le=60.0)
+    dry_run: bool = False
+
+    @model_validator(mode="after")
+    def _names_something(self) -> Self:
+        if not self.start and not self.stop:
+            raise ValueError("name at least one controller in 'start' or 'stop'")
+        return self
+
+
+class SwitchResult(ResponseModel):
+    """What a switch did, or would do.
+
+    Attributes:
+        ok: Every controller runs or stopped as planned.
+        started: Names that were started.
+        stopped: Names that were stopped.
+        failed: Why a controller of the request does not run, by name.
+        ignored: Why parts of a best-effort request were left out.
+        jump: How far the first commands are from those before, by joint, in the unit
+            of the command.
+        cycle: Cycle in which it was finished; 0 for a dry run.
+        dry_run: Nothing was done; this is the plan.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "ok": True,
+                    "started": ["arm"],
+                    "stopped": [],
+                    "failed": {},
+                    "ignored": [],
+                    "jump": {"panda_joint1": 0.0},
+                    "cycle": 1234,
+                    "dry_run": False,
+                }
+            ]
+        }
+    )
+
+    ok: bool
+    started: list[str]
+    stopped: list[str]
+    failed: dict[str, str]
+    ignored: list[str]
+    jump: dict[str, Measured]
+    cycle: int
+    dry_run: bool
+
+
+class Tunable(ResponseModel):
+    """What a run-time parameter may be.
+
+    Attributes:
+        type: Always a number.
+        unit: Its unit; empty for a plain number.
+        minimum: Smallest value allowed; null where unlimited.
+        maximum: Largest value allowed; null where unlimited.
+        description: One line for people.
+    """
+
+    type: Literal["number"] = "number"
+    unit: str = ""
+    minimum: Measured = None
+    maximum: Measured = None
+    description: str = ""
+
+
+class Gains(ResponseModel):
+    """A controller's run-time parameters.
+
+    Attributes:
+        values: Present values by name.
+        tunables: What each may be; called `schema` on the wire.
+        revision: Counts the changes; the ETag follows it.
+        etag: What to send as If-Match; the same as the ETag header.
+    """
+
+    values: dict[str, float]
+    tunables: dict[str, Tunable] = Field(alias="schema")
+    revision: int
+    etag: str
+
+
+class GainsPatch(RequestModel):
+    """Change some gains; the set is checked whole and takes effect in one cycle."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"values": {"panda_joint1/p": 500.0}}]}
+    )
+
+    values: dict[str, float] = Field(min_length=1, max_length=1024)
+
+
+class GainsChange(ResponseModel):
+    """A change of gains that took effect.
+
+    Attributes:
+        values: All values now.
+        previous: All values before.
+        revision: Their revision.
+        cycle: First cycle with the new values.
+    """
+
+    values: dict[str, float]
+    previous: dict[str, float]
+    revision: int
+    cycle: int
+
+
+class CommandElement(ResponseModel):
+    """One number of a set-point: what it commands, its unit and its range."""
+
+    name: str
+    unit: str
+    minimum: Measured = None
+    maximum: Measured = None
+
+
+class CommandInfo(ResponseModel):
+    """What a controller takes as set-point, and the last one it took.
+
+    Attributes:
+        elements: What the numbers are, in order.
+        last: The last set-point, shape (n,); null before the first.
+    """
+
+    elements: list[CommandElement]
+    last: list[Measured] | None = None
+
+
+class CommandRequest(RequestModel):
+    """A set-point.
+
+    Attributes:
+        command: One number per element, in the controller's order, in its units.
+        epoch: Epoch it was made for; refused when a stop or reset came since.
+        timeout: How long it is valid [s wall time], 0 for ever; the controller's own
+            when null. What happens then is the controller's setting.
+        rates: How fast the set-point changes, one number per element [rad/s or m/s];
+            position controllers with a PID feed it forward, others refuse it.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"command": [0.3, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]}]
+        }
+    )
+
+    command: list[float] = Field(max_length=1024)
+    epoch: int | None = Field(default=None, ge=0)
+    timeout: float | None = Field(default=None, ge=0.0, le=3600.0)
+    rates: list[float] | None = Field(default=None, max_length=1024)
+
+
+class CommandAccepted(ResponseModel):
+    """A set-point was accepted; the next cycle takes it over.
+
+    Attributes:
+        epoch: The epoch it counts for; a stop or reset makes it void.
+    """
+
+    epoch: int
+
+
+class ControllerSample(ResponseModel):
+    """What a controller did in one cycle, shape (n,) each.
+
+    Attributes:
+        stamp: Station time [s].
+        name: What the numbers belong to, usually joints.
+        desired: Set-point.
+        actual: Measured value, same unit.
+        error: Their difference as the control law sees it.
+        output: Commands written, in the unit of the hardware interface.
+        published: The latest messages of the controller by topic, e.g. `state` of a
+            trajectory controller, or a sensor's name; absent in streams.
+    """
+
+    stamp: float
+    name: list[str]
+    desired: list[Measured]
+    actual: list[Measured]
+    error: list[Measured]
+    output: list[Measured]
+    published: dict[str, dict[str, JsonValue]] = Field(default_factory=dict)
+
+
+class ControllerType(ResponseModel):
+    """A plugin that can be loaded."""
+
+    type: str
+    base_class: str
+    description: str = ""
+
+
+class ControllerTypes(ResponseModel):
+    """All plugins that can be loaded, by type."""
+
+    controller_types: list[ControllerType]

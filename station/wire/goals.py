@@ -1,0 +1,116 @@
+"""Wire models of goals and trajectories."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field, JsonValue
+from pydantic.config import JsonDict
+
+from station.wire.base import (
+    Measured,
+    ParameterValues,
+    RequestModel,
+    ResponseModel,
+)
+
+GoalStatusName = Literal["pending", "active", "preempted", "succeeded", "aborted"]
+
+_TRAJECTORY: JsonDict = {
+    "joint_names": ["panda_joint1", "panda_joint2"],
+    "points": [{"positions": [0.3, -0.5], "time_from_start": 2.0}],
+}
+
+
+class GoalRequest(RequestModel):
+    """Give a controller a goal; it replaces the one before.
+
+    Attributes:
+        goal: The goal message of the controller's action: control_msgs/
+            FollowJointTrajectoryGoal with times in seconds, or GripperCommandGoal.
+        epoch: Epoch it was made for; refused when a stop or reset came since.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"goal": {"trajectory": _TRAJECTORY, "goal_time_tolerance": 0.5}},
+                {"goal": {"command": {"position": 0.02, "max_effort": 10.0}}},
+            ]
+        }
+    )
+
+    goal: ParameterValues
+    epoch: int | None = Field(default=None, ge=0)
+
+
+class GoalResult(ResponseModel):
+    """How a goal ended.
+
+    Attributes:
+        code: The action's number for it; 0 for success and an end from outside.
+        message: Why, one sentence; empty on success.
+        details: The facts of the message: joint, quantity, error, tolerance, time …
+    """
+
+    code: int
+    message: str
+    details: dict[str, JsonValue]
+
+
+class Goal(ResponseModel):
+    """A goal and how far it is.
+
+    Attributes:
+        id: Its name within the controller.
+        status: How far it is; the last three are final.
+        progress: Part of its time that has passed, 0 to 1.
+        cancel_requested: Somebody wants it to end.
+        feedback: The action's feedback while the goal is active: desired and actual
+            states and errors of joints, or position and effort of a gripper.
+        result: How it ended; null until then.
+    """
+
+    id: str
+    status: GoalStatusName
+    progress: float
+    cancel_requested: bool
+    feedback: dict[str, JsonValue] | None = None
+    result: GoalResult | None
+
+
+class Goals(ResponseModel):
+    """The latest goals of a controller, oldest first."""
+
+    goals: list[Goal]
+
+
+class TrajectoryRequest(RequestModel):
+    """Let a controller follow a trajectory for which nobody waits.
+
+    Attributes:
+        trajectory: trajectory_msgs/JointTrajectory with times in seconds; without
+            points the joints stop and hold.
+        epoch: Epoch it was made for; refused when a stop or reset came since.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"trajectory": _TRAJECTORY}]}
+    )
+
+    trajectory: ParameterValues
+    epoch: int | None = Field(default=None, ge=0)
+
+
+class DesiredState(ResponseModel):
+    """Where joints shall be at a time, shape (n,) each.
+
+    Attributes:
+        name: The joints.
+        position: [rad or m].
+        velocity: [rad/s or m/s].
+        acceleration: [rad/s^2 or m/s^2].
+    """
+
+    name: list[str]
+    position: list[Measured]
+    velocity: list[Measured]
+    acceleration: list[Measured]

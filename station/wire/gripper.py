@@ -1,0 +1,116 @@
+"""Wire models of a gripper: its state, and what it can be told."""
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+from station.wire.base import Measured, RequestModel, ResponseModel
+
+GripperActionName = Literal["homing", "move", "grasp"]
+GripperActivityName = Literal[
+    "idle", "homing", "moving", "grasping", "holding", "controlled"
+]
+GripperCommandStatus = Literal["active", "succeeded", "aborted", "preempted"]
+
+_Distance = Annotated[float, Field(ge=0.0)]
+_Positive = Annotated[float, Field(gt=0.0)]
+
+
+class GripperCommand(ResponseModel):
+    """One homing, move or grasp, and how far it is.
+
+    Attributes:
+        id: Its number in this run of the station.
+        action: What was asked for.
+        status: `active`, and then for good `succeeded`, `aborted` (it did not reach
+            its aim) or `preempted` (something else ended it).
+        message: Why it did not succeed; else empty.
+        request: The numbers that were asked for, by name [m, m/s, N].
+        started: When it began [s, `time` of the gripper].
+        ended: When it ended; null until then.
+    """
+
+    id: str
+    action: GripperActionName
+    status: GripperCommandStatus
+    message: str
+    request: dict[str, float]
+    started: float
+    ended: float | None
+
+
+class Gripper(ResponseModel):
+    """A gripper's state, as `franka_gripper` has it, and what it does.
+
+    Attributes:
+        arm_id: The arm it belongs to.
+        width: Distance between the fingers [m].
+        max_width: Largest one, as the last homing has measured it [m].
+        is_grasped: Something of the expected width is held.
+        temperature: Of the gripper [degree Celsius].
+        time: Of the gripper [s]; never goes back.
+        activity: What the fingers are doing; `holding` is with the force of the last
+            grasp, `controlled` by a controller that claims their joints.
+        force: What each finger presses with, > 0 outwards [N].
+        command: What it was told and has not finished; null when there is nothing.
+        last: The last command that ended; null when there is none.
+    """
+
+    arm_id: str
+    width: Measured
+    max_width: float
+    is_grasped: bool
+    temperature: float
+    time: float
+    activity: GripperActivityName
+    force: Measured
+    command: GripperCommand | None
+    last: GripperCommand | None
+
+
+class GripperMoveRequest(RequestModel):
+    """Open or close to a width.
+
+    Attributes:
+        width: 0 to the largest one [m].
+        speed: How fast the width changes, at most 0.4 [m/s].
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"width": 0.04, "speed": 0.1}]}
+    )
+
+    width: _Distance
+    speed: _Positive = 0.1
+
+
+class GraspEpsilon(RequestModel):
+    """How far the width of what is grasped may be from the expected one.
+
+    Attributes:
+        inner: How much narrower [m].
+        outer: How much wider [m].
+    """
+
+    inner: _Distance = 0.005
+    outer: _Distance = 0.005
+
+
+class GripperGraspRequest(RequestModel):
+    """Close, or open from within, until something is in the way, and press it.
+
+    Attributes:
+        width: Expected width of the object, less than the largest one [m].
+        force: What each finger presses it with, 0.1 to 140 [N].
+        speed: How fast the width changes, at most 0.4 [m/s].
+        epsilon: Tolerance of the width.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"width": 0.03, "force": 20.0}]}
+    )
+
+    width: _Distance
+    force: _Positive
+    speed: _Positive = 0.1
+    epsilon: GraspEpsilon = GraspEpsilon()

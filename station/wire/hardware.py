@@ -1,0 +1,184 @@
+"""Wire models of the robot: interfaces, claims, limits, transmissions, clamps."""
+
+from typing import Literal
+
+from pydantic import ConfigDict
+
+from station.wire.base import Measured, ResponseModel
+
+ClampReasonName = Literal[
+    "position", "velocity", "acceleration", "jerk", "effort", "soft_position"
+]
+
+
+class HardwareResource(ResponseModel):
+    """A resource of a hardware interface.
+
+    Attributes:
+        name: Its name, e.g. that of a joint.
+        claimed_by: Names of the running controllers that claim it.
+    """
+
+    name: str
+    claimed_by: list[str]
+
+
+class HardwareInterface(ResponseModel):
+    """A hardware interface.
+
+    Attributes:
+        name: Type, e.g. `hardware_interface::EffortJointInterface`.
+        resources: What it holds.
+    """
+
+    name: str
+    resources: list[HardwareResource]
+
+
+class SoftLimits(ResponseModel):
+    """Where a joint is slowed down before its hard limits.
+
+    Attributes:
+        min_position: Lower bound [rad or m].
+        max_position: Upper bound [rad or m].
+        k_position: Velocity bound per distance to the soft bound [1/s].
+        k_velocity: Effort bound per excess of velocity [Nm s/rad or N s/m].
+    """
+
+    min_position: Measured
+    max_position: Measured
+    k_position: float
+    k_velocity: float
+
+
+class HardwareLimits(ResponseModel):
+    """What a joint may do; null where it is not limited.
+
+    Attributes:
+        joint: Its name.
+        min_position: Lower bound [rad or m].
+        max_position: Upper bound [rad or m].
+        max_velocity: In both directions [rad/s or m/s].
+        max_acceleration: In both directions [rad/s^2 or m/s^2].
+        max_jerk: In both directions [rad/s^3 or m/s^3].
+        max_effort: In both directions [Nm or N].
+        soft_limits: Soft limits; null without.
+        sources: Where each kind of limit comes from; keys `position`, `velocity`,
+            `acceleration`, `jerk`, `effort`, `soft`.
+    """
+
+    joint: str
+    min_position: Measured
+    max_position: Measured
+    max_velocity: Measured
+    max_acceleration: Measured
+    max_jerk: Measured
+    max_effort: Measured
+    soft_limits: SoftLimits | None
+    sources: dict[str, str]
+
+
+class HardwareTransmission(ResponseModel):
+    """What is between actuators and joints.
+
+    Attributes:
+        name: Its name.
+        type: Its type, e.g. `transmission_interface/SimpleTransmission`.
+        joints: Names of its joints.
+        actuators: Names of its actuators.
+    """
+
+    name: str
+    type: str
+    joints: list[str]
+    actuators: list[str]
+
+
+class Clamp(ResponseModel):
+    """How often limits cut off a joint's command, and the last time.
+
+    Attributes:
+        joint: Its name.
+        hardware_interface: The interface that was commanded.
+        count: Number of cycles since the station started.
+        asked: The last command that was cut off, in the unit of the interface.
+        given: What the joint got instead.
+        reason: The limit that was active.
+    """
+
+    joint: str
+    hardware_interface: str
+    count: int
+    asked: Measured
+    given: Measured
+    reason: ClampReasonName
+
+
+class Hardware(ResponseModel):
+    """The robot: what controllers can claim, and what limits them.
+
+    Attributes:
+        interfaces: Hardware interfaces with their resources.
+        limits: Limits of the joints.
+        transmissions: Transmissions; empty for a robot that has none.
+        clamps: Commands that were cut off; empty if none ever was.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "interfaces": [
+                        {
+                            "name": "hardware_interface::EffortJointInterface",
+                            "resources": [
+                                {"name": "elbow_joint", "claimed_by": ["arm"]}
+                            ],
+                        }
+                    ],
+                    "limits": [
+                        {
+                            "joint": "elbow_joint",
+                            "min_position": -3.14,
+                            "max_position": 3.14,
+                            "max_velocity": 3.15,
+                            "max_acceleration": None,
+                            "max_jerk": None,
+                            "max_effort": 150.0,
+                            "soft_limits": None,
+                            "sources": {
+                                "position": "urdf limit",
+                                "velocity": "urdf limit",
+                                "effort": "parameters",
+                            },
+                        }
+                    ],
+                    "transmissions": [
+                        {
+                            "name": "elbow_trans",
+                            "type": "transmission_interface/SimpleTransmission",
+                            "joints": ["elbow_joint"],
+                            "actuators": ["elbow_motor"],
+                        }
+                    ],
+                    "clamps": [
+                        {
+                            "joint": "elbow_joint",
+                            "hardware_interface": (
+                                "hardware_interface::EffortJointInterface"
+                            ),
+                            "count": 12,
+                            "asked": 400.0,
+                            "given": 150.0,
+                            "reason": "effort",
+                        }
+                    ],
+                }
+            ]
+        }
+    )
+
+    interfaces: list[HardwareInterface]
+    limits: list[HardwareLimits]
+    transmissions: list[HardwareTransmission]
+    clamps: list[Clamp]

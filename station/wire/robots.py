@@ -1,0 +1,351 @@
+"""Wire models of arms: state, model, settings, errors, and what simulations can do."""
+# ruff: noqa: N815 - the names are libfranka's.
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from station.wire.base import Measured, RequestModel, ResponseModel
+
+Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
+Wrench = Annotated[list[float], Field(min_length=6, max_length=6)]
+Joints = Annotated[list[float], Field(min_length=7, max_length=7)]
+Tensor = Annotated[list[float], Field(min_length=9, max_length=9)]
+Transform = Annotated[list[float], Field(min_length=16, max_length=16)]
+RobotModeName = Literal[
+    "other",
+    "idle",
+    "move",
+    "guiding",
+    "reflex",
+    "user_stopped",
+    "automatic_error_recovery",
+]
+FrameName = Literal[
+    "joint1",
+    "joint2",
+    "joint3",
+    "joint4",
+    "joint5",
+    "joint6",
+    "joint7",
+    "flange",
+    "end_effector",
+    "stiffness",
+]
+
+
+class ArmError(ResponseModel):
+    """One error of an arm.
+
+    Attributes:
+        name: libfranka's name.
+        where: Joint, axis or quantity; empty if none is concerned.
+        value: What was seen.
+        limit: What is allowed.
+        unit: Unit of both.
+        cycle: Number of the arm's cycle.
+        description: One sentence.
+    """
+
+    name: str
+    where: str
+    value: Measured
+    limit: Measured
+    unit: str
+    cycle: int
+    description: str
+
+
+class ArmReport(ResponseModel):
+    """An arm at a glance.
+
+    Attributes:
+        arm_id: Its name.
+        robot_mode: What it is doing.
+        connected: Whether it may be used.
+        errors: What its present errors, or else the last motion's, came from.
+        remedy: What to do so that it can move; empty when it can.
+    """
+
+    arm_id: str
+    robot_mode: RobotModeName
+    connected: bool
+    errors: list[ArmError]
+    remedy: str
+
+
+class Arms(ResponseModel):
+    """All arms of the station."""
+
+    robots: list[ArmReport]
+
+
+class RecoveryRequest(RequestModel):
+    """How to recover.
+
+    Attributes:
+        restart: `previous` starts the controllers again that the error stopped; with
+            `none` they stay stopped and nothing moves by itself.
+    """
+
+    restart: Literal["none", "previous"] = "none"
+
+
+class Recovery(ArmReport):
+    """An arm after its recovery.
+
+    Attributes:
+        restarted: Controllers that were started again.
+    """
+
+    restarted: list[str]
+
+
+class Recoveries(Arms):
+    """All arms after the recovery of all.
+
+    Attributes:
+        restarted: Controllers that were started again.
+    """
+
+    restarted: list[str]
+
+
+class UserStopRequest(RequestModel):
+    """Press or release the user stop."""
+
+    pressed: bool
+
+
+class GuidingRequest(RequestModel):
+    """Hold or let go of the guiding buttons."""
+
+    pressed: bool
+
+
+class ArmRecord(ResponseModel):
+    """One of the last cycles before an error.
+
+    Attributes:
+        time: Time of the arm [s].
+        q: Measured positions [rad].
+        dq: Measured velocities [rad/s].
+        tau_J: Measured torques [Nm].
+        q_d: Desired positions [rad].
+        tau_J_d: Desired torques [Nm].
+        command: What the arm was sent, in the unit of its kind.
+    """
+
+    time: float
+    q: list[Measured]
+    dq: list[Measured]
+    tau_J: list[Measured]
+    q_d: list[Measured]
+    tau_J_d: list[Measured]
+    command: list[Measured]
+
+
+class ArmLog(ResponseModel):
+    """The last cycles of the motion before the last error, oldest first, up to 50."""
+
+    records: list[ArmRecord]
+
+
+class JointImpedance(RequestModel):
+    """Stiffness of the internal joint impedance [Nm/rad], 0 to 14250."""
+
+    joint_stiffness: Joints
+
+
+class CartesianImpedance(RequestModel):
+    """Stiffness of the internal Cartesian impedance, axes of the stiffness frame.
+
+    Three times 10 to 3000 [N/m], then 1 to 300 [Nm/rad].
+    """
+
+    cartesian_stiffness: Wrench
+
+
+class EndEffectorFrame(RequestModel):
+    """End effector in the nominal end effector frame, column-major."""
+
+    NE_T_EE: Transform
+
+
+class StiffnessFrame(RequestModel):
+    """Stiffness frame in the end effector frame, column-major."""
+
+    EE_T_K: Transform
+
+
+class Load(RequestModel):
+    """What the hand holds.
+
+    Attributes:
+        mass: [kg].
+        F_x_center_load: Centre of mass in the flange frame [m].
+        load_inertia: About it [kg m^2], column-major.
+    """
+
+    mass: float
+    F_x_center_load: Vector3
+    load_inertia: Tensor
+
+
+class ForceTorqueCollisionBehavior(RequestModel):
+    """Thresholds of contact (lower) and collision (upper), in every phase."""
+
+    lower_torque_thresholds_nominal: Joints
+    upper_torque_thresholds_nominal: Joints
+    lower_force_thresholds_nominal: Wrench
+    upper_force_thresholds_nominal: Wrench
+
+
+class FullCollisionBehavior(ForceTorqueCollisionBehavior):
+    """The same, with thresholds of their own while the desired motion accelerates."""
+
+    lower_torque_thresholds_acceleration: Joints
+    upper_torque_thresholds_acceleration: Joints
+    lower_force_thresholds_acceleration: Wrench
+    upper_force_thresholds_acceleration: Wrench
+
+
+class ExternalForce(RequestModel):
+    """A push of a link, in simulation only.
+
+    Attributes:
+        link: Name of the link or object.
+        force: [N].
+        torque: [Nm].
+        duration: How long [s].
+        frame: Axes of force and torque: `world`, or a link with which they turn.
+        point: Where the force acts, in the link's frame [m]; its centre of mass if
+            there is none.
+    """
+
+    link: str = Field(min_length=1, max_length=128)
+    force: Vector3 = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    torque: Vector3 = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    duration: float = Field(default=0.1, gt=0.0, le=3600.0)
+    frame: str = Field(default="world", min_length=1, max_length=128)
+    point: Vector3 | None = None
+
+
+FaultName = Literal[
+    "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"
+]
+
+
+class Fault(RequestModel):
+    """Something to go wrong, in simulation only.
+
+    Attributes:
+        kind: What.
+        cycles: For how many cycles of the arm; of a delayed cycle, up to 500: by how
+            many of the loop's.
+        joint: Number of the joint, 1 to 7, where the kind needs one.
+        force: Force of a collision, axes of the world [N].
+    """
+
+    kind: FaultName
+    cycles: int = Field(default=20, ge=1, le=1_000_000)
+    joint: int = Field(default=1, ge=1, le=7)
+    force: Vector3 = Field(default_factory=lambda: [0.0, 0.0, -100.0])
+
+
+class ActiveFault(ResponseModel):
+    """What goes wrong at present.
+
+    Attributes:
+        kind: What.
+        cycles: For how many more cycles of the arm.
+        joint: Number of the joint, where the kind has one.
+    """
+
+    kind: FaultName
+    cycles: int
+    joint: int
+
+
+class Faults(ResponseModel):
+    """What was made to go wrong and lasts."""
+
+    faults: list[ActiveFault]
+
+
+class ArmModel(ResponseModel):
+    """What the model says in the present state; matrices column-major.
+
+    Attributes:
+        frame: Frame of pose and Jacobians.
+        mass: [kg m^2], 7 x 7.
+        coriolis: [Nm].
+        gravity: That hold the arm where it is mounted (`O_ddP_O`) [Nm].
+        pose: In the base frame, 4 x 4.
+        zero_jacobian: Axes of the base, 6 x 7.
+        body_jacobian: Axes of the frame, 6 x 7.
+    """
+
+    frame: FrameName
+    mass: list[Measured]
+    coriolis: list[Measured]
+    gravity: list[Measured]
+    pose: list[Measured]
+    zero_jacobian: list[Measured]
+    body_jacobian: list[Measured]
+
+
+class FrankaState(ResponseModel):
+    """The whole state, as `franka_msgs/FrankaState`; see libfranka for each field.
+
+    Units are SI, `time` in seconds; matrices column-major.
+    """
+
+    robot_mode: RobotModeName
+    time: float
+    control_command_success_rate: float
+    current_errors: list[str]
+    last_motion_errors: list[str]
+    q: list[Measured]
+    dq: list[Measured]
+    tau_J: list[Measured]
+    dtau_J: list[Measured]
+    q_d: list[Measured]
+    dq_d: list[Measured]
+    ddq_d: list[Measured]
+    tau_J_d: list[Measured]
+    theta: list[Measured]
+    dtheta: list[Measured]
+    tau_ext_hat_filtered: list[Measured]
+    O_F_ext_hat_K: list[Measured]
+    K_F_ext_hat_K: list[Measured]
+    joint_contact: list[Measured]
+    joint_collision: list[Measured]
+    cartesian_contact: list[Measured]
+    cartesian_collision: list[Measured]
+    O_T_EE: list[Measured]
+    O_T_EE_d: list[Measured]
+    O_T_EE_c: list[Measured]
+    F_T_EE: list[Measured]
+    F_T_NE: list[Measured]
+    NE_T_EE: list[Measured]
+    EE_T_K: list[Measured]
+    m_ee: float
+    F_x_Cee: list[Measured]
+    I_ee: list[Measured]
+    m_load: float
+    F_x_Cload: list[Measured]
+    I_load: list[Measured]
+    m_total: float
+    F_x_Ctotal: list[Measured]
+    I_total: list[Measured]
+    elbow: list[Measured]
+    elbow_d: list[Measured]
+    elbow_c: list[Measured]
+    delbow_c: list[Measured]
+    ddelbow_c: list[Measured]
+    O_dP_EE_d: list[Measured]
+    O_dP_EE_c: list[Measured]
+    O_ddP_EE_c: list[Measured]
+    O_ddP_O: list[Measured]

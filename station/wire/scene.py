@@ -1,0 +1,58 @@
+"""The things around a simulated robot."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from station.wire.base import Measured, ResponseModel
+
+ObjectKind = Literal["box", "sphere", "cylinder", "table", "mesh"]
+
+
+class SceneObject(ResponseModel):
+    """A thing, where it is now.
+
+    Attributes:
+        name: Its name.
+        type: What it is; a table is a box.
+        size: Edges of a box or table; radius of a sphere; radius and height of a
+            cylinder [m]; empty for a mesh.
+        position: Of its middle, in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w.
+        mass: [kg]; 0 for a thing that cannot move.
+        file: File of a mesh, on the station's machine.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "name": "cube",
+                    "type": "box",
+                    "size": [0.05, 0.05, 0.05],
+                    "position": [0.5, 0.0, 0.025],
+                    "orientation": [0.0, 0.0, 0.0, 1.0],
+                    "mass": 0.1,
+                    "file": "",
+                }
+            ]
+        }
+    )
+
+    name: str
+    type: ObjectKind
+    size: list[float]
+    position: list[Measured] = Field(min_length=3, max_length=3)
+    orientation: list[Measured] = Field(min_length=4, max_length=4)
+    mass: float
+    file: str = ""
+
+
+class Scene(ResponseModel):
+    """All things in the world besides robots.
+
+    Attributes:
+        objects: The things; empty where there are none, and around a real robot.
+    """
+
+    objects: list[SceneObject]

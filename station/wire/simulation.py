@@ -1,0 +1,56 @@
+"""The pace of a simulated robot, and what may be asked of it."""
+
+from pydantic import Field
+
+from station.wire.base import RequestModel, ResponseModel
+
+
+class Simulation(ResponseModel):
+    """A simulated robot's time.
+
+    Attributes:
+        paused: Station time stands still.
+        real_time_factor: Station time over wall time, as asked for.
+        time: Time of the simulated world [s]; a reset sets it to zero.
+        steps_due: Cycles that are still to be run while paused.
+    """
+
+    paused: bool
+    real_time_factor: float
+    time: float
+    steps_due: int
+
+
+class SimulationPatch(RequestModel):
+    """Pause, resume, or change the pace; what is left out stays.
+
+    Attributes:
+        paused: Whether station time is to stand still.
+        real_time_factor: Station time over wall time, more than 0, at most 100.
+    """
+
+    paused: bool | None = None
+    real_time_factor: float | None = None
+
+
+class StepRequest(RequestModel):
+    """Run some cycles of a paused simulation.
+
+    Attributes:
+        n: How many, 1 to 10000.
+    """
+
+    n: int = 1
+
+
+class ResetRequest(RequestModel):
+    """Put the world back to its start.
+
+    Attributes:
+        joint_positions: Joint name to position [rad] or [m]; the others go back
+            to where they began.
+    """
+
+    joint_positions: dict[str, float] = Field(
+        default_factory=dict, examples=[{"panda_joint1": 0.5}]
+    )

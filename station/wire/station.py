@@ -1,0 +1,196 @@
+"""Wire models of the station itself: health, status, loop, stop, joints, access."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.controllers import Percentiles
+from station.wire.hardware import Clamp
+from station.wire.robots import ArmReport
+from station.wire.simulation import Simulation
+
+StopStateName = Literal["armed", "stopped", "released"]
+
+
+class Health(ResponseModel):
+    """The process lives.
+
+    Attributes:
+        status: Always `ok`.
+        boot_id: Changes when the station restarts.
+    """
+
+    status: Literal["ok"] = "ok"
+    boot_id: str
+
+
+class Ready(ResponseModel):
+    """The loop runs and its last cycle is fresh."""
+
+    ready: Literal[True] = True
+
+
+class LoopReport(ResponseModel):
+    """How the control loop does, measured since the last reset.
+
+    Attributes:
+        state: What the control thread does.
+        failure: Traceback of what ended it; empty if nothing did.
+        rate: Rate asked for [Hz].
+        achieved_rate: Rate measured [Hz].
+        period: Nominal period in station time [s].
+        cycles: Number of cycles.
+        skipped: Deadlines that had passed before their cycle could begin.
+        real_time_factor: Station time over wall time, as asked for.
+        achieved_real_time_factor: The same, as it was.
+        lateness: How long after its deadline a cycle began [s].
+        read: Time in the robot's `read` [s].
+        update: Time in the controllers' `update` [s].
+        write: Time in the robot's `write` [s].
+        total: Time of a whole cycle [s].
+        scheduler: What the operating system granted.
+    """
+
+    state: Literal["running", "stopped", "failed"]
+    failure: str
+    rate: float
+    achieved_rate: float
+    period: float
+    cycles: int
+    skipped: int
+    real_time_factor: float
+    achieved_real_time_factor: float
+    lateness: Percentiles
+    read: Percentiles
+    update: Percentiles
+    write: Percentiles
+    total: Percentiles
+    scheduler: str
+
+
+class Status(ResponseModel):
+    """The station at a glance.
+
+    Attributes:
+        boot_id: Changes when the station restarts.
+        epoch: Changes at each stop, reset and recovery.
+        time: Station time [s].
+        cycle: Number of the last cycle.
+        robot_type: Which RobotHW it runs.
+        robot_mode: What the robot says it does.
+        stop_state: State of the latched stop.
+        stop_reason: Why it was engaged last.
+        loop: How the control loop does.
+        simulation: How simulated time passes; null for a real robot.
+        robots: The arms: mode, errors, and what to do about them.
+        versions: Versions of the station and what it is built on.
+        clamps: Commands that limits cut off; empty if none ever was.
+    """
+
+    boot_id: str
+    epoch: int
+    time: float
+    cycle: int
+    robot_type: str
+    robot_mode: str
+    stop_state: StopStateName
+    stop_reason: str
+    loop: LoopReport
+    simulation: Simulation | None = None
+    robots: list[ArmReport] = Field(default_factory=list)
+    versions: dict[str, str]
+    clamps: list[Clamp] = Field(default_factory=list)
+
+
+class StopRequest(RequestModel):
+    """Stop the robot.
+
+    Attributes:
+        reason: For the record.
+    """
+
+    reason: str = Field(default="", max_length=500)
+
+
+class ReleaseRequest(RequestModel):
+    """Take back a stop, in two steps.
+
+    Attributes:
+        arm: False: the cause is gone. True, afterwards: motion is allowed again.
+    """
+
+    arm: bool = False
+
+
+class StopState(ResponseModel):
+    """The latched stop.
+
+    Attributes:
+        state: `armed`: motion is possible; `stopped`: nothing may move; `released`:
+            the cause is gone, motion must still be armed.
+        reason: Why it was engaged last; empty if it never was.
+        epoch: Present epoch; commands of older ones are void.
+        pending: Engaged, and no cycle has carried it out yet; the epoch changes then.
+    """
+
+    state: StopStateName
+    reason: str
+    epoch: int
+    pending: bool = False
+
+
+class JointStates(ResponseModel):
+    """`sensor_msgs/JointState`: one cycle's joints, shape (n,) each.
+
+    Attributes:
+        stamp: Station time [s].
+        name: Joint names.
+        position: Positions [rad] or [m]; null where a sensor reads no number.
+        velocity: Velocities [rad/s] or [m/s].
+        effort: Efforts [Nm] or [N].
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "stamp": 12.345,
+                    "name": ["panda_joint1"],
+                    "position": [0.0],
+                    "velocity": [0.0],
+                    "effort": [0.1],
+                }
+            ]
+        }
+    )
+
+    stamp: float
+    name: list[str]
+    position: list[Measured]
+    velocity: list[Measured]
+    effort: list[Measured]
+
+
+class LoginRequest(RequestModel):
+    """Exchange a token for a cookie."""
+
+    token: str = Field(min_length=1, max_length=512)
+
+
+class Session(ResponseModel):
+    """Who you are to the station."""
+
+    role: Literal["viewer", "operator"]
+
+
+class StreamTicket(ResponseModel):
+    """Opens one WebSocket, once.
+
+    Attributes:
+        ticket: Goes into the query, `?ticket=…`.
+        expires_in: How long it is good for [s].
+    """
+
+    ticket: str
+    expires_in: float

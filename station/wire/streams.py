@@ -1,0 +1,39 @@
+"""Wire models of WebSocket streams."""
+
+from typing import Literal
+
+from pydantic import Field, JsonValue
+
+from station.wire.base import ResponseModel
+
+CLOSE_GOING_AWAY = 1001
+CLOSE_TRY_LATER = 1013
+CLOSE_BAD_REQUEST = 4400
+CLOSE_UNAUTHORIZED = 4401
+CLOSE_FORBIDDEN = 4403
+CLOSE_UNKNOWN_TOPIC = 4404
+CLOSE_TOO_SLOW = 4408
+
+StreamFormat = Literal["json", "msgpack"]
+
+
+class StreamFrame(ResponseModel):
+    """One message of a stream.
+
+    Attributes:
+        topic: What it is about; `hello` for the first one.
+        seq: Counts the frames of the stream. A gap is frames this client was too slow
+            for. With `rate=full` it is the number of the newest cycle in the batch.
+        epoch: Epoch of the data.
+        stamp: Station time of the data [s].
+        boot_id: Changes when the station restarts. On the wire only in `hello`; the
+            client repeats it in every frame.
+        data: The payload.
+    """
+
+    topic: str
+    seq: int
+    epoch: int
+    stamp: float
+    boot_id: str = ""
+    data: dict[str, JsonValue] = Field(default_factory=dict)

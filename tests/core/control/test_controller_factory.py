@@ -1,0 +1,120 @@
+"""A loaded controller out of a name and its parameters."""
+
+import pytest
+
+from station.core.control.controller import MultiInterfaceController
+from station.core.control.controller_factory import ControllerFactory
+from station.core.control.controller_loader import TableLoader
+from station.core.errors import (
+    ControllerLoadError,
+    ControllerTypeNotFoundError,
+    ParameterError,
+)
+from station.core.hardware.robot_hw import RobotHW
+from station.core.parameters import Parameters
+from station.hw.mock import MockRobotHW
+from tests.core.scripted import TYPES
+
+EFFORT = "hardware_interface::EffortJointInterface"
+
+
+@pytest.fixture
+def parameters():
+    return Parameters()
+
+
+@pytest.fixture
+def factory(parameters):
+    robot = MockRobotHW()
+    robot.init(parameters, parameters.namespace("hw"))
+    return ControllerFactory(robot, parameters, [TableLoader(TYPES)])
+
+
+def test_it_knows_what_the_controller_claims_and_may_command(factory, parameters):
+    parameters.set("arm", {"type": "test/Effort", "joints": ["joint2", "joint1"]})
+
+    loaded = factory.build("arm")
+
+    (claim,) = loaded.info.claimed_resources
+    assert claim.hardware_interface == EFFORT
+    assert claim.resources == ("joint1", "joint2")
+    assert [guard.name for guard in loaded.guards] == ["joint1", "joint2"]
+    assert loaded.controller.state.value == "initialized"
+
+
+@pytest.mark.parametrize("name", ["~bad", "bad name", "", "a//b", "/a", "a/"])
+def test_a_name_that_is_none_is_refused(factory, name):
+    with pytest.raises(ControllerLoadError, match="no name"):
+        factory.build(name)
+
+
+@pytest.mark.parametrize("name", ["1bad", "a/b", "never_defined"])
+def test_a_controller_without_a_type_is_refused(factory, name):
+    with pytest.raises(ParameterError, match=f"{name}/type"):
+        factory.build(name)
+
+
+def test_a_type_that_is_no_string_is_refused(factory, parameters):
+    parameters.set("arm/type", 3)
+
+    with pytest.raises(ParameterError, match="arm/type"):
+        factory.build("arm")
+
+
+def test_an_unknown_type_is_refused(factory, parameters):
+    parameters.set("arm/type", "test/Nope")
+
+    with pytest.raises(ControllerTypeNotFoundError, match="test/Nope"):
+        factory.build("arm")
+
+
+def test_a_joint_the_robot_does_not_have_is_refused_by_name(factory, parameters):
+    parameters.set("arm", {"type": "test/Effort", "joints": ["elbow"]})
+
+    with pytest.raises(ControllerLoadError, match=r"'arm'.*'elbow'") as caught:
+        factory.build("arm")
+
+    assert caught.value.details["cause"] == "resource_not_found"
+    assert "joint1" in caught.value.remedy
+
+
+def test_a_missing_interface_is_refused_by_name(parameters):
+    parameters.set("arm", {"type": "test/Effort"})
+    factory = ControllerFactory(RobotHW(), parameters, [TableLoader(TYPES)])
+
+    with pytest.raises(ControllerLoadError, match="EffortJointInterface"):
+        factory.build("arm")
+
+
+def test_an_exception_of_init_is_refused_with_its_traceback(factory, parameters):
+    parameters.set("arm", {"type": "test/Effort", "init_raises": "no power"})
+
+    with pytest.raises(ControllerLoadError, match="RuntimeError: no power") as caught:
+        factory.build("arm")
+
+    assert "Traceback" in str(caught.value.details["traceback"])
+
+
+def test_an_init_that_exits_is_refused_and_ends_nothing(factory, parameters):
+    class Leaving(MultiInterfaceController):
+        def init(self, hw, params):
+            raise SystemExit(5)
+
+    factory.loaders.append(TableLoader({"test/Leaving": Leaving}))
+    parameters.set("arm", {"type": "test/Leaving"})
+
+    with pytest.raises(ControllerLoadError, match="SystemExit: 5"):
+        factory.build("arm")
+
+
+def test_claims_of_a_failed_init_do_not_stick_to_the_next(factory, parameters):
+    parameters.set(
+        "bad", {"type": "test/Effort", "joints": ["joint1"], "init_raises": "x"}
+    )
+    parameters.set("good", {"type": "test/Effort", "joints": ["joint2"]})
+    with pytest.raises(ControllerLoadError):
+        factory.build("bad")
+
+    (claim,) = factory.build("good").info.claimed_resources
+
+    assert claim.resources == ("joint2",)

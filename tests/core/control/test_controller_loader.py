@@ -1,0 +1,180 @@
+"""Where controllers come from."""
+
+import sys
+import textwrap
+
+import pytest
+
+from station.core.control.controller import ControllerBase
+from station.core.control.controller_loader import (
+    ClassLoader,
+    ControllerLoader,
+    EntryPointLoader,
+    TableLoader,
+    create_controller,
+    default_loaders,
+)
+from station.core.errors import ControllerLoadError, ControllerTypeNotFoundError
+
+
+class First(ControllerBase):
+    """One kind."""
+
+
+class Second(ControllerBase):
+    """Another kind."""
+
+
+class Broken(ControllerBase):
+    """Cannot be constructed."""
+
+    def __init__(self):
+        raise RuntimeError("no motor")
+
+
+class Empty(ControllerLoader):
+    """Declares a type and returns nothing."""
+
+    def declared_types(self):
+        return ["test/Type"]
+
+    def create(self, controller_type):
+        return None
+
+
+@pytest.fixture
+def plugin(tmp_path, monkeypatch):
+    """Return a function that writes the module `hot_plugin` with a version number."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+    def write(version):
+        (tmp_path / "hot_plugin.py").write_text(
+            textwrap.dedent(f"""
+                from station.core.control.controller import ControllerBase
+
+                class Plugin(ControllerBase):
+                    version = {version}
+            """)
+        )
+
+    yield write
+    sys.modules.pop("hot_plugin", None)
+
+
+def test_a_table_creates_classes_and_names_of_classes():
+    loader = TableLoader({
+        "a/First": First,
+        "a/Base": "station.core.control.controller:ControllerBase",
+    })
+
+    assert isinstance(loader.create("a/First"), First)
+    assert type(loader.create("a/Base")) is ControllerBase
+    assert loader.create("a/Other") is None
+
+
+def test_of_equal_declarations_the_last_one_counts():
+    loader = TableLoader([("a/Type", First), ("a/Type", Second)])
+
+    assert isinstance(loader.create("a/Type"), Second)
+
+
+def test_loaders_are_asked_in_order():
+    loaders = [TableLoader({"a/Type": First}), TableLoader({"a/Type": Second})]
+
+    assert isinstance(create_controller(loaders, "a/Type"), First)
+
+
+def test_a_loader_that_returns_nothing_passes_the_type_on():
+    loaders = [Empty(), TableLoader({"test/Type": First})]
+
+    assert isinstance(create_controller(loaders, "test/Type"), First)
+
+
+def test_a_known_type_that_nobody_creates_is_refused():
+    with pytest.raises(ControllerLoadError, match="No loader returned"):
+        create_controller([Empty()], "test/Type")
+
+
+def test_an_unknown_type_is_refused_with_the_known_ones():
+    with pytest.raises(ControllerTypeNotFoundError, match="a/Nope") as caught:
+        create_controller([TableLoader({"a/Type": First})], "a/Nope")
+
+    assert caught.value.details["known"] == ["a/Type"]
+    assert "a/Type" in caught.value.remedy
+
+
+def test_a_constructor_that_raises_is_refused_with_its_reason():
+    with pytest.raises(ControllerLoadError, match="RuntimeError: no motor"):
+        create_controller([TableLoader({"a/Type": Broken})], "a/Type")
+
+
+@pytest.mark.parametrize(
+    "target", ["no_such_module:Class", "station.core.control.controller:NoSuchClass"]
+)
+def test_a_class_that_cannot_be_imported_is_refused(target):
+    with pytest.raises(ControllerLoadError, match="cannot be created"):
+        create_controller([ClassLoader()], target)
+
+
+def test_a_module_that_exits_is_refused_and_ends_nothing(tmp_path, monkeypatch):
+    (tmp_path / "leaving_plugin.py").write_text("raise SystemExit(4)")
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    with pytest.raises(ControllerLoadError, match="SystemExit: 4"):
+        create_controller([ClassLoader()], "leaving_plugin:Any")
+
+
+def test_a_class_that_is_no_controller_is_refused():
+    with pytest.raises(ControllerLoadError, match="no controller"):
+        create_controller([ClassLoader()], "station.core.clock:ManualClock")
+
+
+def test_any_class_can_be_named_by_its_module(plugin):
+    plugin(1)
+
+    assert create_controller(default_loaders({}), "hot_plugin:Plugin").version == 1
+
+
+@pytest.mark.parametrize("kind", ["class", "table"])
+def test_reloading_reads_changed_code(plugin, kind):
+    table = TableLoader({"hot_plugin:Plugin": "hot_plugin:Plugin"})
+    loader = ClassLoader() if kind == "class" else table
+    plugin(1)
+    assert loader.create("hot_plugin:Plugin").version == 1
+    plugin(2)
+    assert loader.create("hot_plugin:Plugin").version == 1
+
+    loader.reload()
+
+    assert loader.create("hot_plugin:Plugin").version == 2
+
+
+def test_installed_packages_are_found_by_their_entry_points(tmp_path, monkeypatch):
+    info = tmp_path / "swing-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: swing\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[station.controllers]\n"
+        "swing/Swing = station.core.control.controller:ControllerBase\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    loader = EntryPointLoader()
+
+    assert "swing/Swing" in loader.declared_types()
+    assert type(loader.create("swing/Swing")) is ControllerBase
+
+
+def test_entry_points_are_read_again_on_reload(tmp_path, monkeypatch):
+    loader = EntryPointLoader("test.group")
+    assert loader.declared_types() == []
+    info = tmp_path / "late-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: late\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[test.group]\nlate/Late = a:B\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    loader.reload()
+
+    assert loader.declared_types() == ["late/Late"]

@@ -1,0 +1,220 @@
+"""What one cycle does, in which order; the recorded runs cover the rest."""
+
+import pytest
+
+from station.core.control.controller import ControllerSample
+from station.core.control.switching import Strictness
+from station.core.errors import StoppedError, SwitchRefusedError
+from station.core.ports.set_point import SetPointElement, SetPointPort
+from tests.core.scripted import Bench
+
+BEST_EFFORT = Strictness.BEST_EFFORT
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+def test_a_controller_is_updated_for_the_last_time_in_the_cycle_that_stops_it(bench):
+    arm = bench.load("arm", "j1")
+    bench.switch(["arm"])
+
+    bench.switch(stop=["arm"])
+
+    assert arm.calls == ["starting", "update", "stopping"]
+
+
+def test_hardware_and_controllers_switch_in_the_same_cycle(bench):
+    old, new = bench.load("old", "j1"), bench.load("new", "j1", kind="Velocity")
+    bench.switch(["old"])
+    cycle = bench.manager.cycle
+    modes = []
+    old.actions["stopping"] = new.actions["starting"] = lambda: modes.append((
+        bench.manager.cycle,
+        bench.robot.joints.mode[0],
+    ))
+
+    result = bench.switch(["new"], ["old"])
+
+    velocity = "hardware_interface::VelocityJointInterface"
+    assert modes == [(cycle + 1, velocity)] * 2
+    assert result.cycle == cycle + 1
+
+
+def test_controllers_wait_while_the_hardware_switches(bench):
+    arm = bench.load("arm", "j1")
+    bench.robot.script.switch_cycles = 3
+
+    assert bench.switch(["arm"]).ok
+
+    assert arm.calls == ["waiting", "waiting", "waiting", "starting"]
+
+
+def test_a_switch_that_the_hardware_cannot_do_says_so(bench):
+    bench.load("arm", "j1")
+    bench.robot.script.failing = {"arm"}
+
+    result = bench.switch(["arm"])
+
+    assert not result.ok
+    assert result.failed == {"arm": "the hardware could not switch"}
+    assert result.started == ()
+    assert bench.state("arm") == "aborted"
+
+
+def test_as_soon_as_possible_lets_one_run_while_another_waits(bench):
+    fast, slow = bench.load("fast", "j1"), bench.load("slow", "j2")
+    bench.switch(["fast"])
+    bench.switch(stop=["fast"])
+    bench.robot.script.failing = {"slow"}
+
+    result = bench.switch(["fast", "slow"], start_asap=True)
+
+    assert result.started == ("fast",)
+    assert set(result.failed) == {"slow"}
+    assert "starting" not in slow.calls
+    assert fast.calls[-1] == "starting"
+
+
+def test_a_switch_takes_at_most_its_timeout_in_station_time(bench):
+    arm = bench.load("arm", "j1")
+    bench.robot.script.switch_cycles = 1000
+
+    result = bench.switch(["arm"], timeout=0.1)
+
+    assert result.failed == {"arm": "the hardware was not ready in time"}
+    assert arm.calls == ["waiting"] * 10 + ["aborting"]
+
+
+def test_a_hook_of_the_hardware_that_raises_ends_the_switch_and_not_the_loop(bench):
+    bench.load("arm", "j1")
+
+    def broken():
+        raise RuntimeError("no bus")
+
+    bench.robot.switch_result = broken
+
+    result = bench.switch(["arm"])
+
+    assert "switch_result raised RuntimeError: no bus" in result.failed["arm"]
+    bench.step()
+
+
+def test_hardware_that_cannot_begin_to_switch_aborts_the_start(bench):
+    bench.load("arm", "j1")
+
+    def broken(*_):
+        raise RuntimeError("no bus")
+
+    bench.robot.do_switch = broken
+
+    result = bench.switch(["arm"])
+
+    assert "do_switch raised" in result.failed["arm"]
+    assert bench.state("arm") == "aborted"
+
+
+def test_a_closed_gate_refuses_to_start_and_lets_stop(bench):
+    bench.load("arm", "j1")
+    bench.switch(["arm"])
+
+    def closed():
+        raise StoppedError("stopped")
+
+    bench.manager.start_gate = closed
+
+    assert bench.switch(stop=["arm"]).ok
+    with pytest.raises(StoppedError):
+        bench.switch(["arm"])
+    assert bench.state("arm") == "stopped"
+    assert bench.robot.switches[-1] == ((), ("arm",))
+
+
+def test_stopping_everything_rests_the_robot(bench):
+    arm, other = bench.load("arm", "j1"), bench.load("other", "j2")
+    bench.switch(["arm", "other"])
+    bench.step()
+    arm.actions["update"] = lambda: arm.command(3.0)
+    bench.step()
+
+    bench.manager.stop_all(bench.time)
+
+    assert bench.state("arm") == bench.state("other") == "stopped"
+    assert arm.calls[-1] == other.calls[-1] == "stopping"
+    assert bench.robot.joints.effort_command == [0.0, 0.0, 0.0]
+    assert bench.robot.switches[-1] == ((), ("arm", "other"))
+
+
+def test_stopping_everything_ends_a_switch_under_way(bench):
+    bench.load("arm", "j1")
+    bench.robot.script.switch_cycles = 1000
+    cycles = []
+
+    def pump():
+        bench.step()
+        cycles.append(bench.state("arm"))
+        if len(cycles) == 3:
+            bench.manager.stop_all(bench.time)
+
+    bench.manager.pump = pump
+
+    with pytest.raises(SwitchRefusedError, match="Everything was stopped"):
+        bench.switch(["arm"])
+
+    bench.manager.pump = bench.step
+    bench.robot.script.switch_cycles = 0
+    assert cycles == ["waiting"] * 3
+    assert bench.robot.joints.mode == ["", "", ""]
+    assert bench.state("arm") == "aborted"
+    assert bench.switch(["arm"]).ok
+
+
+def test_reset_stops_starts_and_updates_what_runs(bench):
+    arm = bench.load("arm", "j1")
+    bench.switch(["arm"])
+    switches = len(bench.robot.switches)
+
+    bench.manager.update(1.0, 0.01, reset_controllers=True)
+
+    assert arm.calls == ["starting", "stopping", "starting", "update"]
+    assert len(bench.robot.switches) == switches
+
+
+def test_samples_are_those_of_running_controllers(bench):
+    arm, _ = bench.load("arm", "j1"), bench.load("idle", "j2")
+    sample = ControllerSample(1.0, [0.0], [0.0], [0.0], [0.0])
+    bench.switch(["arm"])
+    assert bench.manager.samples() == {}
+    arm.sample = sample
+
+    assert bench.manager.samples() == {"arm": sample}
+
+
+def test_voided_commands_are_not_picked_up(bench):
+    arm = bench.load("arm", "j1")
+    arm.set_points = SetPointPort([SetPointElement("j1", "Nm")])
+    arm.set_points.post([1.0])
+
+    bench.manager.void_commands("A reset.")
+
+    assert arm.set_points.take() is None
+
+
+def test_a_set_point_before_the_first_update_is_no_jump(bench):
+    arm = bench.load("arm", "j1")
+    arm.set_points = SetPointPort([SetPointElement("j1", "Nm")])
+
+    def follow():
+        values = arm.set_points.take()
+        if values is not None:
+            arm.command(values[0])
+
+    arm.actions["update"] = follow
+    bench.switch(["arm"])
+    arm.set_points.post([20.0])
+
+    bench.step()
+
+    assert bench.state("arm") == "running"
+    assert bench.robot.joints.effort_command[0] == 20.0

@@ -1,0 +1,30 @@
+"""The words of controller_manager_msgs."""
+
+from dataclasses import fields
+
+from station.core.control.controller_status import (
+    ControllerStatistics,
+    ControllerStatus,
+)
+
+
+def test_the_status_has_what_the_message_controller_state_has():
+    names = {field.name for field in fields(ControllerStatus)}
+
+    assert {"name", "type", "state", "claimed_resources"} <= names
+
+
+def test_the_statistics_have_what_the_message_controller_statistics_has():
+    names = {field.name for field in fields(ControllerStatistics)}
+
+    assert {
+        "name",
+        "type",
+        "timestamp",
+        "running",
+        "max_time",
+        "mean_time",
+        "variance_time",
+        "num_control_loop_overruns",
+        "time_last_control_loop_overrun",
+    } <= names

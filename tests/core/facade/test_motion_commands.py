@@ -1,0 +1,211 @@
+"""What makes the robot move: only while armed, running, and in the present epoch."""
+
+import pytest
+
+from station.core.control.switching import SwitchRequest
+from station.core.errors import (
+    ControllerStateError,
+    GoalNotFoundError,
+    InvalidCommandError,
+    InvalidTrajectoryError,
+    StaleEpochError,
+    StoppedError,
+)
+from station.core.facade.station import Station
+from station.core.ports.goal import GoalStatus
+from tests.two_joint_station import TRAJECTORY, make_station
+
+GOAL = {"trajectory": TRAJECTORY}
+
+
+@pytest.fixture
+def station() -> Station:
+    """Return a station with a trajectory and a group controller, none running."""
+    return make_station()
+
+
+@pytest.fixture
+def arm(station: Station) -> Station:
+    """Return the same with the trajectory controller running."""
+    station.switch_controllers(SwitchRequest(start=("arm",)))
+    station.loop.step(3)
+    return station
+
+
+def positions(station: Station) -> list[float]:
+    return list(station.latest().position)
+
+
+def test_a_goal_is_reached_and_found_again(arm):
+    goal = arm.submit_goal("arm", GOAL)
+    arm.loop.step(600)
+
+    assert goal.status is GoalStatus.SUCCEEDED
+    assert arm.goals("arm") == [goal]
+    assert arm.goal("arm", goal.identifier) is goal
+    assert positions(arm) == pytest.approx([0.4, -0.4], abs=1e-6)
+
+
+def test_a_cancelled_goal_ends_and_the_joints_hold(arm):
+    goal = arm.submit_goal("arm", GOAL)
+    arm.loop.step(200)
+    arm.cancel_goal("arm", goal.identifier)
+    arm.loop.step(2)
+    here = positions(arm)
+    arm.loop.step(600)
+
+    assert goal.status is GoalStatus.PREEMPTED
+    assert positions(arm) == pytest.approx(here, abs=1e-9)
+    with pytest.raises(GoalNotFoundError):
+        arm.cancel_goal("arm", "99")
+
+
+def test_a_trajectory_is_followed_and_asked_about(arm):
+    assert arm.follow_trajectory("arm", TRAJECTORY) == arm.epoch
+    arm.loop.step()
+
+    later = arm.query_state("arm", arm.loop.time + 1.0)
+    assert later.position == pytest.approx([0.4, -0.4])
+    assert arm.query_state("arm").position == pytest.approx([0.0, 0.0], abs=1e-4)
+    arm.loop.step(600)
+    assert positions(arm) == pytest.approx([0.4, -0.4], abs=1e-6)
+
+
+@pytest.mark.parametrize("time", [float("nan"), float("inf"), -1.0])
+def test_impossible_times_are_refused(arm, time):
+    with pytest.raises(InvalidTrajectoryError):
+        arm.query_state("arm", time)
+
+
+SUBMISSIONS = [
+    lambda station, epoch=None: station.submit_goal("arm", GOAL, epoch),
+    lambda station, epoch=None: station.follow_trajectory("arm", TRAJECTORY, epoch),
+]
+
+
+@pytest.mark.parametrize("submit", SUBMISSIONS)
+def test_nothing_starts_while_stopped_or_released(arm, submit):
+    arm.stop("test")
+    with pytest.raises(StoppedError):
+        submit(arm)
+    arm.release_stop(arm=False)
+    with pytest.raises(StoppedError):
+        submit(arm)
+
+
+@pytest.mark.parametrize("submit", SUBMISSIONS)
+def test_nothing_starts_in_a_controller_that_does_not_run(station, submit):
+    with pytest.raises(ControllerStateError, match="initialized"):
+        submit(station)
+
+
+@pytest.mark.parametrize("submit", SUBMISSIONS)
+def test_a_wish_of_an_older_epoch_is_refused(arm, submit):
+    with pytest.raises(StaleEpochError):
+        submit(arm, arm.epoch - 1)
+
+
+@pytest.mark.parametrize("submit", SUBMISSIONS)
+def test_a_new_epoch_voids_what_is_under_way(arm, submit):
+    submit(arm)
+    arm.loop.step(200)
+    arm.loop.next_epoch("A reset.")  # as a reset or a recovery does
+    arm.loop.step(2)
+    here = positions(arm)
+    arm.loop.step(600)
+
+    assert here != pytest.approx([0.0, 0.0], abs=1e-3)
+    assert positions(arm) == pytest.approx(here, abs=1e-9)
+    assert all(goal.is_final() for goal in arm.goals("arm"))
+
+
+@pytest.mark.parametrize("submit", SUBMISSIONS)
+def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeypatch):
+    controller = arm.manager.get_controller("arm")
+    real = controller.execution.plan
+
+    def plan(*arguments):
+        arm.loop.next_epoch("A reset.")
+        real(*arguments)
+
+    monkeypatch.setattr(controller.execution, "plan", plan)
+    with pytest.raises(StaleEpochError):
+        submit(arm)
+    arm.loop.step(600)
+
+    assert positions(arm) == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert all(goal.status is GoalStatus.PREEMPTED for goal in arm.goals("arm"))
+
+
+def test_nothing_resumes_after_a_stop(arm):
+    goal = arm.submit_goal("arm", GOAL)
+    arm.loop.step(200)
+    arm.stop("test")
+    arm.loop.step(2)
+    here = positions(arm)
+    arm.release_stop(arm=False)
+    arm.release_stop(arm=True)
+    arm.switch_controllers(SwitchRequest(start=("arm",)))
+    arm.loop.step(600)
+
+    assert goal.status is GoalStatus.PREEMPTED
+    assert goal.result.message == "The station was stopped: test."
+    assert positions(arm) == pytest.approx(here, abs=1e-3)
+
+
+def test_controllers_without_a_port_say_so(station):
+    for call in (station.goals, station.query_state):
+        with pytest.raises(InvalidCommandError, match="'group' takes no"):
+            call("group")
+    with pytest.raises(InvalidCommandError, match="'arm' takes no set-points"):
+        station.set_point("arm")
+
+
+def test_a_new_epoch_lets_set_point_controllers_rest(station):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.set_command("group", [0.3, 0.3])
+    station.loop.step(3)
+    station.loop.hw.joints.mode[:] = ["", ""]  # as if moved from outside
+    station.loop.hw.joints.position[:] = [0.1, 0.1]
+    station.loop.step(2)
+
+    station.loop.next_epoch("A reset.")
+    station.loop.step(2)
+
+    assert station.controller_sample("group").desired == [0.1, 0.1]
+
+
+def test_a_goal_before_the_first_update_is_no_jump(station):
+    station.load_controller(
+        "gripper",
+        "position_controllers/GripperActionController",
+        {"joint": "j1", "goal_tolerance": 0.001},
+    )
+    station.switch_controllers(SwitchRequest(start=("gripper",)))
+    goal = station.submit_goal("gripper", {"command": {"position": 1.5}})
+    station.loop.step(5)
+
+    assert station.controller("gripper").fault == ""
+    assert goal.status is GoalStatus.SUCCEEDED
+    assert positions(station)[0] == pytest.approx(1.5)
+
+
+def test_a_set_point_that_is_overtaken_by_a_new_epoch_is_void(station, monkeypatch):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.loop.step(2)
+    port = station.manager.get_controller("group").set_points
+    real = port.post
+
+    def post(*arguments):
+        station.loop.next_epoch("A reset.")
+        real(*arguments)
+
+    monkeypatch.setattr(port, "post", post)
+    station.set_command("group", [0.3, 0.3])
+    station.loop.step(3)
+
+    assert positions(station) == [0.0, 0.0]
+    monkeypatch.undo()
+    station.set_command("group", [0.3, 0.3])
+    station.loop.step(3)
+    assert positions(station) == [0.3, 0.3]

@@ -1,0 +1,109 @@
+"""Joint handles read and write the robot's own lists."""
+
+import pytest
+
+from station.core.errors import HardwareInterfaceError
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointHandle,
+    JointStateHandle,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+
+
+@pytest.fixture
+def storage():
+    return [1.0, 2.0], [3.0, 4.0], [5.0, 6.0]
+
+
+def test_a_state_handle_reads_its_slot(storage):
+    handle = JointStateHandle("j", *storage, 1)
+    storage[0][1] = 7.0
+
+    assert handle.name == "j"
+    values = (handle.get_position(), handle.get_velocity(), handle.get_effort())
+    assert values == (7.0, 4.0, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("missing", "what"), [(0, "Position"), (1, "Velocity"), (2, "Effort")]
+)
+def test_a_state_handle_without_data_is_refused(storage, missing, what):
+    lists = list(storage)
+    lists[missing] = None
+
+    with pytest.raises(HardwareInterfaceError) as caught:
+        JointStateHandle("j", *lists)
+
+    assert (
+        str(caught.value) == f"Cannot create handle 'j'. {what} data pointer is null."
+    )
+
+
+def test_absolute_position_and_torque_sensor_are_optional(storage):
+    handle = JointStateHandle("j", *storage)
+
+    assert not handle.has_absolute_position()
+    assert not handle.has_torque_sensor()
+    with pytest.raises(HardwareInterfaceError, match="no absolute"):
+        handle.get_absolute_position()
+    with pytest.raises(HardwareInterfaceError, match="no torque sensor"):
+        handle.get_torque_sensor()
+
+
+def test_absolute_position_and_torque_sensor_are_read(storage):
+    handle = JointStateHandle(
+        "j", *storage, 1, absolute_position=[0.0, 8.0], torque_sensor=[0.0, 9.0]
+    )
+
+    assert handle.has_absolute_position()
+    assert handle.has_torque_sensor()
+    assert handle.get_absolute_position() == 8.0
+    assert handle.get_torque_sensor() == 9.0
+
+
+def test_a_joint_handle_commands_its_slot(storage):
+    command = [0.0, 0.0]
+    handle = JointHandle(JointStateHandle("j", *storage, 1), command)
+
+    handle.set_command(2.5)
+
+    assert command == [0.0, 2.5]
+    assert handle.get_command() == 2.5
+    assert handle.get_position() == 2.0
+    assert handle.command_slots() == [(command, 1)]
+
+
+def test_the_command_may_be_in_another_slot(storage):
+    command = [0.0]
+    handle = JointHandle(JointStateHandle("j", *storage, 1), command, 0)
+
+    handle.set_command(2.5)
+
+    assert command == [2.5]
+
+
+def test_a_joint_handle_without_command_data_is_refused(storage):
+    with pytest.raises(HardwareInterfaceError) as caught:
+        JointHandle(JointStateHandle("j", *storage), None)
+
+    assert (
+        str(caught.value) == "Cannot create handle 'j'. Command data pointer is null."
+    )
+
+
+@pytest.mark.parametrize(
+    ("interface", "rest"),
+    [
+        (EffortJointInterface(), 0.0),
+        (VelocityJointInterface(), 0.0),
+        (PositionJointInterface(), 1.0),
+    ],
+)
+def test_every_interface_knows_how_its_joints_rest(storage, interface, rest):
+    interface.register_handle(JointHandle(JointStateHandle("j", *storage), [9.0]))
+
+    assert interface.rest_commands("j") == [rest]
+    assert interface.start_jump_limits("j") == [interface.start_jump]
+    assert interface.start_jump > 0.0

@@ -1,0 +1,94 @@
+"""Command buffers, their seeds and their limits."""
+
+from math import nan
+
+import pytest
+
+from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.commands.joint_commands import JointCommands
+from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS
+from station.hw.urdf import Joint, JointLimit, JointType, Pose, SafetyController
+
+NAMES = [f"a_joint{number}" for number in range(1, 8)]
+
+
+def joint(name: str, *, with_safety: bool = True) -> Joint:
+    return Joint(
+        name=name,
+        type=JointType.REVOLUTE,
+        parent="p",
+        child="c",
+        origin=Pose(),
+        axis=(0.0, 0.0, 1.0),
+        limit=JointLimit(-1.0, 1.0, 2.0, 10.0),
+        damping=0.0,
+        friction=0.0,
+        mimic=None,
+        safety=SafetyController(-1.0, 1.0, 100.0, 40.0) if with_safety else None,
+    )
+
+
+@pytest.fixture
+def commands() -> JointCommands:
+    commands = JointCommands(RobotState(), NAMES)
+    commands.add_limits([joint(name) for name in NAMES], PANDA_RATE_LIMITS)
+    return commands
+
+
+def test_begin_commands_what_keeps_the_arm_where_it_is() -> None:
+    state = RobotState()
+    commands = JointCommands(state, NAMES)
+    commands.efforts[2] = commands.velocities[2] = 3.0
+    state.q_d[:] = [0.1] * 7
+    commands.begin(ControlMode.NONE)
+    assert commands.positions == [0.1] * 7
+    assert commands.efforts == commands.velocities == [0.0] * 7
+
+
+@pytest.mark.parametrize(
+    ("mode", "expected"),
+    [
+        (ControlMode.JOINT_POSITION, (0.002, 9.0, 99.0)),
+        (ControlMode.JOINT_VELOCITY, (9.0, 0.014999, 99.0)),
+        (ControlMode.JOINT_TORQUE, (9.0, 9.0, 10.0)),
+        (ControlMode.JOINT_TORQUE | ControlMode.JOINT_POSITION, (0.002, 9.0, 10.0)),
+    ],
+)
+def test_limits_of_the_commanded_kinds_alone_are_enforced(
+    commands: JointCommands, mode: ControlMode, expected: tuple[float, float, float]
+) -> None:
+    commands.begin(mode)
+    commands.positions[0] = commands.velocities[0] = 9.0
+    commands.efforts[0] = 99.0
+    commands.enforce_limits(0.001)
+    given = commands.positions[0], commands.velocities[0], commands.efforts[0]
+    assert given == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("mode", "expected"),
+    [
+        (ControlMode.JOINT_TORQUE, False),
+        (ControlMode.JOINT_TORQUE | ControlMode.JOINT_VELOCITY, False),
+        (ControlMode.JOINT_VELOCITY, True),
+        (ControlMode.NONE, True),
+    ],
+)
+def test_only_commanded_kinds_must_be_finite(
+    commands: JointCommands, mode: ControlMode, *, expected: bool
+) -> None:
+    commands.begin(mode)
+    commands.efforts[6] = nan
+    assert commands.are_finite() is expected
+
+
+def test_goals_stay_within_the_position_limits(commands: JointCommands) -> None:
+    commands.positions[:] = [5.0, -5.0, 0.5, 0.0, 0.0, 0.0, 0.0]
+    assert commands.goals() == [1.0, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_joint_without_safety_controller_is_named() -> None:
+    commands = JointCommands(RobotState(), NAMES)
+    joints = [joint(name, with_safety=name != "a_joint3") for name in NAMES]
+    assert commands.add_limits(joints, PANDA_RATE_LIMITS) == ["a_joint3"]

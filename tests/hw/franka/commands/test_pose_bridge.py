@@ -1,0 +1,120 @@
+"""Poses go on while the loop is late, and return to its commands smoothly."""
+
+from itertools import pairwise, repeat
+from math import cos, hypot, pi, sin
+from random import Random
+
+import pytest
+
+from station.core.franka import FrankaPoseCartesianInterface
+from station.hw.franka.commands.pose_bridge import PoseBridge
+from tests.hw.franka.commands.test_motion_start import controllers, make
+
+UNIT = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]
+NO_ELBOW = [0.0, 0.0]
+
+
+def at(x):
+    pose = list(UNIT)
+    pose[12] = x
+    return pose
+
+
+@pytest.fixture
+def bridge():
+    """Return a bridge that has passed on a motion of 0.1 mm per cycle."""
+    bridge = PoseBridge()
+    bridge.begin(at(0.0), NO_ELBOW)
+    for cycle in range(1, 4):
+        bridge.pass_on(at(1e-4 * cycle), NO_ELBOW)
+    return bridge
+
+
+def test_commands_of_every_cycle_pass_unchanged(bridge):
+    assert bridge.pass_on(at(0.1), NO_ELBOW) == (at(0.1), NO_ELBOW)
+
+
+def test_motion_goes_on_without_commands(bridge):
+    places = [bridge.bridge()[0][12] for _ in range(4)]
+
+    assert places == pytest.approx([4e-4, 5e-4, 6e-4, 7e-4])
+
+
+def test_return_to_the_commands_is_smooth_and_complete(bridge):
+    places = [bridge.bridge()[0][12] for _ in range(5)]
+    # The motion had stopped at once.
+    places += [bridge.pass_on(at(3e-4), NO_ELBOW)[0][12] for _ in range(4_000)]
+
+    speeds = [b - a for a, b in pairwise(places)]
+    # 1 m/s^2 in cycles of 1 ms.
+    assert max(abs(b - a) for a, b in pairwise(speeds)) < 1.1e-6
+    assert places[-1] == pytest.approx(3e-4, abs=1e-8)
+
+
+def test_commands_pass_unchanged_again_after_the_return(bridge):
+    bridge.bridge()
+    for cycle in range(5, 1_000):
+        pose, _ = bridge.pass_on(at(1e-4 * cycle), NO_ELBOW)
+
+    assert pose == at(1e-4 * 999)
+
+
+def test_whatever_the_gaps_are_nothing_leaps() -> None:
+    bridge, random, sent, cycle = PoseBridge(), Random(1), [], 0
+    bridge.begin(at(0.0), NO_ELBOW)
+    while cycle < 3_000:
+        gap = random.choice([0] * 10 + [1, 2, 9, 19])
+        sent += [bridge.bridge()[0][12] for _ in range(gap)]
+        cycle += gap + 1
+        # Up to 0.3 m/s and 0.9 m/s^2.
+        x = 0.1 * (1.0 - cos(3e-3 * cycle))
+        sent.append(bridge.pass_on(at(x), NO_ELBOW)[0][12])
+
+        assert sent[-1] == pytest.approx(x, abs=5e-3)
+    speeds = [(b - a) / 1e-3 for a, b in pairwise(sent)]
+    accelerations = [(b - a) / 1e-3 for a, b in pairwise(speeds)]
+    jerks = [(b - a) / 1e-3 for a, b in pairwise(accelerations)]
+    assert max(map(abs, accelerations)) < 2.0
+    assert max(map(abs, jerks)) < 300.0
+
+
+def test_elbow_goes_on_as_well():
+    bridge = PoseBridge()
+    bridge.begin(UNIT, NO_ELBOW)
+    for angle in (0.1, 0.2, 0.3):
+        bridge.pass_on(UNIT, [angle, -1.0])
+
+    assert bridge.bridge()[1] == pytest.approx([0.4, -1.0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "periods_ms",
+    [
+        repeat(5),
+        repeat(10),
+        (Random(3).choice([1] * 40 + [2, 3, 5, 8, 15, 20]) for _ in repeat(None)),
+    ],
+    ids=["200 Hz", "100 Hz", "late now and then"],
+)
+def test_slow_and_late_loops_trace_an_arc_without_an_error(periods_ms):
+    hw = make()
+    hw.do_switch(controllers("cp"), [])
+    handle = hw.get(FrankaPoseCartesianInterface).get_handle("panda_robot")
+    start = list(handle.get_robot_state().O_T_EE_d)
+    time = 0.0
+    while time < 5.0:
+        period = next(periods_ms) / 1000.0
+        time += period
+        hw.read(time, period)
+        angle = pi / 4 * (1.0 - cos(pi / 5 * time))
+        pose = list(start)
+        pose[12] -= 0.15 * sin(angle)
+        pose[14] -= 0.15 * (cos(angle) - 1.0)
+        handle.set_command(pose)
+        hw.write(time, period)
+
+        assert hw.mode() == "move", hw.arm.errors()
+        reached = handle.get_robot_state().O_T_EE
+        away = hypot(reached[12] - start[12], reached[14] - start[14] - 0.15)
+        assert away == pytest.approx(0.15, abs=5e-4)

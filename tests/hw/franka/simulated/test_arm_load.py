@@ -1,0 +1,32 @@
+"""What a configured load needs."""
+
+import numpy as np
+import pytest
+
+from station.core.franka import Frame
+from station.hw.franka.arm.franka_kinematics import zero_jacobian
+from station.hw.franka.arm.load import Load
+from station.hw.franka.simulated.arm_load import ArmLoad
+from station.hw.robot_description import load_robot_description
+
+Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
+
+
+@pytest.fixture
+def load() -> ArmLoad:
+    arm = ArmLoad(load_robot_description("example-robot-data:panda"))
+    arm.load = Load(2.0)
+    return arm
+
+
+def test_weight_is_what_the_jacobian_says(load: ArmLoad) -> None:
+    jacobian = np.reshape(zero_jacobian(Frame.FLANGE, Q), (7, 6))
+    assert load.weight(Q) == pytest.approx(2.0 * 9.81 * jacobian[:, 2], abs=1e-9)
+
+
+def test_acceleration_costs_force(load: ArmLoad) -> None:
+    jacobian = np.reshape(zero_jacobian(Frame.FLANGE, Q), (7, 6))[:, :3]
+    ddq = np.array([1.0, 0.5, 0, 0, 0, 0.2, 0])
+    force = 2.0 * (jacobian.T @ ddq + np.array([0, 0, 9.81]))
+    found = load.torques(Q, [0.0] * 7, ddq.tolist())
+    assert found == pytest.approx(jacobian @ force, abs=1e-9)

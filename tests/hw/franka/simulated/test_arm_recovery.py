@@ -1,0 +1,203 @@
+"""Every mode, and what leads from one to the next."""
+
+import pytest
+
+from station.core.errors import ArmCommandError
+from station.core.franka import FaultKind, RobotMode
+from station.core.franka.franka_errors import error_names
+from station.core.franka.franka_services import SimulatedFault
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.simulated.arm_recovery import HALTED
+from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
+from station.hw.franka.simulated.simulation import (
+    INITIAL_POSITIONS,
+    ArmPlacement,
+    simulate,
+)
+from station.hw.robot_description import load_robot_description
+
+DESCRIPTION = load_robot_description("example-robot-data:panda")
+IMPEDANCE = ControllerMode.JOINT_IMPEDANCE
+VELOCITY = MotionGeneratorMode.JOINT_VELOCITY
+HIT = SimulatedFault(FaultKind.COLLISION, 30)
+NONE = [0.0, 0.0, 0.0]
+
+
+@pytest.fixture
+def arm() -> SimulatedArm:
+    return simulate([ArmPlacement("panda", DESCRIPTION)]).arms["panda"]
+
+
+def run(arm: SimulatedArm, cycles: int) -> None:
+    for _ in range(cycles):
+        arm.read_once()
+
+
+def move(arm: SimulatedArm, cycles: int = 300) -> None:
+    """Turn all joints with up to 0.2 rad/s."""
+    arm.start_motion(IMPEDANCE, VELOCITY)
+    for cycle in range(cycles):
+        arm.command_joint_velocities([min(0.2, 0.001 * cycle)] * 7)
+        arm.read_once()
+
+
+def hit(arm: SimulatedArm) -> None:
+    arm.inject(HIT)
+    run(arm, 30)
+    assert arm.state.robot_mode is RobotMode.REFLEX
+
+
+def test_recovery_during_the_motion_lasts_until_the_arm_is_at_rest(arm):
+    move(arm)
+    arm.inject(HIT)
+    while arm.state.robot_mode is RobotMode.MOVE:
+        arm.command_joint_velocities([0.2] * 7)
+        arm.read_once()
+    arm.clear_faults()
+    run(arm, 5)
+    modes = [arm.state.robot_mode]
+    arm.automatic_error_recovery()
+    for _ in range(1_000):
+        modes.append(arm.state.robot_mode)
+        arm.read_once()
+    assert list(dict.fromkeys(modes)) == [
+        RobotMode.REFLEX,
+        RobotMode.AUTOMATIC_ERROR_RECOVERY,
+        RobotMode.IDLE,
+    ]
+    assert error_names(arm.state.current_errors) == []
+
+
+def test_motion_is_refused_while_the_arm_recovers(arm):
+    move(arm)
+    arm.set_user_stop(pressed=True)
+    arm.set_user_stop(pressed=False)
+    assert arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY
+    with pytest.raises(ArmCommandError, match="wait until the arm is at rest"):
+        arm.start_motion(IMPEDANCE, VELOCITY)
+    run(arm, 200)
+    arm.start_motion(IMPEDANCE, VELOCITY)
+
+
+def test_recovery_without_an_error_changes_nothing(arm):
+    move(arm)
+    arm.automatic_error_recovery()
+    assert arm.state.robot_mode is RobotMode.MOVE
+    hit_errors = error_names(arm.state.current_errors)
+    assert hit_errors == []
+
+
+def test_recovering_twice_is_recovering_once(arm):
+    hit(arm)
+    run(arm, 200)
+    arm.automatic_error_recovery()
+    arm.automatic_error_recovery()
+    assert arm.state.robot_mode is RobotMode.IDLE
+
+
+@pytest.mark.parametrize("press_in", ["idle", "move", "reflex", "recovery", "guiding"])
+def test_user_stop_can_be_pressed_in_every_mode(arm, press_in):
+    if press_in in {"move", "recovery"}:
+        move(arm)
+    if press_in == "reflex":
+        hit(arm)
+    if press_in == "recovery":
+        arm.set_user_stop(pressed=True)
+        arm.set_user_stop(pressed=False)
+        assert arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY
+    if press_in == "guiding":
+        arm.set_guiding(pressed=True)
+    arm.set_user_stop(pressed=True)
+    run(arm, 500)
+    assert arm.state.robot_mode is RobotMode.USER_STOPPED
+    assert max(map(abs, arm.state.dq)) < 1e-3
+    with pytest.raises(ArmCommandError, match="user stop is pressed"):
+        arm.automatic_error_recovery()
+    arm.set_user_stop(pressed=True)  # twice is once
+    arm.set_user_stop(pressed=False)
+    assert arm.state.robot_mode is RobotMode.IDLE
+    assert error_names(arm.state.current_errors) == []
+    arm.set_user_stop(pressed=False)
+    assert arm.state.robot_mode is RobotMode.IDLE
+
+
+def test_arm_that_is_still_touched_goes_to_idle_and_holds(arm):
+    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 20.0)
+    run(arm, 500)
+    assert arm.state.robot_mode is RobotMode.REFLEX
+    for _ in range(3):
+        arm.automatic_error_recovery()
+        run(arm, 1_000)
+        assert arm.state.robot_mode is RobotMode.IDLE
+    arm.start_motion(IMPEDANCE, VELOCITY)
+    for _ in range(500):
+        arm.command_joint_velocities([0.0] * 7)
+        arm.read_once()
+    assert arm.state.robot_mode is RobotMode.MOVE
+
+
+def test_touch_that_gets_much_harder_is_a_collision_again(arm):
+    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 20.0)
+    run(arm, 500)
+    arm.automatic_error_recovery()
+    run(arm, 100)
+    arm.apply_force("panda_hand", [0.0, 0.0, -90.0], NONE, 20.0)
+    run(arm, 100)
+    assert "cartesian_reflex" in error_names(arm.state.current_errors)
+
+
+def test_what_is_out_of_range_at_a_recovery_may_get_better_and_not_worse():
+    # The limits are 0.05 rad tighter here, so that no mechanical stop pushes back.
+    outside = (2.87, *INITIAL_POSITIONS[1:])
+    tight = SupervisorLimits(position_tolerance=-0.05)
+    placement = ArmPlacement("panda", DESCRIPTION, positions=outside, thresholds=tight)
+    arm = simulate([placement]).arms["panda"]
+    run(arm, 20)
+    assert error_names(arm.state.current_errors) == ["joint_position_limits_violation"]
+    arm.automatic_error_recovery()
+    run(arm, 20)
+    assert arm.state.robot_mode is RobotMode.IDLE
+    arm.start_motion(IMPEDANCE, VELOCITY)
+    speeds = [-0.1] * 1_000 + [0.1] * 1_000
+    speed = 0.0
+    followed = 0
+    for wanted in speeds:
+        speed += max(-0.001, min(0.001, wanted - speed))
+        arm.command_joint_velocities([speed, *[0.0] * 6])
+        arm.read_once()
+        if arm.state.robot_mode is not RobotMode.MOVE:
+            break
+        followed += 1
+    assert followed > 1_100  # it was on its way out again
+    assert arm.errors()[0].name == "joint_position_limits_violation"
+
+
+def test_guided_arm_gives_way_and_holds_where_it_is_let_go(arm):
+    arm.set_guiding(pressed=True)
+    assert arm.state.robot_mode is RobotMode.GUIDING
+    with pytest.raises(ArmCommandError, match="let go of the guiding buttons"):
+        arm.start_motion(IMPEDANCE, VELOCITY)
+    arm.apply_force("panda_hand", [0.0, 15.0, 0.0], NONE, 0.3)
+    run(arm, 400)
+    arm.refresh_state()
+    assert arm.state.O_T_EE[13] > 0.02
+    arm.set_guiding(pressed=False)
+    run(arm, 500)
+    held = list(arm.state.q)
+    run(arm, 500)
+    assert arm.state.robot_mode is RobotMode.IDLE
+    assert arm.state.q == pytest.approx(held, abs=1e-3)
+
+
+def test_moving_arm_cannot_be_guided(arm):
+    move(arm)
+    with pytest.raises(ArmCommandError, match="in mode move"):
+        arm.set_guiding(pressed=True)
+
+
+def test_every_mode_says_what_to_do_or_nothing(arm):
+    for mode in RobotMode:
+        arm.state.robot_mode = mode
+        needs_something = mode in HALTED and mode is not RobotMode.OTHER
+        assert bool(arm.remedy()) is needs_something

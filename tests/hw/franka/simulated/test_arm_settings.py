@@ -1,0 +1,30 @@
+"""Every setting is refused while the arm moves."""
+
+import pytest
+
+from station.core.errors import ArmCommandError
+from station.core.franka import RobotState
+from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.robot_description import load_robot_description
+
+SETTINGS = [
+    ("set_joint_impedance", [100.0] * 7),
+    ("set_cartesian_impedance", [100.0] * 6),
+    ("set_end_effector_frame", RobotState().O_T_EE),
+    ("set_stiffness_frame", RobotState().O_T_EE),
+    ("set_load", Load(1.0)),
+    ("set_collision_behavior", DEFAULT_COLLISION_BEHAVIOR),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), SETTINGS)
+def test_setting_is_taken_at_rest_and_refused_in_motion(name, value):
+    description = load_robot_description("example-robot-data:panda")
+    arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
+    getattr(arm, name)(value)
+    arm.start_motion(ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.NONE)
+    with pytest.raises(ArmCommandError, match="while a motion runs"):
+        getattr(arm, name)(value)

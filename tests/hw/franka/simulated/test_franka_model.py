@@ -1,0 +1,22 @@
+"""The model of an arm is its dynamics and kinematics under libfranka's names."""
+
+import pytest
+
+from station.hw.franka.arm.load import Load
+from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
+from station.hw.franka.simulated.franka_model import ArmModel
+from station.hw.robot_description import load_robot_description
+
+Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
+INERTIA = [0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017]
+
+
+def test_load_is_passed_on():
+    description = load_robot_description("example-robot-data:panda")
+    model, dynamics = ArmModel(description), FrankaDynamics(description)
+    load = Load(0.73, (-0.01, 0.0, 0.03), tuple(INERTIA))
+    arguments = (INERTIA, 0.73, [-0.01, 0.0, 0.03])
+
+    assert model.mass(Q, *arguments) == dynamics.mass(Q, load)
+    assert model.coriolis(Q, Q, *arguments) == dynamics.coriolis(Q, Q, load)
+    assert model.gravity(Q, *arguments[1:]) == pytest.approx(dynamics.gravity(Q, load))

@@ -1,0 +1,45 @@
+"""Wire models of controllers."""
+
+import pytest
+from pydantic import ValidationError
+
+from station.wire import (
+    CommandRequest,
+    Gains,
+    GainsPatch,
+    LoadRequest,
+    SwitchRequest,
+    SwitchResult,
+    Tunable,
+)
+
+
+@pytest.mark.parametrize(
+    "kind", [LoadRequest, SwitchRequest, SwitchResult, GainsPatch, CommandRequest]
+)
+def test_examples_are_valid(kind):
+    for example in kind.model_config["json_schema_extra"]["examples"]:
+        assert kind.model_validate(example)
+
+
+def test_the_schema_of_gains_is_called_schema_on_the_wire():
+    gains = Gains(values={"p": 1.0}, schema={"p": Tunable()}, revision=1, etag='"x"')
+
+    text = gains.model_dump_json(by_alias=True)
+    assert '"schema":' in text
+    assert Gains.model_validate_json(text) == gains
+
+
+def test_a_switch_must_name_something():
+    with pytest.raises(ValidationError, match="at least one controller"):
+        SwitchRequest()
+
+
+def test_a_switch_is_strict_unless_asked_otherwise():
+    assert SwitchRequest(start=["a"]).strictness == "strict"
+
+
+@pytest.mark.parametrize("timeout", [-0.1, 60.1])
+def test_a_switch_does_not_wait_for_ever(timeout):
+    with pytest.raises(ValidationError):
+        SwitchRequest(start=["a"], timeout=timeout)

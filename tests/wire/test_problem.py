@@ -1,0 +1,30 @@
+"""The problem document."""
+
+import pytest
+from pydantic import ValidationError
+
+from station.wire import FieldError, Problem
+
+EXAMPLE = Problem.model_config["json_schema_extra"]["examples"][0]
+
+
+def test_the_example_is_valid():
+    problem = Problem.model_validate(EXAMPLE)
+
+    assert problem.errors is None
+    assert problem.details is None
+
+
+@pytest.mark.parametrize("status", [200, 399, 600])
+def test_only_errors_are_problems(status):
+    with pytest.raises(ValidationError):
+        Problem.model_validate({**EXAMPLE, "status": status})
+
+
+def test_fields_are_told_one_by_one():
+    problem = Problem.model_validate({
+        **EXAMPLE,
+        "errors": [{"field": "a", "message": "m"}],
+    })
+
+    assert problem.errors == [FieldError(field="a", message="m", value="")]
