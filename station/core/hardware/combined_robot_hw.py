@@ -1,8 +1,8 @@
 """Several robots as one, each seeing only the part of a switch that concerns it.
 
 Source: ros_control@0.20.0 combined_robot_hw/src/combined_robot_hw.cpp; differs:
-`switch_result` asks the robots instead of always answering DONE (CM-114), and `init`
-raises with its reason.
+`switch_result` asks the robots instead of always answering DONE (CM-114), conflicts are
+asked of the robots, too, and `init` raises with its reason.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +14,7 @@ from station.core.errors import HardwareInterfaceError, StationError
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
+    ResourceConflict,
     RobotHW,
     SwitchState,
 )
@@ -115,6 +116,24 @@ class CombinedRobotHW(RobotHW):
         return max((one.longest_period() for one in self.robots.values()), default=inf)
 
     @override
+    def check_for_conflict(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        """Ask every robot about its part; a robot may allow more or less than others.
+
+        Args:
+            controllers: All controllers that would be running after the switch.
+
+        Returns:
+            The conflicts of all robots, each once.
+        """
+        conflicts: dict[ResourceConflict, None] = {}
+        for robot in self.robots.values():
+            for conflict in robot.check_for_conflict(_part_of(robot, controllers)):
+                conflicts[conflict] = None
+        return list(conflicts)
+
+    @override
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
@@ -134,8 +153,21 @@ class CombinedRobotHW(RobotHW):
     def do_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
+        """Tell every robot, also those after one that raises.
+
+        Raises:
+            Exception: What the first robot raised that raised anything. All robots have
+                been told by then, so that none is left in a mode that its controllers
+                have lost.
+        """
+        failure: Exception | None = None
         for robot in self.robots.values():
-            robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
+            try:
+                robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
+            except Exception as error:  # noqa: BLE001 - raised again below
+                failure = failure or error
+        if failure is not None:
+            raise failure
 
     @override
     def switch_result(self) -> SwitchState:

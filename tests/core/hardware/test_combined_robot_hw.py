@@ -1,6 +1,7 @@
 """Several robots as one (CM-110 … CM-117)."""
 
 from math import inf
+from typing import ClassVar
 
 import pytest
 
@@ -24,6 +25,7 @@ from station.core.hardware.interfaces import (
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
+    ResourceConflict,
     RobotHW,
     SwitchState,
 )
@@ -245,3 +247,39 @@ def test_a_slow_robot_makes_the_controller_wait(manager, combined):
     manager.switch_controller(SwitchRequest(["both"]))
 
     assert manager.get_controller("both").calls == ["waiting", "waiting", "starting"]
+
+
+class Choosy(MockRobotHW):
+    """Forbids, allows, or breaks as the test says."""
+
+    conflicts: ClassVar[list[ResourceConflict]] = []
+
+    def check_for_conflict(self, controllers):
+        return list(self.conflicts)
+
+
+def test_robots_decide_about_conflicts_over_their_own_resources():
+    strict, lenient = Choosy(), Choosy()
+    strict.conflicts = [ResourceConflict("a", (), "It may not be moved today.")]
+    hw = CombinedRobotHW(lambda _: RobotHW())
+    hw.add_robot("lenient", lenient)
+    assert hw.check_for_conflict([]) == []
+
+    hw.add_robot("strict", strict)
+    hw.add_robot("again", strict)
+
+    assert hw.check_for_conflict([]) == strict.conflicts
+
+
+def test_a_robot_that_cannot_switch_does_not_keep_others_from_being_told():
+    first, second = MockRobotHW(), MockRobotHW()
+    hw = CombinedRobotHW(lambda _: RobotHW())
+    hw.add_robot("first", first)
+    hw.add_robot("second", second)
+    first.do_switch = lambda *_: 1 / 0
+    info = ControllerInfo("watcher", "test/Watcher", ())
+
+    with pytest.raises(ZeroDivisionError):
+        hw.do_switch([info], [])
+
+    assert second.switches == [(("watcher",), ())]
