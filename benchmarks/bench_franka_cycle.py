@@ -34,7 +34,7 @@ from station.hw.franka.hand.finger_joints import FingerJoints
 from station.hw.franka.hand.simulated_gripper import SimulatedGripper
 from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.desired_motion import DesiredMotion
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.franka_world import INITIAL_POSITIONS
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,

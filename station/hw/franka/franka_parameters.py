@@ -21,8 +21,8 @@ from station.hw.franka.arm.arm_names import joint_names
 from station.hw.franka.arm.robot_arm import ControllerMode
 from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
 from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.simulated.franka_world import INITIAL_POSITIONS
 from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from station.hw.urdf import Pose
 
 _DOF = 7

@@ -11,8 +11,8 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 """
 
 import logging
-from collections.abc import Mapping, Sequence
-from math import ceil
+from collections.abc import Sequence
+from math import ceil, inf
 
 from typing_extensions import override
 
@@ -32,7 +32,6 @@ from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
-    SceneObjectReport,
     TransmissionReport,
 )
 from station.core.hardware.transmissions import (
@@ -56,6 +55,7 @@ from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
 from station.hw.mujoco.scene import read_scene
 from station.hw.mujoco.sensors import WorldSensors
+from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
@@ -141,6 +141,8 @@ class MujocoRobotHW(RobotHW):
             self.register_interface(interface)
         self.read(0.0, 0.0)
         self._modes.restart()
+        self._shared_world = SharedWorld(self.world)
+        self._shared_world.add_robot(self)
 
     @override
     def mode(self) -> str:
@@ -239,19 +241,18 @@ class MujocoRobotHW(RobotHW):
         self._limits.activate(self._modes.in_use)
 
     @override
-    def scene(self) -> Sequence[SceneObjectReport]:
-        return self.world.scene()
+    def simulated_world(self) -> SharedWorld:
+        return self._shared_world
 
-    @override
-    def simulated_time(self) -> float:
-        return self.world.time
-
-    @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        self.world.reset(positions)
+    def begin_anew(self) -> None:
+        """Hold the pose that the world was reset to."""
         self.read(0.0, 0.0)
         self._modes.restart()
         self._limits.reset()
+
+    def longest_period(self) -> float:
+        """Return infinity: the world does not wait for the loop."""
+        return inf
 
     def _advance(self, period: float) -> None:
         world = self.world

@@ -18,7 +18,7 @@ from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.simulated.end_effector import end_effector_of
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.hw.franka.simulated.franka_model import ArmModel
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import RobotDescription, load_robot_description
 from station.hw.urdf_parser import parse_urdf
 

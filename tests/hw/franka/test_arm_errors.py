@@ -10,12 +10,12 @@ from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import error_names
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulation import (
+from station.hw.franka.simulated.franka_world import (
     INITIAL_POSITIONS,
     ArmPlacement,
     simulate,
 )
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.mujoco.scene import SceneObject
 from station.hw.robot_description import load_robot_description
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.franka_parameters import FrankaParameters
-from station.hw.franka.simulated.simulation import ArmPlacement, Simulation, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, FrankaWorld, simulate
 from station.hw.mujoco.scene import SceneObject
 
 
@@ -26,7 +26,7 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
 
 def simulate_one(
     parameters: FrankaParameters, objects: Sequence[SceneObject]
-) -> Simulation:
+) -> FrankaWorld:
     """Return a world with the arm that parameters describe, and some things.
 
     Args:

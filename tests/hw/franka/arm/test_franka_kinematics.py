@@ -14,7 +14,7 @@ from station.hw.franka.arm.franka_kinematics import (
     pose_and_jacobian,
     zero_jacobian,
 )
-from station.hw.franka.simulated.simulation import (
+from station.hw.franka.simulated.franka_world import (
     INITIAL_POSITIONS,
     ArmPlacement,
     simulate,

@@ -9,7 +9,7 @@ from station.core.franka import FrankaServicesInterface
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import load_robot_description
 
 

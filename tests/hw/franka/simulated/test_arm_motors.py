@@ -3,7 +3,7 @@
 import pytest
 
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import load_robot_description
 
 

@@ -6,13 +6,13 @@ import pytest
 from station.core.franka import RobotMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulation import (
+from station.hw.franka.simulated.franka_world import (
     INITIAL_POSITIONS,
     ArmPlacement,
-    Simulation,
+    FrankaWorld,
     simulate,
 )
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf import Pose
 
@@ -20,7 +20,7 @@ NONE = [0.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
-def simulation() -> Simulation:
+def simulation() -> FrankaWorld:
     # High above the floor, so that no pose touches it.
     placement = ArmPlacement(
         "panda",
@@ -31,14 +31,14 @@ def simulation() -> Simulation:
 
 
 @pytest.fixture
-def arm(simulation: Simulation) -> SimulatedArm:
+def arm(simulation: FrankaWorld) -> SimulatedArm:
     arm = simulation.arms["panda"]
     arm.set_load(Load())
     put(simulation, INITIAL_POSITIONS)
     return arm
 
 
-def put(simulation: Simulation, q: tuple[float, ...]) -> None:
+def put(simulation: FrankaWorld, q: tuple[float, ...]) -> None:
     """Put the arm somewhere, at rest and without errors."""
     names = [f"panda_joint{number}" for number in range(1, 8)]
     simulation.world.reset(dict(zip(names, q, strict=True)))
@@ -59,7 +59,7 @@ def poses(count: int, reach: float) -> list[tuple[float, ...]]:
 
 @pytest.mark.parametrize("q", poses(10, 0.4))
 def test_push_of_the_hand_is_measured_with_opposite_sign(
-    simulation: Simulation, arm: SimulatedArm, q: tuple[float, ...]
+    simulation: FrankaWorld, arm: SimulatedArm, q: tuple[float, ...]
 ) -> None:
     put(simulation, q)
     force = [6.0, -9.0, 12.0]
@@ -76,7 +76,7 @@ def test_push_of_the_hand_is_measured_with_opposite_sign(
 
 
 def test_nothing_is_measured_at_rest_in_any_pose(
-    simulation: Simulation, arm: SimulatedArm
+    simulation: FrankaWorld, arm: SimulatedArm
 ) -> None:
     low, high = np.array(arm.limits.lower) + 0.1, np.array(arm.limits.upper) - 0.1
     generator = np.random.default_rng(11)
@@ -152,7 +152,7 @@ def test_recovery_in_contact_is_no_new_collision(arm: SimulatedArm) -> None:
 
 
 def test_wrench_is_zero_in_a_singular_pose(
-    simulation: Simulation, arm: SimulatedArm
+    simulation: FrankaWorld, arm: SimulatedArm
 ) -> None:
     put(simulation, (0.0, 0.0, 0.0, -0.08, 0.0, 0.6, 0.0))
     arm.apply_force("panda_hand", [0.0, 8.0, 0.0], NONE, 1.0)

@@ -25,6 +25,7 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.scene import SceneObject, add_object
+from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
 from station.hw.robot_description import RobotDescription, replace_prefix
 from station.hw.srdf import disabled_collisions
@@ -70,19 +71,28 @@ class ArmPlacement:
     thresholds: SupervisorLimits = field(default_factory=SupervisorLimits)
 
 
-@dataclass(frozen=True, slots=True)
-class Simulation:
-    """A world and the arms in it.
+class FrankaWorld(SharedWorld):
+    """A MuJoCo world and the Franka arms in it.
+
+    Args:
+        world: The MuJoCo world.
+        arms: Arms by arm_id.
+        grippers: Hands by arm_id; arms without a hand are not in it.
 
     Attributes:
-        world: The world.
-        arms: By arm_id.
-        grippers: By arm_id; arms without a hand are not in it.
+        arms: As given.
+        grippers: As given.
     """
 
-    world: World
-    arms: Mapping[str, SimulatedArm]
-    grippers: Mapping[str, SimulatedGripper]
+    def __init__(
+        self,
+        world: World,
+        arms: Mapping[str, SimulatedArm],
+        grippers: Mapping[str, SimulatedGripper],
+    ) -> None:
+        super().__init__(world)
+        self.arms = arms
+        self.grippers = grippers
 
 
 def simulate(
@@ -91,7 +101,7 @@ def simulate(
     timestep: float = 0.001,
     gravity: tuple[float, float, float] = GRAVITY_EARTH,
     objects: Sequence[SceneObject] = (),
-) -> Simulation:
+) -> FrankaWorld:
     """Build a world with a floor and some arms, each at its start pose and at rest.
 
     Args:
@@ -140,7 +150,7 @@ def simulate(
         for arm_id, urdf in urdfs.items()
         if f"{arm_id}_finger_joint1" in urdf.joints
     }
-    return Simulation(world, arms, grippers)
+    return FrankaWorld(world, arms, grippers)
 
 
 def _make_arm(

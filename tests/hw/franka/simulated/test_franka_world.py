@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from station.core.errors import RobotDescriptionError
-from station.hw.franka.simulated.simulation import (
+from station.hw.franka.simulated.franka_world import (
     INITIAL_POSITIONS,
     ArmPlacement,
     find_prefix,
