@@ -121,7 +121,7 @@ class ControllerRunner(ControllerLifecycle):
         """Stop the controllers whose commands the robot does not carry out."""
         found: list[LoadedController] = []
         for one in self.loaded:
-            reason = ""
+            reason: str | None = None
             if one.controller.state is _RUNNING:
                 reason = self.hw.interruption_of(one.info)
             if reason:

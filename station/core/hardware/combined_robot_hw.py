@@ -161,13 +161,13 @@ class CombinedRobotHW(RobotHW):
         return any(robot.is_interrupted() for robot in self.robots.values())
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         reasons = [
             robot.interruption_of(part)
             for robot in self.robots.values()
             for part in _part_of(robot, [controller])
         ]
-        return "; ".join(reason for reason in reasons if reason)
+        return "; ".join(reason for reason in reasons if reason) or None
 
     @override
     def simulated_world(self) -> SimulatedWorld | None:

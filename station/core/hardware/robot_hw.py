@@ -202,12 +202,12 @@ class RobotHW(InterfaceManager):
         """
         return False
 
-    def interruption_of(self, controller: ControllerInfo) -> str:  # noqa: ARG002
-        """Return why a controller's commands are not carried out; empty if they are.
+    def interruption_of(self, controller: ControllerInfo) -> str | None:  # noqa: ARG002
+        """Return why a controller's commands are not carried out; None if they are.
 
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
-        return ""
+        return None
 
     def simulated_world(self) -> SimulatedWorld | None:
         """Return the simulated world of the robot; None for a real robot.

@@ -173,10 +173,10 @@ class FrankaCombinedHW(CombinedRobotHW):
         return self.erroneous_arm() is not None or super().is_interrupted()
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         own = super().interruption_of(controller)
         robot = self.erroneous_arm()
-        if own or robot is None or not claims_of([controller]):
+        if own is not None or robot is None or not claims_of([controller]):
             return own
         return _why_stopped(robot)
 

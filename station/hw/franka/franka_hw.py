@@ -40,6 +40,7 @@ from station.core.hardware.robot_report import (
     JointLimitsReport,
 )
 from station.core.parameters import Parameters
+from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
 from station.hw.franka.arm.control_mode import (
     ControlMode,
@@ -47,7 +48,7 @@ from station.hw.franka.arm.control_mode import (
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.arm.sensor_check import blind_sensor
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
@@ -64,9 +65,6 @@ from station.hw.franka.franka_parameters import (
     read_parameters,
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
-from station.hw.franka.simulated.arm_placement import placement_of, simulate_one
-from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
-from station.hw.mujoco.scene import read_scene
 from station.hw.urdf_parser import parse_urdf
 
 if TYPE_CHECKING:
@@ -97,14 +95,12 @@ class FrankaHW(RobotHW):
     Attributes:
         commands: The command buffers and their limits; from `init` on.
         cartesian: The same for Cartesian commands.
-        is_connected: Whether the arm may be used; see `FrankaServices.disconnect`.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
         super().__init__()
         self._world: FrankaWorld | None = None
         self._arm = arm
-        self.is_connected = True
         self._time_due = 0.0
         self._nominal_cycles = 1  # of the arm, in one of the loop
         self._fingers: FingerJoints | None = None
@@ -120,15 +116,16 @@ class FrankaHW(RobotHW):
         """
         self._parameters = read_parameters(hw_params)
         self._settings, self._hw_params = read_command_settings(hw_params), hw_params
-        placement = placement_of(self._parameters)
+        arm_id, limits = self._parameters.arm_id, self._parameters.limits
         if self._arm is None:
-            world = simulate_one(self._parameters, read_scene(root_params))
-            self.enter_world(world, self._parameters.arm_id)
-        arm_id, description = self._parameters.arm_id, placement.description
+            # Imported here: a station with a real arm runs without MuJoCo.
+            from station.hw.franka.simulated.arm_placement import simulate_one
+
+            self.enter_world(simulate_one(self._parameters, root_params), arm_id)
+        description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
-        limits = self._parameters.limits
         self.commands = JointCommands(
             self.arm.state, self._parameters.joint_names, self._parameters.limit_mode
         )
@@ -144,9 +141,16 @@ class FrankaHW(RobotHW):
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
             self.register_interface(interface)
-        models = model_interface(self.arm, arm_id, description)
+        models = model_interface(self.arm, arm_id)
         services = FrankaServicesInterface()
-        services.register_handle(ArmServices(self, models.handles()[0]))
+        self._services = ArmServices(
+            arm_id,
+            self.arm,
+            self._motion,
+            models.handles()[0],
+            self._parameters.collision_behavior,
+        )
+        services.register_handle(self._services)
         self.register_interface(state_interface(self.arm, arm_id))
         self.register_interface(models)
         self.register_interface(services)
@@ -295,7 +299,7 @@ class FrankaHW(RobotHW):
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
         mode = self._mode_after(start, stop)
         arm_id = self._parameters.arm_id
-        if self._control_mode_of(start) and not self.is_connected:
+        if self._control_mode_of(start) and not self._services.is_connected():
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' is not connected.",
                 remedy="Connect the arm first.",
@@ -314,7 +318,7 @@ class FrankaHW(RobotHW):
         if mode and (mode != self.control_mode or self.is_interrupted()):
             kept = mode & ~self._control_mode_of(start)
             refusal = self._motion.refusal(mode, settings, kept)
-            if refusal:
+            if refusal is not None:
                 raise SwitchRefusedError(
                     f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
                     remedy="Do that first, or choose other controllers.",
@@ -350,9 +354,9 @@ class FrankaHW(RobotHW):
         return self.arm.state.robot_mode is not RobotMode.MOVE
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
-            return ""
+            return None
         arm = self.arm
         if self._blind:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"

@@ -49,7 +49,6 @@ from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
-from station.hw.mujoco.joint_pids import read_joint_pids
 from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
@@ -57,6 +56,7 @@ from station.hw.mujoco.scene import read_scene
 from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
+from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
 from station.hw.robot_description import RobotDescription, load_robot_description
@@ -130,7 +130,7 @@ class MujocoRobotHW(RobotHW):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
-        pids = read_joint_pids(hw_params, {n: urdf.joints[n] for n in self._names})
+        pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
         self._add_unpowered_joints(urdf)
         limited = hw_params if hw_params.has("joint_limits") else root_params

@@ -8,6 +8,8 @@ from station.core.hardware.simulated_world import SimulatedWorld
 
 
 class Clockwork(SimulatedWorld):
+    """A world with the least that a world must have."""
+
     def time(self):
         return 1.0
 

@@ -14,7 +14,7 @@ from station.core.franka import (
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.interfaces import PositionJointInterface
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.franka_world import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from tests.hw.franka.test_franka_hw import drive, make, run, switch
 
 NONE = [0.0, 0.0, 0.0]

@@ -24,7 +24,7 @@ from station.core.hardware.robot_hw import (
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.franka_world import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 
 PERIOD = 0.001
 ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}

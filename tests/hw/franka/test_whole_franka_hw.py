@@ -21,7 +21,7 @@ from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_limits import FR3_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.franka_world import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
 from tests.hw.franka.test_franka_hw import (
     PERIOD,

@@ -15,6 +15,8 @@ MODEL = """
 
 
 class Robot:
+    """Counts how often it began anew."""
+
     def __init__(self, longest: float) -> None:
         self.beginnings = 0
         self.longest = longest

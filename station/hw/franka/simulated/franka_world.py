@@ -2,22 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import pi
 
 import mujoco
 
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
-from station.hw.franka.hand.simulated_gripper import OPEN_WIDTH, SimulatedGripper
-from station.hw.franka.simulated.arm_load import ArmLoad
-from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.end_effector import (
     as_transform,
     end_effector_of,
     nominal_frame_of,
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
+from station.hw.franka.simulated.simulated_gripper import OPEN_WIDTH, SimulatedGripper
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -31,10 +30,6 @@ from station.hw.robot_description import RobotDescription, replace_prefix
 from station.hw.srdf import disabled_collisions
 from station.hw.urdf import Pose, Urdf
 from station.hw.urdf_parser import parse_urdf
-
-INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
-"""Pose in which an arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
-examples/generate_joint_velocity_motion.cpp, q_goal."""
 
 _HARD_CONSTRAINT_STEPS = 2.0
 _HARD_IMPEDANCE = 0.99
@@ -170,7 +165,7 @@ def _make_arm(
     arm = SimulatedArm(
         world,
         joint_names(placement.arm_id),
-        load=ArmLoad(placement.description, local),
+        description=placement.description,
         limits=placement.limits,
         thresholds=placement.thresholds,
         hand=hand if hand in urdf.links else f"{prefix}link7",

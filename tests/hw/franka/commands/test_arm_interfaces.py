@@ -10,5 +10,5 @@ def test_names_are_upstreams():
     arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
 
     assert state_interface(arm, "panda").get_names() == ["panda_robot"]
-    models = model_interface(arm, "panda", description)
+    models = model_interface(arm, "panda")
     assert models.get_names() == ["panda_model", "panda_robot"]

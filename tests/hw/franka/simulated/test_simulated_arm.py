@@ -9,8 +9,8 @@ import pytest
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_world import (
-    INITIAL_POSITIONS,
     ArmPlacement,
     FrankaWorld,
     simulate,
@@ -284,11 +284,11 @@ def test_command_that_fits_no_running_motion_is_refused(arm: SimulatedArm) -> No
     with pytest.raises(ArmCommandError, match="mode IDLE, controller none"):
         arm.command_joint_torques(ZEROS)
     arm.start_motion(IMPEDANCE, VELOCITY)
-    with pytest.raises(ArmCommandError, match="cannot command joint positions"):
+    with pytest.raises(ArmCommandError, match="takes no joint positions"):
         arm.command_joint_positions(ZEROS)
-    with pytest.raises(ArmCommandError, match="cannot command a Cartesian pose"):
+    with pytest.raises(ArmCommandError, match="takes no Cartesian pose"):
         arm.command_cartesian_pose([0.0] * 16)
-    with pytest.raises(ArmCommandError, match="cannot command a Cartesian velocity"):
+    with pytest.raises(ArmCommandError, match="takes no Cartesian velocity"):
         arm.command_cartesian_velocity([0.0] * 6)
 
 
