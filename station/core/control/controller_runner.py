@@ -204,7 +204,7 @@ class ControllerRunner:
         """Stop the controllers whose commands the robot does not carry out."""
         found: list[LoadedController] = []
         for one in self.lifecycle.loaded:
-            reason = ""
+            reason: str | None = None
             if one.controller.state is _RUNNING:
                 reason = self._hw.interruption_of(one.info)
             if reason:

@@ -5,12 +5,12 @@ Source: ros_control@0.20.0 combined_robot_hw/src/combined_robot_hw.cpp; differs:
 asked of the robots, too, and `init` raises with its reason.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from math import inf
+from collections.abc import Callable, Sequence
 
 from typing_extensions import override
 
 from station.core.errors import HardwareInterfaceError, StationError
+from station.core.hardware.combined_world import CombinedWorld
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
@@ -21,9 +21,9 @@ from station.core.hardware.robot_hw import (
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
-    SceneObjectReport,
     TransmissionReport,
 )
+from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
 
 CreateRobot = Callable[[str], RobotHW]
@@ -111,11 +111,6 @@ class CombinedRobotHW(RobotHW):
             robot.check_period(period)
 
     @override
-    def longest_period(self) -> float:
-        """Return that of the robot that waits least [s]."""
-        return max((one.longest_period() for one in self.robots.values()), default=inf)
-
-    @override
     def check_for_conflict(
         self, controllers: Sequence[ControllerInfo]
     ) -> list[ResourceConflict]:
@@ -198,33 +193,22 @@ class CombinedRobotHW(RobotHW):
         return any(robot.is_interrupted() for robot in self.robots.values())
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         reasons = [
             robot.interruption_of(part)
             for robot in self.robots.values()
             for part in _part_of(robot, [controller])
         ]
-        return "; ".join(reason for reason in reasons if reason)
+        return "; ".join(reason for reason in reasons if reason) or None
 
     @override
-    def scene(self) -> Sequence[SceneObjectReport]:
-        """Return what any robot sees; robots in one world see the same."""
-        found = {one.name: one for hw in self.robots.values() for one in hw.scene()}
-        return list(found.values())
-
-    @override
-    def simulated_time(self) -> float | None:
-        """Return the time of the first simulated robot [s]; None if one is real."""
-        times = [robot.simulated_time() for robot in self.robots.values()]
-        return None if None in times or not times else times[0]
-
-    @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        if self.simulated_time() is None:
-            super().reset_simulation(positions)
-        for robot in self.robots.values():
-            own = robot.resources()
-            robot.reset_simulation({n: p for n, p in positions.items() if n in own})
+    def simulated_world(self) -> SimulatedWorld | None:
+        """Return the worlds of all robots as one; None if a robot is real."""
+        worlds = [(one, one.simulated_world()) for one in self.robots.values()]
+        simulated = [(one, world) for one, world in worlds if world is not None]
+        if not worlds or len(simulated) < len(worlds):
+            return None
+        return CombinedWorld(simulated)
 
     @override
     def mode(self) -> str:

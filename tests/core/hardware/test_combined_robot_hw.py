@@ -1,6 +1,5 @@
 """Several robots as one (CM-110 … CM-117)."""
 
-from math import inf
 from typing import ClassVar
 
 import pytest
@@ -125,12 +124,11 @@ def test_reading_and_writing_reach_every_robot(combined):
     assert combined.get(EffortJointInterface).get_handle("r1").get_position() > 0.0
 
 
-def test_time_waits_no_longer_than_every_robot_does(combined, monkeypatch):
-    first, second = combined.robots.values()
-    monkeypatch.setattr(first, "longest_period", lambda: 0.02)
-    assert combined.longest_period() == inf
-    monkeypatch.setattr(second, "longest_period", lambda: 0.05)
-    assert combined.longest_period() == 0.05
+def test_robot_of_which_a_part_is_real_has_no_simulated_world(combined, monkeypatch):
+    assert combined.simulated_world().time() == 0.0
+    monkeypatch.setattr(combined.robots["left"], "simulated_world", lambda: None)
+    assert combined.simulated_world() is None
+    assert CombinedRobotHW(None).simulated_world() is None
 
 
 def test_every_robot_sees_its_part_of_the_lists(combined):
