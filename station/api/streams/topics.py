@@ -6,7 +6,7 @@ from typing import NamedTuple
 import anyio.to_thread
 from typing_extensions import override
 
-from station.api import robot_wire, wire
+from station.api import answers
 from station.core.control.controller import ControllerSample
 from station.core.errors import (
     ArmNotFoundError,
@@ -15,7 +15,7 @@ from station.core.errors import (
 )
 from station.core.facade.station import Station
 from station.core.loop.snapshot import Snapshot
-from station.wire import FrankaState
+from station.wire import FrankaState, LoopReport, Scene
 
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"
@@ -213,7 +213,7 @@ class RobotStateTopic(ReportTopic):
 
     @override
     def report(self) -> Data:
-        state = robot_wire.franka_state(self._station.robots.state(self._arm_id))
+        state = answers.franka_state(self._station.robots.state(self._arm_id))
         return {"arm_id": self._arm_id, **state.model_dump()}
 
 
@@ -226,7 +226,7 @@ class ControllersTopic(ReportTopic):
 
     @override
     def report(self) -> Data:
-        return wire.controllers(self._station).model_dump()
+        return answers.controllers(self._station).model_dump()
 
 
 class LoopTopic(ReportTopic):
@@ -239,8 +239,8 @@ class LoopTopic(ReportTopic):
     @override
     def report(self) -> Data:
         return {
-            "loop": wire.loop(self._station.loop_report()).model_dump(),
-            "stop": wire.stop_state(self._station).model_dump(),
+            "loop": LoopReport.model_validate(self._station.loop_report()).model_dump(),
+            "stop": answers.stop_state(self._station).model_dump(),
             "robot_mode": self._station.status().robot_mode,
         }
 
@@ -254,7 +254,7 @@ class SceneTopic(ReportTopic):
 
     @override
     def report(self) -> Data:
-        return wire.scene(self._station.scene()).model_dump()
+        return Scene.model_validate({"objects": self._station.scene()}).model_dump()
 
 
 def _payload(snapshot: Snapshot, data: Data) -> Payload:

@@ -37,14 +37,14 @@ class ArmReport:
 
     Attributes:
         arm_id: Its name.
-        mode: What it is doing.
+        robot_mode: What it is doing.
         is_connected: Whether it may be used.
         errors: What its present errors, or else the last motion's, came from.
         remedy: What to do so that it can move; empty when it can.
     """
 
     arm_id: str
-    mode: RobotMode
+    robot_mode: RobotMode
     is_connected: bool
     errors: tuple[ArmError, ...]
     remedy: str

@@ -90,7 +90,7 @@ def test_reflex_stops_controllers_in_the_same_cycle(moving):
 
     assert status.state is ControllerState.STOPPED
     assert "arm 'panda' went to reflex (cartesian_reflex" in status.fault
-    assert report.mode is RobotMode.REFLEX
+    assert report.robot_mode is RobotMode.REFLEX
     assert "cartesian_reflex" in {error.name for error in report.errors}
     assert "recover" in report.remedy
     assert moving.epoch == epoch
@@ -140,7 +140,7 @@ def test_user_stop_stops_controllers_until_it_is_released(moving):
     with pytest.raises(ArmCommandError, match="user stop"):
         moving.robots.recover("panda")
     moving.robots.set_user_stop("panda", pressed=False)
-    assert moving.robots.report("panda").mode is RobotMode.IDLE
+    assert moving.robots.report("panda").robot_mode is RobotMode.IDLE
 
 
 def test_settings_are_refused_while_the_arm_moves(moving):
@@ -285,7 +285,7 @@ def test_recovery_of_a_moving_arm_returns_when_it_is_at_rest(station):
     station.loop.step()
     station.robots.set_user_stop("panda", pressed=False)
 
-    assert station.robots.report("panda").mode is RobotMode.IDLE
+    assert station.robots.report("panda").robot_mode is RobotMode.IDLE
     station.switch_controllers(SwitchRequest(("arm",), ()))
 
 
