@@ -13,8 +13,9 @@ from station.core.control import tunables
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchResult
 from station.core.facade.hardware_report import HardwareReport
+from station.core.facade.robots import ArmReport
 from station.core.facade.station import Station
-from station.core.franka import GripperState, RobotState
+from station.core.franka import GripperState, RobotMode, RobotState
 from station.core.franka.franka_errors import error_names
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.loop.snapshot import Snapshot
@@ -184,10 +185,24 @@ def status(station: Station, versions: dict[str, str]) -> wire.Status:
     found = station.status()
     return wire.Status.model_validate({
         **{field.name: getattr(found, field.name) for field in fields(found)},
-        "robots": station.robots.reports(),
+        "robots": arms(station),
         "versions": versions,
         "clamps": clamps(found.clamps),
     })
+
+
+def arm_report(found: ArmReport) -> wire.ArmReport:
+    """Return an arm at a glance, with the route that carries its remedy out."""
+    told = wire.ArmReport.model_validate(found)
+    if found.robot_mode is not RobotMode.REFLEX:
+        return told
+    route = f"POST /robots/{found.arm_id}/error_recovery"
+    return told.model_copy(update={"remedy": f"{told.remedy} ({route})"})
+
+
+def arms(station: Station) -> list[wire.ArmReport]:
+    """Return all arms at a glance."""
+    return [arm_report(found) for found in station.robots.reports()]
 
 
 def franka_state(found: RobotState) -> wire.FrankaState:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from station import wire
 from station.api import answers
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
@@ -131,7 +130,7 @@ def test_errors_are_told_by_name():
 def test_report_describes_its_errors():
     error = ArmError("joint_reflex", "joint2", 25.0, 20.0, "Nm", 7)
 
-    found = wire.ArmReport.model_validate(
+    found = answers.arm_report(
         ArmReport(
             arm_id="panda",
             robot_mode=RobotMode.REFLEX,

@@ -18,13 +18,13 @@ _WRITE = problems(404, 409, 413, 422, 503)
 
 
 def _report(station: Station, arm_id: str) -> wire.ArmReport:
-    return wire.ArmReport.model_validate(station.robots.report(arm_id))
+    return answers.arm_report(station.robots.report(arm_id))
 
 
 @router.get("", responses=problems())
 def list_robots(station: StationDep) -> wire.Arms:
     """List the arms, their modes and errors, and what to do about these."""
-    return wire.Arms.model_validate({"robots": station.robots.reports()})
+    return wire.Arms(robots=answers.arms(station))
 
 
 @router.post(
@@ -42,7 +42,7 @@ def recover_all(
     restart = request is not None and request.restart == "previous"
     restarted = station.robots.recover_all(restart=restart)
     return wire.Recoveries.model_validate({
-        "robots": station.robots.reports(),
+        "robots": answers.arms(station),
         "restarted": restarted,
     })
 

@@ -163,7 +163,7 @@ class FrankaCombinedHW(CombinedRobotHW):
         if robot is not None and claims_of(start):
             raise SwitchRefusedError(
                 f"{_why_stopped(robot)}: {robot.arm.remedy()}.",
-                remedy="Recover all arms: POST /robots/error_recovery.",
+                remedy="Recover all arms first.",
                 details={"arm_id": robot.parameters.arm_id},
             )
         super().prepare_switch(start, stop)

@@ -290,7 +290,7 @@ class FrankaHW(RobotHW):
         if self._control_mode_of(start) and not self.is_connected:
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' is not connected.",
-                remedy=f"Connect it: POST /robots/{arm_id}/connect.",
+                remedy="Connect the arm first.",
             )
         if self._control_mode_of(start) and self._blind:
             raise SwitchRefusedError(

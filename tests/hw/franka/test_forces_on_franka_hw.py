@@ -78,7 +78,7 @@ def carry(hw: FrankaHW, services: FrankaServices, force: list[float]) -> None:
     center = (axes.T @ (hand.xipos - flange)).tolist()
     services.set_load(PAYLOAD, center, [0.0] * 9)
     pull = [force[0], force[1], force[2] - WEIGHT]
-    services.apply_force("panda_hand", pull, NONE, 60.0)
+    services.simulation().apply_force("panda_hand", pull, NONE, 60.0)
 
 
 def read_state(hw: FrankaHW) -> RobotState:
@@ -114,7 +114,7 @@ def test_push_of_the_hand_is_felt_with_opposite_sign(
     if payload:
         carry(hw, services, push.force)
     else:
-        services.apply_force("panda_hand", push.force, NONE, 60.0)
+        services.simulation().apply_force("panda_hand", push.force, NONE, 60.0)
     run(hw, SETTLED)
     state = read_state(hw)
     expected = expected_wrench(hw, push.force)
@@ -134,7 +134,7 @@ def test_push_is_felt_while_a_controller_holds_the_arm(
     put(hw, services, push.q)
     switch(hw, "jp")
     try:
-        services.apply_force("panda_hand", push.force, NONE, 60.0)
+        services.simulation().apply_force("panda_hand", push.force, NONE, 60.0)
         drive(hw, PositionJointInterface, push.q, SETTLED)
         felt = read_state(hw).O_F_ext_hat_K
         assert_within_two_percent(felt, expected_wrench(hw, push.force))
@@ -147,7 +147,7 @@ def test_filter_lets_63_percent_of_a_force_through_in_its_time_constant(
     hw: FrankaHW, services: FrankaServices
 ) -> None:
     put(hw, services, list(INITIAL_POSITIONS))
-    services.apply_force("panda_link4", [0.0, 10.0, 0.0], NONE, 1.0)
+    services.simulation().apply_force("panda_link4", [0.0, 10.0, 0.0], NONE, 1.0)
     torques = []
     for _ in range(60):
         run(hw, 1)

@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from enum import Enum
 
+from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
@@ -264,5 +265,9 @@ class RobotArm(ABC):
         """Return the last cycles before the last error, oldest first, at most 50."""
 
     @abstractmethod
-    def remedy(self) -> str:
-        """Say what to do so that the arm can move; empty when it can."""
+    def remedy(self) -> str | None:
+        """Return what to do before the arm can move; None when the arm can move."""
+
+    @abstractmethod
+    def simulation(self) -> ArmSimulation | None:
+        """Return the controls that only a simulated arm has; None for a real arm."""

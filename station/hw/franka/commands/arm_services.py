@@ -8,21 +8,19 @@ import numpy as np
 from typing_extensions import override
 
 from station.core.errors import ArmCommandError, InvalidCommandError
+from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import (
     ArmRecord,
     CollisionBehavior,
-    FaultKind,
     FrankaServices,
-    SimulatedFault,
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.rigid_motion import check_transform
 from station.hw.franka.franka_parameters import collision_behavior_problem
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 if TYPE_CHECKING:
     from station.hw.franka.franka_hw import FrankaHW
@@ -33,8 +31,6 @@ TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
 """Range of the Cartesian impedance along the axes [N/m]."""
 ROTATIONAL_STIFFNESS = (1.0, 300.0)
 """Range of the Cartesian impedance about the axes [Nm/rad]."""
-LONGEST_DELAY = 500
-"""Nominal periods by which a cycle can be delayed."""
 _SYMMETRY = 1e-9
 
 
@@ -76,13 +72,12 @@ class ArmServices(FrankaServices):
         return self._hw.arm.log()
 
     @override
-    def remedy(self) -> str:
-        if not self._hw.is_connected:
-            return "connect the arm"
-        remedy = self._hw.arm.remedy()
-        if self._hw.arm.state.robot_mode is RobotMode.REFLEX:
-            return f"{remedy} (POST /robots/{self.name}/error_recovery)"
-        return remedy
+    def remedy(self) -> str | None:
+        return self._hw.arm.remedy() if self._hw.is_connected else "connect the arm"
+
+    @override
+    def simulation(self) -> ArmSimulation | None:
+        return self._hw.arm.simulation()
 
     @override
     def is_connected(self) -> bool:
@@ -175,14 +170,6 @@ class ArmServices(FrankaServices):
         return had_error
 
     @override
-    def set_user_stop(self, *, pressed: bool) -> None:
-        self._simulated().set_user_stop(pressed=pressed)
-
-    @override
-    def set_guiding(self, *, pressed: bool) -> None:
-        self._simulated().set_guiding(pressed=pressed)
-
-    @override
     def connect(self) -> None:
         if self._hw.is_connected:
             raise ArmCommandError(
@@ -203,49 +190,6 @@ class ArmServices(FrankaServices):
                 remedy="stop the controllers of this arm first",
             )
         self._hw.is_connected = False
-
-    @override
-    def apply_force(
-        self,
-        link: str,
-        force: Sequence[float],
-        torque: Sequence[float],
-        duration: float,
-        *,
-        frame: str = "world",
-        point: Sequence[float] | None = None,
-    ) -> None:
-        self._simulated().apply_force(
-            link, force, torque, duration, frame=frame, point=point
-        )
-
-    @override
-    def inject(self, fault: SimulatedFault) -> None:
-        arm = self._simulated()
-        late = fault.cycles if fault.kind is FaultKind.DELAYED_CYCLE else 0
-        if late > LONGEST_DELAY:
-            raise InvalidCommandError(
-                f"'cycles' of a delayed cycle is {late}",
-                remedy=f"give at most {LONGEST_DELAY}: nothing answers in that time",
-                details={"cycles": late},
-            )
-        arm.inject(fault)
-
-    @override
-    def faults(self) -> list[SimulatedFault]:
-        return self._simulated().faults()
-
-    @override
-    def clear_faults(self) -> None:
-        self._simulated().clear_faults()
-
-    def _simulated(self) -> SimulatedArm:
-        arm = self._hw.arm
-        if not isinstance(arm, SimulatedArm):
-            raise ArmCommandError(
-                f"arm '{self.name}' is not simulated", remedy="do it by hand"
-            )
-        return arm
 
     def _check_connected(self) -> None:
         if not self._hw.is_connected:

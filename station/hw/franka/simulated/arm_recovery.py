@@ -55,11 +55,12 @@ class ArmRecovery(ArmSettings):
     def check_recovery(self) -> None:
         if self._world.diverged_because:
             raise ArmCommandError(
-                f"cannot recover: {self._world.diverged_because}", remedy=self.remedy()
+                f"cannot recover: {self._world.diverged_because}",
+                remedy=self.remedy() or "",
             )
         if self.state.robot_mode is RobotMode.USER_STOPPED:
             raise ArmCommandError(
-                "cannot recover: the user stop is pressed", remedy=self.remedy()
+                "cannot recover: the user stop is pressed", remedy=self.remedy() or ""
             )
 
     @override
@@ -77,7 +78,7 @@ class ArmRecovery(ArmSettings):
         return list(self.supervisor.log)
 
     @override
-    def remedy(self) -> str:
+    def remedy(self) -> str | None:
         if self._world.diverged_because:
             return "reset the simulation"
         match self.state.robot_mode:
@@ -90,7 +91,7 @@ class ArmRecovery(ArmSettings):
             case RobotMode.AUTOMATIC_ERROR_RECOVERY:
                 return "wait until the arm is at rest"
             case _:
-                return ""
+                return None
 
     def set_user_stop(self, *, pressed: bool) -> None:
         """Press or release the user stop; releasing it clears the errors."""

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from typing_extensions import override
 
 from station.core.errors import ArmCommandError
+from station.core.franka.arm_simulation import ArmSimulation, SimulatedFault
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import SimulatedFault
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
@@ -46,7 +46,7 @@ _SUPERVISED = (
 )
 
 
-class SimulatedArm(ArmRecovery):
+class SimulatedArm(ArmRecovery, ArmSimulation):
     """An arm in a `World`; several arms may share one.
 
     The world makes a step when the first of its arms asks for a state that it has not
@@ -216,18 +216,23 @@ class SimulatedArm(ArmRecovery):
             raise self._not_commandable("a Cartesian velocity")
         self._follower.command_cartesian(twist, elbow, 6)
 
+    @override
+    def simulation(self) -> ArmSimulation | None:
+        return self
+
+    @override
     def inject(self, fault: SimulatedFault) -> None:
-        """Make something go wrong from the next cycle on."""
         self._faults.inject(fault)
 
+    @override
     def faults(self) -> list[SimulatedFault]:
-        """Return what goes wrong at present, with the cycles that are left."""
         return self._faults.active()
 
+    @override
     def clear_faults(self) -> None:
-        """End everything that was made to go wrong."""
         self._faults.clear()
 
+    @override
     def apply_force(
         self,
         link: str,
@@ -238,11 +243,6 @@ class SimulatedArm(ArmRecovery):
         frame: str = WORLD,
         point: Sequence[float] | None = None,
     ) -> None:
-        """Push a link or an object; see `FrankaServices.apply_force`.
-
-        Raises:
-            HardwareInterfaceError: There is no such link.
-        """
         push = as_push(link, force, torque, frame=frame, point=point)
         self._world.push(push, max(1, round(duration / self.cycle_time)))
 

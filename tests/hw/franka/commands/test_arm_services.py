@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from station.core.errors import ArmCommandError, InvalidCommandError
-from station.core.franka import FaultKind, FrankaServicesInterface, SimulatedFault
+from station.core.franka import FrankaServicesInterface
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.franka_hw import FrankaHW
@@ -43,7 +43,7 @@ def test_recovery_without_an_error_says_so(services):
 
 
 def test_connecting_sets_the_configured_thresholds_again(services):
-    arm = services._simulated()
+    arm = services.simulation()
     configured = arm.contact.behavior
     high = replace(configured, upper_force_thresholds_nominal=(90.0,) * 6)
     services.set_collision_behavior(high)
@@ -63,6 +63,7 @@ def real():
         return lambda _, *args, **kwargs: getattr(simulated, name)(*args, **kwargs)
 
     methods = {name: passed_on(name) for name in RobotArm.__abstractmethods__}
+    methods["simulation"] = lambda _: None
     arm = type("RealArm", (RobotArm,), methods)()
     arm.cycle_time, arm.state = simulated.cycle_time, simulated.state
     tree = ParameterTree({
@@ -73,20 +74,8 @@ def real():
     return hw.get(FrankaServicesInterface).get_handle("panda")
 
 
-@pytest.mark.parametrize(
-    "use",
-    [
-        lambda arm: arm.set_user_stop(pressed=True),
-        lambda arm: arm.set_guiding(pressed=True),
-        lambda arm: arm.apply_force("panda_hand", [0.0] * 3, [0.0] * 3, 1.0),
-        lambda arm: arm.inject(SimulatedFault(FaultKind.COLLISION, 1)),
-        lambda arm: arm.faults(),
-        lambda arm: arm.clear_faults(),
-    ],
-)
-def test_what_only_simulations_can_do_is_refused_with_the_reason(real, use):
-    with pytest.raises(ArmCommandError, match="arm 'panda' is not simulated"):
-        use(real)
+def test_arm_that_is_not_simulated_has_no_controls_of_a_simulation(real):
+    assert real.simulation() is None
 
 
 def test_settings_and_recovery_are_those_of_any_arm(real):

@@ -4,7 +4,7 @@ import pytest
 
 from station.core.errors import HardwareInterfaceError
 from station.core.franka import FaultKind, RobotState
-from station.core.franka.franka_services import SimulatedFault
+from station.core.franka.arm_simulation import SimulatedFault
 from station.hw.franka.arm.arm_names import joint_names
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.franka.simulated.simulation import ArmPlacement, simulate
