@@ -1,13 +1,10 @@
 """The synchronous client; its methods are tested with the routes."""
 
-import inspect
-
 import httpx
 import pytest
 
 from station.client import (
     ApiError,
-    AsyncStationClient,
     StationClient,
     StationUnreachableError,
 )
@@ -65,14 +62,3 @@ def test_proxies_of_the_environment_are_not_used(monkeypatch, served):
         with pytest.raises(ApiError) as caught:
             client.status()
     assert caught.value.status == 401
-
-
-def test_both_clients_have_the_same_methods():
-    def methods(kind):
-        return {
-            name: str(inspect.signature(value)).partition(" ->")[0]
-            for name, value in vars(kind).items()
-            if inspect.isfunction(value) and not name.startswith("_")
-        }
-
-    assert methods(StationClient) == methods(AsyncStationClient)

@@ -1,4 +1,4 @@
-"""The synchronous client: one method per route."""
+"""The client of a station: one method per route."""
 
 from collections.abc import Mapping, Sequence
 from types import TracebackType
@@ -7,43 +7,57 @@ from typing import Self
 import httpx
 from pydantic import JsonValue
 
-from station.client import calls, robot_calls
-from station.client.calls import Call, ModelT, Strictness
-from station.client.errors import StationUnreachableError
-from station.client.robot_calls import Restart
-from station.client.robot_client import RobotClient
-from station.client.simulation_client import SimulationClient
-from station.client.stream import Stream
-from station.client.stream_options import Rate, StreamOptions, bearer
+from station.client._async.connection import AsyncConnection
+from station.client._async.robot_client import AsyncRobotClient
+from station.client._async.simulation_client import AsyncSimulationClient
+from station.client.async_stream import AsyncStream
+from station.client.routes import Restart, Strictness, segment
+from station.client.stream_options import Rate, StreamOptions
 from station.wire import (
     ArmReport,
+    Arms,
     CommandAccepted,
     CommandInfo,
+    CommandRequest,
+    Controllers,
     ControllerSample,
     ControllerState,
     ControllerType,
+    ControllerTypes,
     DesiredState,
     Gains,
     GainsChange,
+    GainsPatch,
     Goal,
+    GoalRequest,
+    Goals,
     Hardware,
     Health,
     JointStates,
+    LoadRequest,
     LoopReport,
     Ready,
     Recoveries,
+    RecoveryRequest,
+    ReleaseRequest,
+    Scene,
     SceneObject,
     Session,
     Status,
+    StopRequest,
     StopState,
     StreamTicket,
     SwitchRequest,
     SwitchResult,
+    TrajectoryRequest,
 )
 
 
-class StationClient:
-    """Talks to a station from plain Python. Threads may share one client.
+class AsyncStationClient:
+    """Talks to a station.
+
+    `StationClient` blocks until the answer is there; `AsyncStationClient` has the same
+    methods to be awaited.
 
     Every method raises `ApiError` when the station refuses, and its child
     `StationUnreachableError` when it does not answer. Arguments that cannot be sent
@@ -68,77 +82,58 @@ class StationClient:
         token: str | None = None,
         *,
         timeout: float = 10.0,
-        transport: httpx.BaseTransport | None = None,
+        transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
         self.url = url.rstrip("/")
         self.timeout = timeout
         self._token = token
-        self.simulation = SimulationClient(self._do)
-        self._http = httpx.Client(
-            base_url=self.url,
-            headers=bearer(token),
-            timeout=timeout,
-            transport=transport,
-            trust_env=False,
-        )
+        self._connection = AsyncConnection(self.url, token, timeout, transport)
+        self.simulation = AsyncSimulationClient(self._connection)
 
-    def __enter__(self) -> Self:
+    async def __aenter__(self) -> Self:
         return self
 
-    def __exit__(
+    async def __aexit__(
         self,
         kind: type[BaseException] | None,
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.close()
+        await self.close()
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Close the connections."""
-        self._http.close()
+        await self._connection.close()
 
-    def _do(self, call: Call[ModelT]) -> ModelT:
-        try:
-            answer = self._http.request(
-                call.method,
-                call.path,
-                content=call.body,
-                headers=call.sent_headers(),
-                timeout=self.timeout + call.patience,
-            )
-        except httpx.TransportError as error:
-            raise StationUnreachableError(self.url, error) from error
-        return call.read_answer(answer.status_code, answer.content)
-
-    def health(self) -> Health:
+    async def health(self) -> Health:
         """Return that the process lives, and its boot_id."""
-        return self._do(calls.health())
+        return await self._connection.get("/health", Health)
 
-    def ready(self) -> Ready:
+    async def ready(self) -> Ready:
         """Return when the loop runs with fresh cycles; an error says why not."""
-        return self._do(calls.ready())
+        return await self._connection.get("/ready", Ready)
 
-    def session(self) -> Session:
+    async def session(self) -> Session:
         """Return which role the token has."""
-        return self._do(calls.session())
+        return await self._connection.get("/session", Session)
 
-    def status(self) -> Status:
+    async def status(self) -> Status:
         """Return the station at a glance."""
-        return self._do(calls.status())
+        return await self._connection.get("/status", Status)
 
-    def hardware(self) -> Hardware:
+    async def hardware(self) -> Hardware:
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
-        return self._do(calls.hardware())
+        return await self._connection.get("/hardware", Hardware)
 
-    def controllers(self) -> list[ControllerState]:
+    async def controllers(self) -> list[ControllerState]:
         """Return all loaded controllers."""
-        return self._do(calls.controllers()).controllers
+        return (await self._connection.get("/controllers", Controllers)).controllers
 
-    def controller(self, name: str) -> ControllerState:
+    async def controller(self, name: str) -> ControllerState:
         """Return one controller."""
-        return self._do(calls.controller(name))
+        return await self._connection.get(_controller(name), ControllerState)
 
-    def load_controller(
+    async def load_controller(
         self,
         name: str,
         type: str | None = None,  # noqa: A002 - ros_control's word
@@ -151,13 +146,20 @@ class StationClient:
             type: Its plugin type; None when the station's configuration has it.
             params: Its parameters; None when the station's configuration has them.
         """
-        return self._do(calls.load_controller(name, type, params))
+        given: dict[str, object] = {"name": name, "type": type, "params": params}
+        request = LoadRequest.model_validate({
+            key: value for key, value in given.items() if value is not None
+        })
+        return await self._connection.send(
+            "POST", "/controllers", ControllerState, request
+        )
 
-    def unload_controller(self, name: str) -> ControllerState:
+    async def unload_controller(self, name: str) -> ControllerState:
         """Unload a stopped controller and return what it was."""
-        return self._do(calls.unload_controller(name))
+        path = _controller(name)
+        return await self._connection.send("DELETE", path, ControllerState)
 
-    def switch_controllers(
+    async def switch_controllers(
         self,
         *,
         start: Sequence[str] = (),
@@ -185,13 +187,15 @@ class StationClient:
             timeout=timeout,
             dry_run=dry_run,
         )
-        return self._do(calls.switch_controllers(request))
+        return await self._connection.send(
+            "POST", "/controllers/switch", SwitchResult, request, patience=timeout
+        )
 
-    def gains(self, name: str) -> Gains:
+    async def gains(self, name: str) -> Gains:
         """Return a controller's gains, what they may be, and their ETag."""
-        return self._do(calls.gains(name))
+        return await self._connection.get(_controller(name, "gains"), Gains)
 
-    def set_gains(
+    async def set_gains(
         self, name: str, values: Mapping[str, float], etag: str | None = None
     ) -> GainsChange:
         """Change gains in one cycle; the others keep their value.
@@ -201,13 +205,17 @@ class StationClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        return self._do(calls.set_gains(name, values, etag))
+        path, request = _controller(name, "gains"), GainsPatch(values=dict(values))
+        headers = {} if etag is None else {"If-Match": etag}
+        return await self._connection.send(
+            "PATCH", path, GainsChange, request, headers=headers
+        )
 
-    def last_command(self, name: str) -> CommandInfo:
+    async def last_command(self, name: str) -> CommandInfo:
         """Return what set-points a controller takes, and the last it took."""
-        return self._do(calls.last_command(name))
+        return await self._connection.get(_controller(name, "command"), CommandInfo)
 
-    def command(
+    async def command(
         self,
         name: str,
         values: Sequence[float],
@@ -224,13 +232,20 @@ class StationClient:
             timeout: How long it is valid [s], 0 for ever; None: the controller's own.
             rates: How fast it changes, for controllers that feed it forward.
         """
-        return self._do(calls.command(name, values, epoch, timeout, rates))
+        request = CommandRequest(
+            command=list(values),
+            epoch=epoch,
+            timeout=timeout,
+            rates=None if rates is None else list(rates),
+        )
+        path = _controller(name, "command")
+        return await self._connection.send("PUT", path, CommandAccepted, request)
 
-    def controller_state(self, name: str) -> ControllerSample:
+    async def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""
-        return self._do(calls.controller_state(name))
+        return await self._connection.get(_controller(name, "state"), ControllerSample)
 
-    def submit_goal(
+    async def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
     ) -> Goal:
         """Give a running controller a goal; it replaces the one before.
@@ -240,21 +255,25 @@ class StationClient:
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        return self._do(calls.submit_goal(name, goal, epoch))
+        path, request = (
+            _controller(name, "goals"),
+            GoalRequest(goal=dict(goal), epoch=epoch),
+        )
+        return await self._connection.send("POST", path, Goal, request)
 
-    def goals(self, name: str) -> list[Goal]:
+    async def goals(self, name: str) -> list[Goal]:
         """Return a controller's latest goals, oldest first."""
-        return self._do(calls.goals(name)).goals
+        return (await self._connection.get(_controller(name, "goals"), Goals)).goals
 
-    def goal(self, name: str, goal_id: str) -> Goal:
+    async def goal(self, name: str, goal_id: str) -> Goal:
         """Return how far a goal is, or how and why it ended."""
-        return self._do(calls.goal(name, goal_id))
+        return await self._connection.get(_goal(name, goal_id), Goal)
 
-    def cancel_goal(self, name: str, goal_id: str) -> Goal:
+    async def cancel_goal(self, name: str, goal_id: str) -> Goal:
         """Ask for the end of a goal; the joints hold from the next cycle on."""
-        return self._do(calls.cancel_goal(name, goal_id))
+        return await self._connection.send("DELETE", _goal(name, goal_id), Goal)
 
-    def follow_trajectory(
+    async def follow_trajectory(
         self,
         name: str,
         trajectory: Mapping[str, JsonValue],
@@ -268,72 +287,83 @@ class StationClient:
                 joints stop and hold.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        return self._do(calls.follow_trajectory(name, trajectory, epoch))
+        request = TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
+        path = _controller(name, "trajectory")
+        return await self._connection.send("POST", path, CommandAccepted, request)
 
-    def query_state(self, name: str, time: float | None = None) -> DesiredState:
+    async def query_state(self, name: str, time: float | None = None) -> DesiredState:
         """Return where the joints of a trajectory controller shall be.
 
         Args:
             name: The controller.
             time: Station time [s]; now when None.
         """
-        return self._do(calls.query_state(name, time))
+        query = None if time is None else {"time": repr(time)}
+        path = _controller(name, "query_state")
+        return await self._connection.get(path, DesiredState, query)
 
-    def joint_states(self) -> JointStates:
+    async def joint_states(self) -> JointStates:
         """Return the joints of the last cycle."""
-        return self._do(calls.joint_states())
+        return await self._connection.get("/joint_states", JointStates)
 
-    def controller_types(self) -> list[ControllerType]:
+    async def controller_types(self) -> list[ControllerType]:
         """Return the plugins that can be loaded."""
-        return self._do(calls.controller_types()).controller_types
+        return (
+            await self._connection.get("/controller-types", ControllerTypes)
+        ).controller_types
 
-    def robots(self) -> list[ArmReport]:
+    async def robots(self) -> list[ArmReport]:
         """Return all arms, their modes and errors, and what to do."""
-        return (self._do(robot_calls.robots())).robots
+        return (await self._connection.get("/robots", Arms)).robots
 
-    def recover_all(self, restart: Restart = "none") -> Recoveries:
+    async def recover_all(self, restart: Restart = "none") -> Recoveries:
         """Clear the errors of all arms; with `previous` start controllers again."""
-        return self._do(robot_calls.recover_all(restart))
+        path, request = "/robots/error_recovery", RecoveryRequest(restart=restart)
+        return await self._connection.send(
+            "POST", path, Recoveries, request, patience=5.0
+        )
 
-    def robot(self, arm_id: str) -> RobotClient:
+    def robot(self, arm_id: str) -> AsyncRobotClient:
         """Return the client of one arm."""
-        return RobotClient(self._do, arm_id)
+        return AsyncRobotClient(self._connection, arm_id)
 
-    def scene(self) -> list[SceneObject]:
+    async def scene(self) -> list[SceneObject]:
         """Return the things around a simulated robot, where they are now."""
-        return (self._do(calls.scene())).objects
+        return (await self._connection.get("/scene", Scene)).objects
 
-    def loop(self) -> LoopReport:
+    async def loop(self) -> LoopReport:
         """Return how the control loop does."""
-        return self._do(calls.loop())
+        return await self._connection.get("/loop", LoopReport)
 
-    def reset_loop_statistics(self) -> LoopReport:
+    async def reset_loop_statistics(self) -> LoopReport:
         """Start the loop's statistics afresh."""
-        return self._do(calls.reset_loop_statistics())
+        return await self._connection.send("POST", "/loop/statistics/reset", LoopReport)
 
-    def stop_state(self) -> StopState:
+    async def stop_state(self) -> StopState:
         """Return the state of the latched stop."""
-        return self._do(calls.stop_state())
+        return await self._connection.get("/stop", StopState)
 
-    def stop(self, reason: str = "") -> StopState:
+    async def stop(self, reason: str = "") -> StopState:
         """Stop the robot; it stays stopped until released.
 
         Args:
             reason: For the record.
         """
-        return self._do(calls.stop(reason))
+        request = StopRequest(reason=reason)
+        return await self._connection.send("POST", "/stop", StopState, request)
 
-    def release_stop(self, *, arm: bool = False) -> StopState:
+    async def release_stop(self, *, arm: bool = False) -> StopState:
         """Take back a stop, in two steps; nothing resumes by itself.
 
         Args:
             arm: False: the cause is gone. True, afterwards: motion is allowed again.
         """
-        return self._do(calls.release_stop(arm=arm))
+        request = ReleaseRequest(arm=arm)
+        return await self._connection.send("POST", "/stop/release", StopState, request)
 
-    def stream_ticket(self) -> StreamTicket:
+    async def stream_ticket(self) -> StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
-        return self._do(calls.stream_ticket())
+        return await self._connection.send("POST", "/stream-tickets", StreamTicket)
 
     def stream(
         self,
@@ -342,8 +372,8 @@ class StationClient:
         rate: Rate | None = None,
         fields: Sequence[str] = (),
         reconnect: bool = True,
-    ) -> Stream:
-        """Return a stream of a topic; iterate over it.
+    ) -> AsyncStream:
+        """Return a stream of a topic to iterate over, in asyncio with `async for`.
 
         Args:
             topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
@@ -352,6 +382,15 @@ class StationClient:
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
         """
-        return Stream(
+        return AsyncStream(
             StreamOptions(self.url, self._token, topic, rate, tuple(fields), reconnect)
         )
+
+
+def _controller(name: str, rest: str = "") -> str:
+    path = f"/controllers/{segment(name)}"
+    return f"{path}/{rest}" if rest else path
+
+
+def _goal(name: str, goal_id: str) -> str:
+    return f"{_controller(name, 'goals')}/{segment(goal_id)}"

@@ -1,4 +1,5 @@
-"""The client for asyncio: one method per route."""
+# Generated from _async/station_client.py by tools/generate_client.py.
+"""The client of a station: one method per route."""
 
 from collections.abc import Mapping, Sequence
 from types import TracebackType
@@ -7,43 +8,57 @@ from typing import Self
 import httpx
 from pydantic import JsonValue
 
-from station.client import calls, robot_calls
-from station.client.async_robot_client import AsyncRobotClient
-from station.client.async_simulation_client import AsyncSimulationClient
-from station.client.async_stream import AsyncStream
-from station.client.calls import Call, ModelT, Strictness
-from station.client.errors import StationUnreachableError
-from station.client.robot_calls import Restart
-from station.client.stream_options import Rate, StreamOptions, bearer
+from station.client._sync.connection import Connection
+from station.client._sync.robot_client import RobotClient
+from station.client._sync.simulation_client import SimulationClient
+from station.client.routes import Restart, Strictness, segment
+from station.client.stream import Stream
+from station.client.stream_options import Rate, StreamOptions
 from station.wire import (
     ArmReport,
+    Arms,
     CommandAccepted,
     CommandInfo,
+    CommandRequest,
+    Controllers,
     ControllerSample,
     ControllerState,
     ControllerType,
+    ControllerTypes,
     DesiredState,
     Gains,
     GainsChange,
+    GainsPatch,
     Goal,
+    GoalRequest,
+    Goals,
     Hardware,
     Health,
     JointStates,
+    LoadRequest,
     LoopReport,
     Ready,
     Recoveries,
+    RecoveryRequest,
+    ReleaseRequest,
+    Scene,
     SceneObject,
     Session,
     Status,
+    StopRequest,
     StopState,
     StreamTicket,
     SwitchRequest,
     SwitchResult,
+    TrajectoryRequest,
 )
 
 
-class AsyncStationClient:
-    """Talks to a station from asyncio code.
+class StationClient:
+    """Talks to a station.
+
+    `StationClient` blocks until the answer is there; `AsyncStationClient` has the same
+    methods to be awaited.
 
     Every method raises `ApiError` when the station refuses, and its child
     `StationUnreachableError` when it does not answer. Arguments that cannot be sent
@@ -68,77 +83,58 @@ class AsyncStationClient:
         token: str | None = None,
         *,
         timeout: float = 10.0,
-        transport: httpx.AsyncBaseTransport | None = None,
+        transport: httpx.BaseTransport | None = None,
     ) -> None:
         self.url = url.rstrip("/")
         self.timeout = timeout
         self._token = token
-        self.simulation = AsyncSimulationClient(self._do)
-        self._http = httpx.AsyncClient(
-            base_url=self.url,
-            headers=bearer(token),
-            timeout=timeout,
-            transport=transport,
-            trust_env=False,
-        )
+        self._connection = Connection(self.url, token, timeout, transport)
+        self.simulation = SimulationClient(self._connection)
 
-    async def __aenter__(self) -> Self:
+    def __enter__(self) -> Self:
         return self
 
-    async def __aexit__(
+    def __exit__(
         self,
         kind: type[BaseException] | None,
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        await self.close()
+        self.close()
 
-    async def close(self) -> None:
+    def close(self) -> None:
         """Close the connections."""
-        await self._http.aclose()
+        self._connection.close()
 
-    async def _do(self, call: Call[ModelT]) -> ModelT:
-        try:
-            answer = await self._http.request(
-                call.method,
-                call.path,
-                content=call.body,
-                headers=call.sent_headers(),
-                timeout=self.timeout + call.patience,
-            )
-        except httpx.TransportError as error:
-            raise StationUnreachableError(self.url, error) from error
-        return call.read_answer(answer.status_code, answer.content)
-
-    async def health(self) -> Health:
+    def health(self) -> Health:
         """Return that the process lives, and its boot_id."""
-        return await self._do(calls.health())
+        return self._connection.get("/health", Health)
 
-    async def ready(self) -> Ready:
+    def ready(self) -> Ready:
         """Return when the loop runs with fresh cycles; an error says why not."""
-        return await self._do(calls.ready())
+        return self._connection.get("/ready", Ready)
 
-    async def session(self) -> Session:
+    def session(self) -> Session:
         """Return which role the token has."""
-        return await self._do(calls.session())
+        return self._connection.get("/session", Session)
 
-    async def status(self) -> Status:
+    def status(self) -> Status:
         """Return the station at a glance."""
-        return await self._do(calls.status())
+        return self._connection.get("/status", Status)
 
-    async def hardware(self) -> Hardware:
+    def hardware(self) -> Hardware:
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
-        return await self._do(calls.hardware())
+        return self._connection.get("/hardware", Hardware)
 
-    async def controllers(self) -> list[ControllerState]:
+    def controllers(self) -> list[ControllerState]:
         """Return all loaded controllers."""
-        return (await self._do(calls.controllers())).controllers
+        return (self._connection.get("/controllers", Controllers)).controllers
 
-    async def controller(self, name: str) -> ControllerState:
+    def controller(self, name: str) -> ControllerState:
         """Return one controller."""
-        return await self._do(calls.controller(name))
+        return self._connection.get(_controller(name), ControllerState)
 
-    async def load_controller(
+    def load_controller(
         self,
         name: str,
         type: str | None = None,  # noqa: A002 - ros_control's word
@@ -151,13 +147,18 @@ class AsyncStationClient:
             type: Its plugin type; None when the station's configuration has it.
             params: Its parameters; None when the station's configuration has them.
         """
-        return await self._do(calls.load_controller(name, type, params))
+        given: dict[str, object] = {"name": name, "type": type, "params": params}
+        request = LoadRequest.model_validate({
+            key: value for key, value in given.items() if value is not None
+        })
+        return self._connection.send("POST", "/controllers", ControllerState, request)
 
-    async def unload_controller(self, name: str) -> ControllerState:
+    def unload_controller(self, name: str) -> ControllerState:
         """Unload a stopped controller and return what it was."""
-        return await self._do(calls.unload_controller(name))
+        path = _controller(name)
+        return self._connection.send("DELETE", path, ControllerState)
 
-    async def switch_controllers(
+    def switch_controllers(
         self,
         *,
         start: Sequence[str] = (),
@@ -185,13 +186,15 @@ class AsyncStationClient:
             timeout=timeout,
             dry_run=dry_run,
         )
-        return await self._do(calls.switch_controllers(request))
+        return self._connection.send(
+            "POST", "/controllers/switch", SwitchResult, request, patience=timeout
+        )
 
-    async def gains(self, name: str) -> Gains:
+    def gains(self, name: str) -> Gains:
         """Return a controller's gains, what they may be, and their ETag."""
-        return await self._do(calls.gains(name))
+        return self._connection.get(_controller(name, "gains"), Gains)
 
-    async def set_gains(
+    def set_gains(
         self, name: str, values: Mapping[str, float], etag: str | None = None
     ) -> GainsChange:
         """Change gains in one cycle; the others keep their value.
@@ -201,13 +204,17 @@ class AsyncStationClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        return await self._do(calls.set_gains(name, values, etag))
+        path, request = _controller(name, "gains"), GainsPatch(values=dict(values))
+        headers = {} if etag is None else {"If-Match": etag}
+        return self._connection.send(
+            "PATCH", path, GainsChange, request, headers=headers
+        )
 
-    async def last_command(self, name: str) -> CommandInfo:
+    def last_command(self, name: str) -> CommandInfo:
         """Return what set-points a controller takes, and the last it took."""
-        return await self._do(calls.last_command(name))
+        return self._connection.get(_controller(name, "command"), CommandInfo)
 
-    async def command(
+    def command(
         self,
         name: str,
         values: Sequence[float],
@@ -224,13 +231,20 @@ class AsyncStationClient:
             timeout: How long it is valid [s], 0 for ever; None: the controller's own.
             rates: How fast it changes, for controllers that feed it forward.
         """
-        return await self._do(calls.command(name, values, epoch, timeout, rates))
+        request = CommandRequest(
+            command=list(values),
+            epoch=epoch,
+            timeout=timeout,
+            rates=None if rates is None else list(rates),
+        )
+        path = _controller(name, "command")
+        return self._connection.send("PUT", path, CommandAccepted, request)
 
-    async def controller_state(self, name: str) -> ControllerSample:
+    def controller_state(self, name: str) -> ControllerSample:
         """Return what a controller did in the last cycle."""
-        return await self._do(calls.controller_state(name))
+        return self._connection.get(_controller(name, "state"), ControllerSample)
 
-    async def submit_goal(
+    def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
     ) -> Goal:
         """Give a running controller a goal; it replaces the one before.
@@ -240,21 +254,25 @@ class AsyncStationClient:
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        return await self._do(calls.submit_goal(name, goal, epoch))
+        path, request = (
+            _controller(name, "goals"),
+            GoalRequest(goal=dict(goal), epoch=epoch),
+        )
+        return self._connection.send("POST", path, Goal, request)
 
-    async def goals(self, name: str) -> list[Goal]:
+    def goals(self, name: str) -> list[Goal]:
         """Return a controller's latest goals, oldest first."""
-        return (await self._do(calls.goals(name))).goals
+        return (self._connection.get(_controller(name, "goals"), Goals)).goals
 
-    async def goal(self, name: str, goal_id: str) -> Goal:
+    def goal(self, name: str, goal_id: str) -> Goal:
         """Return how far a goal is, or how and why it ended."""
-        return await self._do(calls.goal(name, goal_id))
+        return self._connection.get(_goal(name, goal_id), Goal)
 
-    async def cancel_goal(self, name: str, goal_id: str) -> Goal:
+    def cancel_goal(self, name: str, goal_id: str) -> Goal:
         """Ask for the end of a goal; the joints hold from the next cycle on."""
-        return await self._do(calls.cancel_goal(name, goal_id))
+        return self._connection.send("DELETE", _goal(name, goal_id), Goal)
 
-    async def follow_trajectory(
+    def follow_trajectory(
         self,
         name: str,
         trajectory: Mapping[str, JsonValue],
@@ -268,72 +286,81 @@ class AsyncStationClient:
                 joints stop and hold.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        return await self._do(calls.follow_trajectory(name, trajectory, epoch))
+        request = TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
+        path = _controller(name, "trajectory")
+        return self._connection.send("POST", path, CommandAccepted, request)
 
-    async def query_state(self, name: str, time: float | None = None) -> DesiredState:
+    def query_state(self, name: str, time: float | None = None) -> DesiredState:
         """Return where the joints of a trajectory controller shall be.
 
         Args:
             name: The controller.
             time: Station time [s]; now when None.
         """
-        return await self._do(calls.query_state(name, time))
+        query = None if time is None else {"time": repr(time)}
+        path = _controller(name, "query_state")
+        return self._connection.get(path, DesiredState, query)
 
-    async def joint_states(self) -> JointStates:
+    def joint_states(self) -> JointStates:
         """Return the joints of the last cycle."""
-        return await self._do(calls.joint_states())
+        return self._connection.get("/joint_states", JointStates)
 
-    async def controller_types(self) -> list[ControllerType]:
+    def controller_types(self) -> list[ControllerType]:
         """Return the plugins that can be loaded."""
-        return (await self._do(calls.controller_types())).controller_types
+        return (
+            self._connection.get("/controller-types", ControllerTypes)
+        ).controller_types
 
-    async def robots(self) -> list[ArmReport]:
+    def robots(self) -> list[ArmReport]:
         """Return all arms, their modes and errors, and what to do."""
-        return (await self._do(robot_calls.robots())).robots
+        return (self._connection.get("/robots", Arms)).robots
 
-    async def recover_all(self, restart: Restart = "none") -> Recoveries:
+    def recover_all(self, restart: Restart = "none") -> Recoveries:
         """Clear the errors of all arms; with `previous` start controllers again."""
-        return await self._do(robot_calls.recover_all(restart))
+        path, request = "/robots/error_recovery", RecoveryRequest(restart=restart)
+        return self._connection.send("POST", path, Recoveries, request, patience=5.0)
 
-    def robot(self, arm_id: str) -> AsyncRobotClient:
+    def robot(self, arm_id: str) -> RobotClient:
         """Return the client of one arm."""
-        return AsyncRobotClient(self._do, arm_id)
+        return RobotClient(self._connection, arm_id)
 
-    async def scene(self) -> list[SceneObject]:
+    def scene(self) -> list[SceneObject]:
         """Return the things around a simulated robot, where they are now."""
-        return (await self._do(calls.scene())).objects
+        return (self._connection.get("/scene", Scene)).objects
 
-    async def loop(self) -> LoopReport:
+    def loop(self) -> LoopReport:
         """Return how the control loop does."""
-        return await self._do(calls.loop())
+        return self._connection.get("/loop", LoopReport)
 
-    async def reset_loop_statistics(self) -> LoopReport:
+    def reset_loop_statistics(self) -> LoopReport:
         """Start the loop's statistics afresh."""
-        return await self._do(calls.reset_loop_statistics())
+        return self._connection.send("POST", "/loop/statistics/reset", LoopReport)
 
-    async def stop_state(self) -> StopState:
+    def stop_state(self) -> StopState:
         """Return the state of the latched stop."""
-        return await self._do(calls.stop_state())
+        return self._connection.get("/stop", StopState)
 
-    async def stop(self, reason: str = "") -> StopState:
+    def stop(self, reason: str = "") -> StopState:
         """Stop the robot; it stays stopped until released.
 
         Args:
             reason: For the record.
         """
-        return await self._do(calls.stop(reason))
+        request = StopRequest(reason=reason)
+        return self._connection.send("POST", "/stop", StopState, request)
 
-    async def release_stop(self, *, arm: bool = False) -> StopState:
+    def release_stop(self, *, arm: bool = False) -> StopState:
         """Take back a stop, in two steps; nothing resumes by itself.
 
         Args:
             arm: False: the cause is gone. True, afterwards: motion is allowed again.
         """
-        return await self._do(calls.release_stop(arm=arm))
+        request = ReleaseRequest(arm=arm)
+        return self._connection.send("POST", "/stop/release", StopState, request)
 
-    async def stream_ticket(self) -> StreamTicket:
+    def stream_ticket(self) -> StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
-        return await self._do(calls.stream_ticket())
+        return self._connection.send("POST", "/stream-tickets", StreamTicket)
 
     def stream(
         self,
@@ -342,8 +369,8 @@ class AsyncStationClient:
         rate: Rate | None = None,
         fields: Sequence[str] = (),
         reconnect: bool = True,
-    ) -> AsyncStream:
-        """Return a stream of a topic; `async for` over it.
+    ) -> Stream:
+        """Return a stream of a topic to iterate over, in asyncio with `async for`.
 
         Args:
             topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
@@ -352,6 +379,15 @@ class AsyncStationClient:
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
         """
-        return AsyncStream(
+        return Stream(
             StreamOptions(self.url, self._token, topic, rate, tuple(fields), reconnect)
         )
+
+
+def _controller(name: str, rest: str = "") -> str:
+    path = f"/controllers/{segment(name)}"
+    return f"{path}/{rest}" if rest else path
+
+
+def _goal(name: str, goal_id: str) -> str:
+    return f"{_controller(name, 'goals')}/{segment(goal_id)}"
