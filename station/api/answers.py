@@ -13,9 +13,9 @@ from station.core.control import tunables
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchResult
 from station.core.facade.hardware_report import HardwareReport
-from station.core.facade.robots import ArmReport
 from station.core.facade.station import Station
 from station.core.franka import GripperState, RobotMode, RobotState
+from station.core.franka.arms import ArmReport, Arms
 from station.core.franka.franka_errors import error_names
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.loop.snapshot import Snapshot
@@ -202,7 +202,7 @@ def arm_report(found: ArmReport) -> wire.ArmReport:
 
 def arms(station: Station) -> list[wire.ArmReport]:
     """Return all arms at a glance."""
-    return [arm_report(found) for found in station.robots.reports()]
+    return [arm_report(found) for found in Arms(station.robots).reports()]
 
 
 def franka_state(found: RobotState) -> wire.FrankaState:

@@ -86,6 +86,30 @@ class ArmReport(ResponseModel):
     remedy: Reason
 
 
+class ServiceInfo(ResponseModel):
+    """A service of a robot.
+
+    Attributes:
+        name: Its name.
+        method: HTTP method of its route.
+        path: Last part of its route: `/robots/{arm_id}/{path}`.
+        description: What it does.
+        parameters: Names of its parameters, the keys of the request's body.
+    """
+
+    name: str
+    method: str
+    path: str
+    description: str
+    parameters: list[str]
+
+
+class Services(ResponseModel):
+    """The services of a robot."""
+
+    services: list[ServiceInfo]
+
+
 class Arms(ResponseModel):
     """All arms of the station."""
 

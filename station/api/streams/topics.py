@@ -14,6 +14,7 @@ from station.core.errors import (
     StationError,
 )
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
 from station.core.loop.snapshot import Snapshot
 from station.wire import FrankaState, LoopReport, Scene
 
@@ -207,13 +208,14 @@ class RobotStateTopic(ReportTopic):
 
     def __init__(self, station: Station, arm_id: str) -> None:
         super().__init__(station)
-        station.robots.report(arm_id)  # refuses an unknown arm
+        self._arms = Arms(station.robots)
+        self._arms.report(arm_id)  # Refuses an unknown arm.
         self._arm_id = arm_id
         self.name = f"{ROBOT_STATE}/{arm_id}"
 
     @override
     def report(self) -> Data:
-        state = answers.franka_state(self._station.robots.state(self._arm_id))
+        state = answers.franka_state(self._arms.state(self._arm_id))
         return {"arm_id": self._arm_id, **state.model_dump()}
 
 
@@ -280,7 +282,7 @@ def find_topic(station: Station, name: str) -> Topic | None:
         if kind.name == name:
             return kind(station)
     family, _, member = name.partition("/")
-    arms = station.robots.names()
+    arms = Arms(station.robots).names()
     if name == ROBOT_STATE and len(arms) == 1:
         member = arms[0]
     try:
@@ -296,6 +298,6 @@ def find_topic(station: Station, name: str) -> Topic | None:
 def topic_names(station: Station) -> list[str]:
     """Return the names of all topics there are now."""
     fixed = [kind.name for kind in _FIXED]
-    arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in station.robots.names()]
+    arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in Arms(station.robots).names()]
     loaded = [CONTROLLER_STATE + status.name for status in station.controllers()]
     return fixed + arms + loaded

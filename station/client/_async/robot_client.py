@@ -3,10 +3,11 @@
 
 from collections.abc import Sequence
 
-from pydantic import BaseModel
+from pydantic import BaseModel, JsonValue, RootModel
 
 from station.client._async.connection import AsyncConnection
 from station.client._async.gripper_client import AsyncGripperClient
+from station.client.errors import ApiError
 from station.client.routes import Restart, segment
 from station.wire import (
     ActiveFault,
@@ -28,9 +29,15 @@ from station.wire import (
     Load,
     Recovery,
     RecoveryRequest,
+    ServiceInfo,
+    Services,
     StiffnessFrame,
     UserStopRequest,
 )
+
+
+class _Answer(RootModel[JsonValue]):
+    """The answer of a service, whatever it is."""
 
 
 class AsyncRobotClient:
@@ -79,6 +86,36 @@ class AsyncRobotClient:
             RecoveryRequest(restart=restart),
             patience=5.0,
         )
+
+    async def services(self) -> list[ServiceInfo]:
+        """Return the robot's services; `call` calls each of them."""
+        return (await self._connection.get(f"{self._path}/services", Services)).services
+
+    async def call(self, name: str, /, **arguments: JsonValue) -> JsonValue:
+        """Call a service of the robot and return its answer.
+
+        The robot declares its services: this client needs no method for them.
+
+        Args:
+            name: The service.
+            arguments: Its arguments by name.
+
+        Raises:
+            ApiError: The robot has no such service, or refuses.
+        """
+        services = {service.name: service for service in await self.services()}
+        service = services.get(name)
+        if service is None:
+            raise ApiError(
+                f"Robot '{self.arm_id}' has no service '{name}'.",
+                status=404,
+                code="service_not_found",
+                remedy=f"Its services are: {', '.join(services) or 'none'}.",
+            )
+        path = f"{self._path}/{service.path}"
+        body = arguments if arguments or service.parameters else None
+        answer = await self._connection.send(service.method, path, _Answer, body)
+        return answer.root
 
     async def user_stop(self, *, pressed: bool) -> ArmReport:
         """Press or release the user stop; in simulation only."""

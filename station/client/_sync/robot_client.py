@@ -4,10 +4,11 @@
 
 from collections.abc import Sequence
 
-from pydantic import BaseModel
+from pydantic import BaseModel, JsonValue, RootModel
 
 from station.client._sync.connection import Connection
 from station.client._sync.gripper_client import GripperClient
+from station.client.errors import ApiError
 from station.client.routes import Restart, segment
 from station.wire import (
     ActiveFault,
@@ -29,9 +30,15 @@ from station.wire import (
     Load,
     Recovery,
     RecoveryRequest,
+    ServiceInfo,
+    Services,
     StiffnessFrame,
     UserStopRequest,
 )
+
+
+class _Answer(RootModel[JsonValue]):
+    """The answer of a service, whatever it is."""
 
 
 class RobotClient:
@@ -80,6 +87,36 @@ class RobotClient:
             RecoveryRequest(restart=restart),
             patience=5.0,
         )
+
+    def services(self) -> list[ServiceInfo]:
+        """Return the robot's services; `call` calls each of them."""
+        return (self._connection.get(f"{self._path}/services", Services)).services
+
+    def call(self, name: str, /, **arguments: JsonValue) -> JsonValue:
+        """Call a service of the robot and return its answer.
+
+        The robot declares its services: this client needs no method for them.
+
+        Args:
+            name: The service.
+            arguments: Its arguments by name.
+
+        Raises:
+            ApiError: The robot has no such service, or refuses.
+        """
+        services = {service.name: service for service in self.services()}
+        service = services.get(name)
+        if service is None:
+            raise ApiError(
+                f"Robot '{self.arm_id}' has no service '{name}'.",
+                status=404,
+                code="service_not_found",
+                remedy=f"Its services are: {', '.join(services) or 'none'}.",
+            )
+        path = f"{self._path}/{service.path}"
+        body = arguments if arguments or service.parameters else None
+        answer = self._connection.send(service.method, path, _Answer, body)
+        return answer.root
 
     def user_stop(self, *, pressed: bool) -> ArmReport:
         """Press or release the user stop; in simulation only."""
