@@ -14,7 +14,6 @@ from station.core.facade.hardware_report import (
     InterfaceReport,
     ResourceReport,
 )
-from station.core.facade.robots import ArmReport
 from station.core.franka import (
     ArmError,
     GripperAction,
@@ -24,6 +23,7 @@ from station.core.franka import (
     RobotMode,
     RobotState,
 )
+from station.core.franka.arms import ArmReport
 from station.core.franka.franka_errors import ERROR_INDEX
 from station.core.hardware.limits import (
     Clamp,

@@ -22,6 +22,11 @@ class AsyncConnection:
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; httpx's own when None.
+
+    Attributes:
+        url: The station.
+        token: Operator or viewer token.
+        timeout: Longest wait for an answer [s]; may be changed.
     """
 
     def __init__(
@@ -31,8 +36,9 @@ class AsyncConnection:
         timeout: float,
         transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
-        self._url = url
-        self._timeout = timeout
+        self.url = url
+        self.token = token
+        self.timeout = timeout
         self._http = httpx.AsyncClient(
             base_url=url,
             headers=bearer(token),
@@ -44,6 +50,18 @@ class AsyncConnection:
     async def close(self) -> None:
         """Close the connections."""
         await self._http.aclose()
+
+    def move_to(self, url: str, token: str | None) -> None:
+        """Send to another station from the next request on.
+
+        Args:
+            url: The station, without a slash at its end.
+            token: Operator or viewer token.
+        """
+        self.url, self.token = url, token
+        self._http.base_url = httpx.URL(url)
+        self._http.headers.pop("Authorization", None)
+        self._http.headers.update(bearer(token))
 
     async def get(
         self, path: str, answer: type[ModelT], query: Mapping[str, str] | None = None
@@ -113,10 +131,10 @@ class AsyncConnection:
                 params=query,
                 content=content,
                 headers=headers,
-                timeout=self._timeout + patience,
+                timeout=self.timeout + patience,
             )
         except httpx.TransportError as error:
-            raise StationUnreachableError(self._url, error) from error
+            raise StationUnreachableError(self.url, error) from error
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal

@@ -84,10 +84,7 @@ class AsyncStationClient:
         timeout: float = 10.0,
         transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
-        self.url = url.rstrip("/")
-        self.timeout = timeout
-        self._token = token
-        self._connection = AsyncConnection(self.url, token, timeout, transport)
+        self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
 
     async def __aenter__(self) -> Self:
@@ -100,6 +97,31 @@ class AsyncStationClient:
         trace: TracebackType | None,
     ) -> None:
         await self.close()
+
+    @property
+    def url(self) -> str:
+        """The station."""
+        return self._connection.url
+
+    @property
+    def timeout(self) -> float:
+        """Longest wait for an answer [s]."""
+        return self._connection.timeout
+
+    @timeout.setter
+    def timeout(self, timeout: float) -> None:
+        self._connection.timeout = timeout
+
+    def move_to(self, url: str, token: str | None) -> None:
+        """Talk to another station from the next request on.
+
+        A stream that was opened before goes on with the station it was opened at.
+
+        Args:
+            url: The station.
+            token: Operator or viewer token.
+        """
+        self._connection.move_to(url.rstrip("/"), token)
 
     async def close(self) -> None:
         """Close the connections."""
@@ -383,7 +405,9 @@ class AsyncStationClient:
             reconnect: Connect again when the link breaks, for ever.
         """
         return AsyncStream(
-            StreamOptions(self.url, self._token, topic, rate, tuple(fields), reconnect)
+            StreamOptions(
+                self.url, self._connection.token, topic, rate, tuple(fields), reconnect
+            )
         )
 
 

@@ -23,6 +23,11 @@ class Connection:
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; httpx's own when None.
+
+    Attributes:
+        url: The station.
+        token: Operator or viewer token.
+        timeout: Longest wait for an answer [s]; may be changed.
     """
 
     def __init__(
@@ -32,8 +37,9 @@ class Connection:
         timeout: float,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
-        self._url = url
-        self._timeout = timeout
+        self.url = url
+        self.token = token
+        self.timeout = timeout
         self._http = httpx.Client(
             base_url=url,
             headers=bearer(token),
@@ -45,6 +51,18 @@ class Connection:
     def close(self) -> None:
         """Close the connections."""
         self._http.close()
+
+    def move_to(self, url: str, token: str | None) -> None:
+        """Send to another station from the next request on.
+
+        Args:
+            url: The station, without a slash at its end.
+            token: Operator or viewer token.
+        """
+        self.url, self.token = url, token
+        self._http.base_url = httpx.URL(url)
+        self._http.headers.pop("Authorization", None)
+        self._http.headers.update(bearer(token))
 
     def get(
         self, path: str, answer: type[ModelT], query: Mapping[str, str] | None = None
@@ -114,10 +132,10 @@ class Connection:
                 params=query,
                 content=content,
                 headers=headers,
-                timeout=self._timeout + patience,
+                timeout=self.timeout + patience,
             )
         except httpx.TransportError as error:
-            raise StationUnreachableError(self._url, error) from error
+            raise StationUnreachableError(self.url, error) from error
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal

@@ -85,10 +85,7 @@ class StationClient:
         timeout: float = 10.0,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
-        self.url = url.rstrip("/")
-        self.timeout = timeout
-        self._token = token
-        self._connection = Connection(self.url, token, timeout, transport)
+        self._connection = Connection(url.rstrip("/"), token, timeout, transport)
         self.simulation = SimulationClient(self._connection)
 
     def __enter__(self) -> Self:
@@ -101,6 +98,31 @@ class StationClient:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    @property
+    def url(self) -> str:
+        """The station."""
+        return self._connection.url
+
+    @property
+    def timeout(self) -> float:
+        """Longest wait for an answer [s]."""
+        return self._connection.timeout
+
+    @timeout.setter
+    def timeout(self, timeout: float) -> None:
+        self._connection.timeout = timeout
+
+    def move_to(self, url: str, token: str | None) -> None:
+        """Talk to another station from the next request on.
+
+        A stream that was opened before goes on with the station it was opened at.
+
+        Args:
+            url: The station.
+            token: Operator or viewer token.
+        """
+        self._connection.move_to(url.rstrip("/"), token)
 
     def close(self) -> None:
         """Close the connections."""
@@ -380,7 +402,9 @@ class StationClient:
             reconnect: Connect again when the link breaks, for ever.
         """
         return Stream(
-            StreamOptions(self.url, self._token, topic, rate, tuple(fields), reconnect)
+            StreamOptions(
+                self.url, self._connection.token, topic, rate, tuple(fields), reconnect
+            )
         )
 
 

@@ -96,3 +96,42 @@ def test_a_mapping_with_a_number_that_is_not_finite_is_not_even_sent():
 
 def test_a_slash_at_the_end_of_the_address_does_not_matter():
     assert AsyncStationClient("http://127.0.0.1:8000/").url == "http://127.0.0.1:8000"
+
+
+def test_a_client_moves_to_another_station():
+    seen = []
+
+    def answer(request):
+        seen.append((request.url.host, request.headers.get("Authorization")))
+        return httpx.Response(200, json={"role": "viewer"})
+
+    async def ask():
+        transport = httpx.MockTransport(answer)
+        async with AsyncStationClient("http://old", "a", transport=transport) as client:
+            await client.session()
+            client.move_to("http://new/", "b")
+            await client.session()
+            client.move_to("http://open", None)
+            await client.session()
+            return client.url, client.stream("loop").options.token
+
+    assert asyncio.run(ask()) == ("http://open", None)
+    assert seen == [("old", "Bearer a"), ("new", "Bearer b"), ("open", None)]
+
+
+def test_the_timeout_can_be_changed():
+    seen = []
+
+    def answer(request):
+        seen.append(request.extensions["timeout"]["read"])
+        return httpx.Response(200, json={"role": "viewer"})
+
+    async def ask():
+        transport = httpx.MockTransport(answer)
+        async with AsyncStationClient(transport=transport, timeout=3.0) as client:
+            await client.session()
+            client.timeout = 0.5
+            await client.session()
+
+    asyncio.run(ask())
+    assert seen == [3.0, 0.5]
