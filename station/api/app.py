@@ -9,7 +9,7 @@ from station.api.errors import add_error_handlers
 from station.api.guard import MAX_BODY_BYTES, Guard
 from station.api.host_policy import HostPolicy
 from station.api.openapi import StationApi
-from station.api.routes import PREFIX, api_router
+from station.api.routes import PREFIX, api_router, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
@@ -58,6 +58,7 @@ def create_app(
     )
     add_error_handlers(app)
     app.include_router(api_router)
+    app.include_router(robots.declared(station), prefix=PREFIX)
     app.include_router(login_page)
     app.include_router(docs_page.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)

@@ -8,6 +8,8 @@ from fastapi.security import HTTPBearer
 from station.api.auth import Authenticator, Role
 from station.api.errors import ProblemError
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
+from station.core.franka.grippers import Grippers
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -29,6 +31,20 @@ async def get_authenticator(request: Request) -> Authenticator:
 
 
 StationDep = Annotated[Station, Depends(get_station)]
+
+
+async def get_arms(station: StationDep) -> Arms:
+    """Return the Franka arms of the station."""
+    return Arms(station.robots)
+
+
+async def get_grippers(station: StationDep) -> Grippers:
+    """Return the grippers of the station's Franka arms."""
+    return Grippers(station.robots)
+
+
+ArmsDep = Annotated[Arms, Depends(get_arms)]
+GrippersDep = Annotated[Grippers, Depends(get_grippers)]
 AuthenticatorDep = Annotated[Authenticator, Depends(get_authenticator)]
 
 

@@ -29,6 +29,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.InvalidCommandError: 422,
     errors.ArmCommandError: 409,
     errors.ArmNotFoundError: 404,
+    errors.ServiceNotFoundError: 404,
     errors.GripperNotFoundError: 404,
     errors.GripperCommandError: 409,
     errors.CommandTimeoutError: 409,

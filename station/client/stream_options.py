@@ -9,8 +9,8 @@ from urllib.parse import quote, urlencode
 from pydantic import JsonValue
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from station.client.calls import PREFIX
 from station.client.errors import ApiError
+from station.client.routes import PREFIX
 from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_FORBIDDEN,

@@ -1,19 +1,26 @@
 """Wire models of controllers: listing, loading, switching, gains and set-points."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from station.wire.base import (
     ControllerName,
+    FromEnum,
+    Items,
     Measured,
+    Measurements,
     ParameterValues,
+    Reason,
     RequestModel,
     ResponseModel,
 )
 
-ControllerStateName = Literal[
-    "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
+ControllerStateName = Annotated[
+    Literal[
+        "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
+    ],
+    FromEnum,
 ]
 
 
@@ -21,7 +28,7 @@ class ClaimedResources(ResponseModel):
     """What a controller claims of one interface (HardwareInterfaceResources)."""
 
     hardware_interface: str
-    resources: list[str]
+    resources: Items[str]
 
 
 class Percentiles(ResponseModel):
@@ -59,17 +66,17 @@ class ControllerState(ResponseModel):
     name: str
     type: str
     state: ControllerStateName
-    claimed_resources: list[ClaimedResources]
-    fault: str
-    traceback: str
-    fallback: list[str]
+    claimed_resources: Items[ClaimedResources]
+    fault: Reason
+    traceback: Reason
+    fallback: Items[str]
     time: Percentiles
 
 
 class Controllers(ResponseModel):
     """All loaded controllers, in the order in which they are updated."""
 
-    controllers: list[ControllerState]
+    controllers: Items[ControllerState]
 
 
 class LoadRequest(RequestModel):
@@ -166,10 +173,10 @@ class SwitchResult(ResponseModel):
     )
 
     ok: bool
-    started: list[str]
-    stopped: list[str]
+    started: Items[str]
+    stopped: Items[str]
     failed: dict[str, str]
-    ignored: list[str]
+    ignored: Items[str]
     jump: dict[str, Measured]
     cycle: int
     dry_run: bool
@@ -190,7 +197,7 @@ class Tunable(ResponseModel):
     unit: str = ""
     minimum: Measured = None
     maximum: Measured = None
-    description: str = ""
+    description: Reason = ""
 
 
 class Gains(ResponseModel):
@@ -252,8 +259,8 @@ class CommandInfo(ResponseModel):
         last: The last set-point, shape (n,); null before the first.
     """
 
-    elements: list[CommandElement]
-    last: list[Measured] | None = None
+    elements: Items[CommandElement]
+    last: Measurements | None = None
 
 
 class CommandRequest(RequestModel):
@@ -305,11 +312,11 @@ class ControllerSample(ResponseModel):
     """
 
     stamp: float
-    name: list[str]
-    desired: list[Measured]
-    actual: list[Measured]
-    error: list[Measured]
-    output: list[Measured]
+    name: Items[str]
+    desired: Measurements
+    actual: Measurements
+    error: Measurements
+    output: Measurements
     published: dict[str, dict[str, JsonValue]] = Field(default_factory=dict)
 
 
@@ -318,10 +325,10 @@ class ControllerType(ResponseModel):
 
     type: str
     base_class: str
-    description: str = ""
+    description: Reason = ""
 
 
 class ControllerTypes(ResponseModel):
     """All plugins that can be loaded, by type."""
 
-    controller_types: list[ControllerType]
+    controller_types: Items[ControllerType]

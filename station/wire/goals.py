@@ -1,18 +1,23 @@
 """Wire models of goals and trajectories."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, JsonValue
 from pydantic.config import JsonDict
 
 from station.wire.base import (
-    Measured,
+    FromEnum,
+    Items,
+    Measurements,
     ParameterValues,
+    Reason,
     RequestModel,
     ResponseModel,
 )
 
-GoalStatusName = Literal["pending", "active", "preempted", "succeeded", "aborted"]
+GoalStatusName = Annotated[
+    Literal["pending", "active", "preempted", "succeeded", "aborted"], FromEnum
+]
 
 _TRAJECTORY: JsonDict = {
     "joint_names": ["panda_joint1", "panda_joint2"],
@@ -52,7 +57,7 @@ class GoalResult(ResponseModel):
     """
 
     code: int
-    message: str
+    message: Reason
     details: dict[str, JsonValue]
 
 
@@ -80,7 +85,7 @@ class Goal(ResponseModel):
 class Goals(ResponseModel):
     """The latest goals of a controller, oldest first."""
 
-    goals: list[Goal]
+    goals: Items[Goal]
 
 
 class TrajectoryRequest(RequestModel):
@@ -110,7 +115,7 @@ class DesiredState(ResponseModel):
         acceleration: [rad/s^2 or m/s^2].
     """
 
-    name: list[str]
-    position: list[Measured]
-    velocity: list[Measured]
-    acceleration: list[Measured]
+    name: Items[str]
+    position: Measurements
+    velocity: Measurements
+    acceleration: Measurements

@@ -2,16 +2,19 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import AliasChoices, ConfigDict, Field
 
-from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.base import FromEnum, Measured, Reason, RequestModel, ResponseModel
 
-GripperActionName = Literal["homing", "move", "grasp"]
-GripperActivityName = Literal[
-    "idle", "homing", "moving", "grasping", "holding", "controlled"
+GripperActionName = Annotated[Literal["homing", "move", "grasp"], FromEnum]
+GripperActivityName = Annotated[
+    Literal["idle", "homing", "moving", "grasping", "holding", "controlled"], FromEnum
 ]
-GripperCommandStatus = Literal["active", "succeeded", "aborted", "preempted"]
+GripperCommandStatus = Annotated[
+    Literal["active", "succeeded", "aborted", "preempted"], FromEnum
+]
 
+_Identifier = Annotated[str, Field(strict=False, coerce_numbers_to_str=True)]
 _Distance = Annotated[float, Field(ge=0.0)]
 _Positive = Annotated[float, Field(gt=0.0)]
 
@@ -30,10 +33,10 @@ class GripperCommand(ResponseModel):
         ended: When it ended; null until then.
     """
 
-    id: str
+    id: _Identifier = Field(validation_alias=AliasChoices("id", "identifier"))
     action: GripperActionName
     status: GripperCommandStatus
-    message: str
+    message: Reason
     request: dict[str, float]
     started: float
     ended: float | None

@@ -3,23 +3,34 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
-from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.base import (
+    FromEnum,
+    Items,
+    Measured,
+    Measurements,
+    Reason,
+    RequestModel,
+    ResponseModel,
+)
 
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 Wrench = Annotated[list[float], Field(min_length=6, max_length=6)]
 Joints = Annotated[list[float], Field(min_length=7, max_length=7)]
 Tensor = Annotated[list[float], Field(min_length=9, max_length=9)]
 Transform = Annotated[list[float], Field(min_length=16, max_length=16)]
-RobotModeName = Literal[
-    "other",
-    "idle",
-    "move",
-    "guiding",
-    "reflex",
-    "user_stopped",
-    "automatic_error_recovery",
+RobotModeName = Annotated[
+    Literal[
+        "other",
+        "idle",
+        "move",
+        "guiding",
+        "reflex",
+        "user_stopped",
+        "automatic_error_recovery",
+    ],
+    FromEnum,
 ]
 FrameName = Literal[
     "joint1",
@@ -49,12 +60,12 @@ class ArmError(ResponseModel):
     """
 
     name: str
-    where: str
+    where: Reason
     value: Measured
     limit: Measured
     unit: str
     cycle: int
-    description: str
+    description: Reason
 
 
 class ArmReport(ResponseModel):
@@ -70,15 +81,39 @@ class ArmReport(ResponseModel):
 
     arm_id: str
     robot_mode: RobotModeName
-    connected: bool
-    errors: list[ArmError]
-    remedy: str
+    connected: bool = Field(validation_alias=AliasChoices("connected", "is_connected"))
+    errors: Items[ArmError]
+    remedy: Reason
+
+
+class ServiceInfo(ResponseModel):
+    """A service of a robot.
+
+    Attributes:
+        name: Its name.
+        method: HTTP method of its route.
+        path: Last part of its route: `/robots/{arm_id}/{path}`.
+        description: What it does.
+        parameters: Names of its parameters, the keys of the request's body.
+    """
+
+    name: str
+    method: str
+    path: str
+    description: str
+    parameters: list[str]
+
+
+class Services(ResponseModel):
+    """The services of a robot."""
+
+    services: list[ServiceInfo]
 
 
 class Arms(ResponseModel):
     """All arms of the station."""
 
-    robots: list[ArmReport]
+    robots: Items[ArmReport]
 
 
 class RecoveryRequest(RequestModel):
@@ -99,7 +134,7 @@ class Recovery(ArmReport):
         restarted: Controllers that were started again.
     """
 
-    restarted: list[str]
+    restarted: Items[str]
 
 
 class Recoveries(Arms):
@@ -109,7 +144,7 @@ class Recoveries(Arms):
         restarted: Controllers that were started again.
     """
 
-    restarted: list[str]
+    restarted: Items[str]
 
 
 class UserStopRequest(RequestModel):
@@ -138,18 +173,18 @@ class ArmRecord(ResponseModel):
     """
 
     time: float
-    q: list[Measured]
-    dq: list[Measured]
-    tau_J: list[Measured]
-    q_d: list[Measured]
-    tau_J_d: list[Measured]
-    command: list[Measured]
+    q: Measurements
+    dq: Measurements
+    tau_J: Measurements
+    q_d: Measurements
+    tau_J_d: Measurements
+    command: Measurements
 
 
 class ArmLog(ResponseModel):
     """The last cycles of the motion before the last error, oldest first, up to 50."""
 
-    records: list[ArmRecord]
+    records: Items[ArmRecord]
 
 
 class JointImpedance(RequestModel):
@@ -232,8 +267,9 @@ class ExternalForce(RequestModel):
     point: Vector3 | None = None
 
 
-FaultName = Literal[
-    "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"
+FaultName = Annotated[
+    Literal["lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"],
+    FromEnum,
 ]
 
 
@@ -271,7 +307,7 @@ class ActiveFault(ResponseModel):
 class Faults(ResponseModel):
     """What was made to go wrong and lasts."""
 
-    faults: list[ActiveFault]
+    faults: Items[ActiveFault]
 
 
 class ArmModel(ResponseModel):
@@ -287,13 +323,13 @@ class ArmModel(ResponseModel):
         body_jacobian: Axes of the frame, 6 x 7.
     """
 
-    frame: FrameName
-    mass: list[Measured]
-    coriolis: list[Measured]
-    gravity: list[Measured]
-    pose: list[Measured]
-    zero_jacobian: list[Measured]
-    body_jacobian: list[Measured]
+    frame: Annotated[FrameName, FromEnum]
+    mass: Measurements
+    coriolis: Measurements
+    gravity: Measurements
+    pose: Measurements
+    zero_jacobian: Measurements
+    body_jacobian: Measurements
 
 
 class FrankaState(ResponseModel):
@@ -305,47 +341,47 @@ class FrankaState(ResponseModel):
     robot_mode: RobotModeName
     time: float
     control_command_success_rate: float
-    current_errors: list[str]
-    last_motion_errors: list[str]
-    q: list[Measured]
-    dq: list[Measured]
-    tau_J: list[Measured]
-    dtau_J: list[Measured]
-    q_d: list[Measured]
-    dq_d: list[Measured]
-    ddq_d: list[Measured]
-    tau_J_d: list[Measured]
-    theta: list[Measured]
-    dtheta: list[Measured]
-    tau_ext_hat_filtered: list[Measured]
-    O_F_ext_hat_K: list[Measured]
-    K_F_ext_hat_K: list[Measured]
-    joint_contact: list[Measured]
-    joint_collision: list[Measured]
-    cartesian_contact: list[Measured]
-    cartesian_collision: list[Measured]
-    O_T_EE: list[Measured]
-    O_T_EE_d: list[Measured]
-    O_T_EE_c: list[Measured]
-    F_T_EE: list[Measured]
-    F_T_NE: list[Measured]
-    NE_T_EE: list[Measured]
-    EE_T_K: list[Measured]
+    current_errors: Items[str]
+    last_motion_errors: Items[str]
+    q: Measurements
+    dq: Measurements
+    tau_J: Measurements
+    dtau_J: Measurements
+    q_d: Measurements
+    dq_d: Measurements
+    ddq_d: Measurements
+    tau_J_d: Measurements
+    theta: Measurements
+    dtheta: Measurements
+    tau_ext_hat_filtered: Measurements
+    O_F_ext_hat_K: Measurements
+    K_F_ext_hat_K: Measurements
+    joint_contact: Measurements
+    joint_collision: Measurements
+    cartesian_contact: Measurements
+    cartesian_collision: Measurements
+    O_T_EE: Measurements
+    O_T_EE_d: Measurements
+    O_T_EE_c: Measurements
+    F_T_EE: Measurements
+    F_T_NE: Measurements
+    NE_T_EE: Measurements
+    EE_T_K: Measurements
     m_ee: float
-    F_x_Cee: list[Measured]
-    I_ee: list[Measured]
+    F_x_Cee: Measurements
+    I_ee: Measurements
     m_load: float
-    F_x_Cload: list[Measured]
-    I_load: list[Measured]
+    F_x_Cload: Measurements
+    I_load: Measurements
     m_total: float
-    F_x_Ctotal: list[Measured]
-    I_total: list[Measured]
-    elbow: list[Measured]
-    elbow_d: list[Measured]
-    elbow_c: list[Measured]
-    delbow_c: list[Measured]
-    ddelbow_c: list[Measured]
-    O_dP_EE_d: list[Measured]
-    O_dP_EE_c: list[Measured]
-    O_ddP_EE_c: list[Measured]
-    O_ddP_O: list[Measured]
+    F_x_Ctotal: Measurements
+    I_total: Measurements
+    elbow: Measurements
+    elbow_d: Measurements
+    elbow_c: Measurements
+    delbow_c: Measurements
+    ddelbow_c: Measurements
+    O_dP_EE_d: Measurements
+    O_dP_EE_c: Measurements
+    O_ddP_EE_c: Measurements
+    O_ddP_O: Measurements

@@ -1,16 +1,23 @@
 """Wire models of the station itself: health, status, loop, stop, joints, access."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.base import (
+    FromEnum,
+    Items,
+    Measurements,
+    Reason,
+    RequestModel,
+    ResponseModel,
+)
 from station.wire.controllers import Percentiles
 from station.wire.hardware import Clamp
 from station.wire.robots import ArmReport
 from station.wire.simulation import Simulation
 
-StopStateName = Literal["armed", "stopped", "released"]
+StopStateName = Annotated[Literal["armed", "stopped", "released"], FromEnum]
 
 
 class Health(ResponseModel):
@@ -52,8 +59,8 @@ class LoopReport(ResponseModel):
         scheduler: What the operating system granted.
     """
 
-    state: Literal["running", "stopped", "failed"]
-    failure: str
+    state: Annotated[Literal["running", "stopped", "failed"], FromEnum]
+    failure: Reason
     rate: float
     achieved_rate: float
     period: float
@@ -95,12 +102,12 @@ class Status(ResponseModel):
     robot_type: str
     robot_mode: str
     stop_state: StopStateName
-    stop_reason: str
+    stop_reason: Reason
     loop: LoopReport
     simulation: Simulation | None = None
-    robots: list[ArmReport] = Field(default_factory=list)
+    robots: Items[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
-    clamps: list[Clamp] = Field(default_factory=list)
+    clamps: Items[Clamp] = Field(default_factory=list)
 
 
 class StopRequest(RequestModel):
@@ -135,7 +142,7 @@ class StopState(ResponseModel):
     """
 
     state: StopStateName
-    reason: str
+    reason: Reason
     epoch: int
     pending: bool = False
 
@@ -166,10 +173,10 @@ class JointStates(ResponseModel):
     )
 
     stamp: float
-    name: list[str]
-    position: list[Measured]
-    velocity: list[Measured]
-    effort: list[Measured]
+    name: Items[str]
+    position: Measurements
+    velocity: Measurements
+    effort: Measurements
 
 
 class LoginRequest(RequestModel):

@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, Response
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -24,7 +24,7 @@ router = APIRouter(tags=["controllers"], dependencies=[Viewer], route_class=Json
 @router.get("/controllers", responses=problems())
 def list_controllers(station: StationDep) -> Controllers:
     """List the loaded controllers, in the order in which they are updated."""
-    return wire.controllers(station)
+    return answers.controllers(station)
 
 
 @router.post(
@@ -42,7 +42,7 @@ def load_controller(
     """Load a controller. The same again changes nothing and answers 200."""
     if _is_loaded(station, request.name):
         response.status_code = 200
-    return wire.controller_state(
+    return ControllerState.model_validate(
         station.load_controller(request.name, request.type, request.params)
     )
 
@@ -75,13 +75,13 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
             dry_run=request.dry_run,
         )
     )
-    return wire.switch_result(result)
+    return answers.switch_result(result)
 
 
 @router.get("/controllers/{name}", responses=problems(404))
 def get_controller(name: str, station: StationDep) -> ControllerState:
     """Return one controller."""
-    return wire.controller_state(station.controller(name))
+    return ControllerState.model_validate(station.controller(name))
 
 
 @router.delete(
@@ -89,7 +89,7 @@ def get_controller(name: str, station: StationDep) -> ControllerState:
 )
 def unload_controller(name: str, station: StationDep) -> ControllerState:
     """Unload a controller that does not run; return what it was."""
-    before = wire.controller_state(station.controller(name))
+    before = ControllerState.model_validate(station.controller(name))
     station.unload_controller(name)
     return before
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Response
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -26,7 +26,7 @@ def get_gains(name: str, response: Response, station: StationDep) -> Gains:
     found = station.gains(name)
     etag = etag_of(station, found.revision)
     response.headers["ETag"] = etag
-    return wire.gains(found, etag)
+    return answers.gains(found, etag)
 
 
 @router.patch(

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -31,19 +31,19 @@ def submit_goal(name: str, request: GoalRequest, station: StationDep) -> Goal:
 
     A stop, a reset or a recovery ends it for good.
     """
-    return wire.goal(station.submit_goal(name, request.goal, request.epoch))
+    return answers.goal(station.submit_goal(name, request.goal, request.epoch))
 
 
 @router.get("/controllers/{name}/goals", responses=problems(404, 422))
 def list_goals(name: str, station: StationDep) -> Goals:
     """List the latest goals of a controller, oldest first."""
-    return Goals(goals=[wire.goal(goal) for goal in station.goals(name)])
+    return Goals(goals=[answers.goal(goal) for goal in station.goals(name)])
 
 
 @router.get("/controllers/{name}/goals/{goal_id}", responses=problems(404, 422))
 def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     """Return one goal: how far it is, or how and why it ended."""
-    return wire.goal(station.goal(name, goal_id))
+    return answers.goal(station.goal(name, goal_id))
 
 
 @router.delete(
@@ -56,7 +56,7 @@ def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
 
     A goal that has ended stays as it is.
     """
-    return wire.goal(station.cancel_goal(name, goal_id))
+    return answers.goal(station.cancel_goal(name, goal_id))
 
 
 @router.post(
@@ -87,4 +87,6 @@ def query_state(
 ) -> DesiredState:
     """Return where the joints of a trajectory controller shall be at a time."""
     state = station.query_state(name, time)
-    return wire.desired_state(state, station.manager.get_controller(name).joint_names)
+    return answers.desired_state(
+        state, station.manager.get_controller(name).joint_names
+    )

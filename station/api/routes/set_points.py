@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -21,7 +21,7 @@ router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonR
 @router.get("/controllers/{name}/command", responses=problems(404, 422))
 def get_command(name: str, station: StationDep) -> CommandInfo:
     """Return what the controller takes as set-point, and the last it took."""
-    return wire.command_info(station.set_point(name))
+    return answers.command_info(station.set_point(name))
 
 
 @router.put(
@@ -60,4 +60,4 @@ def get_state(name: str, station: StationDep) -> ControllerSample:
     if sample is None:
         sample = core_controller.ControllerSample(station.loop.time, [], [], [], [])
         names = []
-    return wire.controller_sample(sample, names, published)
+    return answers.controller_sample(sample, names, published)

@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import APIRouter
 
 import station as package
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
 from station.wire import Status
@@ -30,4 +30,4 @@ def versions() -> dict[str, str]:
 @router.get("/status", responses=problems())
 def status(station: StationDep) -> Status:
     """Return robot mode, epoch, stop state, loop summary and versions."""
-    return wire.status(station, versions())
+    return answers.status(station, versions())

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, RoleDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -39,7 +39,7 @@ _release = APIRouter(route_class=JsonRoute)
 @router.get("/stop", responses=problems())
 async def get_stop(station: StationDep) -> StopState:
     """Return the state of the stop."""
-    return wire.stop_state(station)
+    return answers.stop_state(station)
 
 
 @router.post("/stop", responses=problems(413), openapi_extra=_STOP_BODY)
@@ -51,7 +51,7 @@ async def stop(station: StationDep, role: RoleDep, request: Request) -> StopStat
     """
     station.stop(await _reason(request) or f"asked for by the {role.value}")
     await _carried_out(station.loop.stop_latch)
-    return wire.stop_state(station)
+    return answers.stop_state(station)
 
 
 async def _reason(request: Request) -> str:
@@ -80,7 +80,7 @@ def release_stop(
     Nothing resumes by itself: controllers must be started again.
     """
     station.release_stop(arm=request is not None and request.arm)
-    return wire.stop_state(station)
+    return answers.stop_state(station)
 
 
 router.include_router(_release)

@@ -11,8 +11,7 @@ from station.cli.output import say, say_model
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.client import StationClient
-    from station.client.gripper_client import GripperClient
+    from station.client import GripperClient, StationClient
     from station.wire import Gripper, GripperCommand
 
 POLL = 0.1

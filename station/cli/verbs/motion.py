@@ -9,7 +9,7 @@ from station.cli.verbs.switching import stop_running
 
 if TYPE_CHECKING:
     from station.client import StationClient
-    from station.client.robot_calls import Restart
+    from station.client.routes import Restart
     from station.wire import ArmReport, Recoveries, Recovery, StopState
 
 

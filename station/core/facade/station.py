@@ -18,7 +18,6 @@ from station.core.errors import (
     LoopError,
     ParameterError,
 )
-from station.core.facade.grippers import Grippers
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.robots import Robots
@@ -49,8 +48,7 @@ class Station(MotionCommands):
 
     Attributes:
         boot_id: Random name of this run.
-        robots: The arms, their state, settings and recovery.
-        grippers: The hands of these arms.
+        robots: The robots, their services and recovery.
         simulation: Pause, step and reset of a simulated robot.
     """
 
@@ -64,7 +62,6 @@ class Station(MotionCommands):
     ) -> None:
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
-        self.grippers = Grippers(loop, self.robots.names())
         self.simulation = Simulation(loop)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters

@@ -74,8 +74,9 @@ class ArmError:
     unit: str
     cycle: int = 0
 
-    def describe(self) -> str:
-        """Return one sentence for people."""
+    @property
+    def description(self) -> str:
+        """The error as one sentence for people."""
         place = f" at {self.where}" if self.where else ""
         return (
             f"{self.name}{place}: {self.value:.6g} {self.unit}, allowed is "

@@ -12,10 +12,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import ClassVar
 
-from station.core.hardware.interfaces.resource_manager import (
-    HardwareResourceManager,
-    ResourceHandle,
-)
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.services import RobotServices
 from station.core.ports.goal import GoalStatus
 
 DEFAULT_SPEED = 0.1
@@ -121,7 +119,7 @@ class GripperState:
     last: GripperCommand | None
 
 
-class GripperServices(ResourceHandle, ABC):
+class GripperServices(RobotServices, ABC):
     """The hand of one arm, under its arm_id. Control thread, between two cycles.
 
     A command begins at once and ends the one before. None of them waits, and none has

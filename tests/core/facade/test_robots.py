@@ -11,6 +11,8 @@ from station.core.errors import (
     ArmCommandError,
     ArmNotFoundError,
     InvalidCommandError,
+    ServiceNotFoundError,
+    StoppedError,
     SwitchRefusedError,
 )
 from station.core.facade.station import Station
@@ -21,9 +23,11 @@ from station.core.franka import (
     RobotMode,
     SimulatedFault,
 )
+from station.core.franka.arms import Arms
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
 from tests.franka_station import JOINTS, make_franka_station
+from tests.swing_station import make_swing_station
 
 HIT = SimulatedFault(FaultKind.COLLISION, 30)
 
@@ -50,16 +54,16 @@ def test_station_without_arms_has_none():
     manager = ControllerManager(hw, parameters, [TableLoader({})], clock)
     station = Station(ControlLoop(hw, manager, clock=clock), manager, parameters)
 
-    assert station.robots.names() == []
+    assert Arms(station.robots).names() == []
     with pytest.raises(ArmNotFoundError, match="no arm 'panda'"):
-        station.robots.state("panda")
+        Arms(station.robots).state("panda")
 
 
 def test_state_and_model_are_of_this_cycle(station):
     station.loop.step(10)
 
-    state = station.robots.state("panda")
-    model = station.robots.model("panda", Frame.END_EFFECTOR)
+    state = Arms(station.robots).state("panda")
+    model = Arms(station.robots).model("panda", Frame.END_EFFECTOR)
 
     assert state.time == pytest.approx(0.011)
     assert model.pose == pytest.approx(state.O_T_EE)
@@ -75,8 +79,8 @@ def test_model_s_gravity_is_the_one_of_the_world():
     station = make_franka_station(gravity=[1.0, -2.0, -1.62])
     station.loop.step(1000)
 
-    state = station.robots.state("panda")
-    model = station.robots.model("panda", Frame.FLANGE)
+    state = Arms(station.robots).state("panda")
+    model = Arms(station.robots).model("panda", Frame.FLANGE)
 
     assert state.O_ddP_O == pytest.approx([1.0, -2.0, -1.62])
     assert abs(model.gravity[0]) > 0.5
@@ -85,24 +89,24 @@ def test_model_s_gravity_is_the_one_of_the_world():
 
 def test_reflex_stops_controllers_in_the_same_cycle(moving):
     epoch = moving.epoch
-    moving.robots.inject("panda", HIT)
+    Arms(moving.robots).inject("panda", HIT)
     for _ in range(100):
         moving.loop.step()
         running = moving.controller("arm").state is ControllerState.RUNNING
         assert running is (moving.latest().mode == "move")
     status = moving.controller("arm")
-    report = moving.robots.report("panda")
+    report = Arms(moving.robots).report("panda")
 
     assert status.state is ControllerState.STOPPED
     assert "arm 'panda' went to reflex (cartesian_reflex" in status.fault
-    assert report.mode is RobotMode.REFLEX
+    assert report.robot_mode is RobotMode.REFLEX
     assert "cartesian_reflex" in {error.name for error in report.errors}
     assert "recover" in report.remedy
     assert moving.epoch == epoch
 
 
 def test_nothing_can_be_started_before_recovery(moving):
-    moving.robots.inject("panda", HIT)
+    Arms(moving.robots).inject("panda", HIT)
     moving.loop.step(100)
 
     with pytest.raises(SwitchRefusedError, match="mode reflex; remove the cause"):
@@ -110,7 +114,7 @@ def test_nothing_can_be_started_before_recovery(moving):
 
 
 def test_recovery_leaves_controllers_stopped_and_voids_commands(moving):
-    moving.robots.inject("panda", HIT)
+    Arms(moving.robots).inject("panda", HIT)
     moving.loop.step(100)
     epoch = moving.epoch
 
@@ -126,7 +130,7 @@ def test_recovery_leaves_controllers_stopped_and_voids_commands(moving):
 
 
 def test_recovery_can_start_what_ran_before(moving):
-    moving.robots.inject("panda", HIT)
+    Arms(moving.robots).inject("panda", HIT)
     moving.loop.step(200)
 
     assert moving.robots.recover("panda", restart=True) == ("arm",)
@@ -137,46 +141,61 @@ def test_recovery_can_start_what_ran_before(moving):
 
 
 def test_user_stop_stops_controllers_until_it_is_released(moving):
-    moving.robots.set_user_stop("panda", pressed=True)
+    Arms(moving.robots).set_user_stop("panda", pressed=True)
     moving.loop.step()
 
     assert moving.latest().mode == "user_stopped"
     assert moving.controller("arm").state is ControllerState.STOPPED
     with pytest.raises(ArmCommandError, match="user stop"):
         moving.robots.recover("panda")
-    moving.robots.set_user_stop("panda", pressed=False)
-    assert moving.robots.report("panda").mode is RobotMode.IDLE
+    Arms(moving.robots).set_user_stop("panda", pressed=False)
+    assert Arms(moving.robots).report("panda").robot_mode is RobotMode.IDLE
 
 
 def test_settings_are_refused_while_the_arm_moves(moving):
     with pytest.raises(ArmCommandError, match="while a motion runs"):
-        moving.robots.set_joint_impedance("panda", [100.0] * 7)
+        moving.robots.call("panda", "set_joint_impedance", joint_stiffness=[100.0] * 7)
     with pytest.raises(ArmCommandError, match="a controller commands"):
-        moving.robots.disconnect("panda")
+        moving.robots.call("panda", "disconnect")
 
 
-def test_settings_are_checked_against_their_ranges(station):
-    robots = station.robots
-    robots.set_joint_impedance("panda", [14250.0] * 7)
-    with pytest.raises(InvalidCommandError, match="joint_stiffness"):
-        robots.set_joint_impedance("panda", [14251.0] * 7)
-    robots.set_cartesian_impedance("panda", [10.0] * 3 + [300.0] * 3)
-    with pytest.raises(InvalidCommandError, match="cartesian_stiffness"):
-        robots.set_cartesian_impedance("panda", [10.0] * 3 + [301.0] * 3)
-    with pytest.raises(InvalidCommandError, match="no transform"):
-        robots.set_EE_frame("panda", [0.0] * 16)
-    with pytest.raises(InvalidCommandError, match="load of -1"):
-        robots.set_load("panda", -1.0, [0.0] * 3, [0.0] * 9)
+IN_RANGE = [
+    ("set_joint_impedance", {"joint_stiffness": [14250.0] * 7}),
+    ("set_cartesian_impedance", {"cartesian_stiffness": [10.0] * 3 + [300.0] * 3}),
+]
+NO_INERTIA = {"F_x_center_load": [0.0] * 3, "load_inertia": [0.0] * 9}
+OUT_OF_RANGE = [
+    ("set_joint_impedance", {"joint_stiffness": [14251.0] * 7}, "joint_stiffness"),
+    (
+        "set_cartesian_impedance",
+        {"cartesian_stiffness": [10.0] * 3 + [301.0] * 3},
+        "cartesian_stiffness",
+    ),
+    ("set_EE_frame", {"NE_T_EE": [0.0] * 16}, "no transform"),
+    ("set_load", {"mass": -1.0, **NO_INERTIA}, "load of -1"),
+]
+
+
+@pytest.mark.parametrize(("name", "arguments"), IN_RANGE)
+def test_settings_at_the_end_of_their_range_are_taken(station, name, arguments):
+    assert station.robots.call("panda", name, **arguments) is None
+
+
+@pytest.mark.parametrize(("name", "arguments", "problem"), OUT_OF_RANGE)
+def test_settings_out_of_range_are_refused(station, name, arguments, problem):
+    with pytest.raises(InvalidCommandError, match=problem):
+        station.robots.call("panda", name, **arguments)
 
 
 def test_frames_and_load_show_in_the_state(station):
     shift = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0.1, 1.0]
-    before = station.robots.state("panda")
-    station.robots.set_EE_frame("panda", shift)
-    station.robots.set_K_frame("panda", shift)
-    station.robots.set_load("panda", 0.5, [0.01, -0.2, 0.03], [0.0] * 9)
+    before = Arms(station.robots).state("panda")
+    station.robots.call("panda", "set_EE_frame", NE_T_EE=shift)
+    station.robots.call("panda", "set_K_frame", EE_T_K=shift)
+    load = {"F_x_center_load": [0.01, -0.2, 0.03], "load_inertia": [0.0] * 9}
+    station.robots.call("panda", "set_load", mass=0.5, **load)
 
-    state = station.robots.state("panda")
+    state = Arms(station.robots).state("panda")
 
     assert state.O_T_EE[14] == pytest.approx(before.O_T_EE[14] - 0.1)
     assert shift == state.EE_T_K
@@ -184,36 +203,36 @@ def test_frames_and_load_show_in_the_state(station):
 
 
 def test_disconnected_arm_takes_no_controllers(station):
-    station.robots.disconnect("panda")
+    station.robots.call("panda", "disconnect")
     with pytest.raises(SwitchRefusedError, match="not connected"):
         station.switch_controllers(SwitchRequest(("arm",), ()))
     with pytest.raises(ArmCommandError, match="not connected"):
-        station.robots.disconnect("panda")
-    station.robots.connect("panda")
+        station.robots.call("panda", "disconnect")
+    station.robots.call("panda", "connect")
     station.switch_controllers(SwitchRequest(("arm",), ()))
     with pytest.raises(ArmCommandError, match="connected already"):
-        station.robots.connect("panda")
+        station.robots.call("panda", "connect")
 
 
 def test_push_shows_in_the_wrench(station):
-    station.robots.apply_force(
+    Arms(station.robots).apply_force(
         "panda", "panda_hand", [0.0, 5.0, 0.0], [0.0, 0.0, 0.0], 1.0
     )
     station.loop.step(400)
 
-    state = station.robots.state("panda")
+    state = Arms(station.robots).state("panda")
 
     assert state.O_F_ext_hat_K[1] == pytest.approx(-5.0, rel=0.02)
-    assert station.robots.log("panda") == []
+    assert Arms(station.robots).log("panda") == []
 
 
 def test_late_cycle_is_longer_and_counted_and_no_error(moving):
     moving.loop.reset_statistics()
-    moving.robots.inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 10))
-    before = moving.robots.state("panda").time
+    Arms(moving.robots).inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 10))
+    before = Arms(moving.robots).state("panda").time
     moving.loop.step(5)
 
-    state = moving.robots.state("panda")
+    state = Arms(moving.robots).state("panda")
 
     assert moving.loop.report().skipped == 10
     periods = [one.period for one in moving.snapshots.read_since(0)[0]][-5:]
@@ -225,10 +244,10 @@ def test_late_cycle_is_longer_and_counted_and_no_error(moving):
 
 
 def test_delay_of_twenty_cycles_stops_the_arm(moving):
-    moving.robots.inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 20))
+    Arms(moving.robots).inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 20))
     moving.loop.step(2)
 
-    (error,) = moving.robots.report("panda").errors
+    (error,) = Arms(moving.robots).report("panda").errors
 
     assert error.name == "communication_constraints_violation"
     assert "communication_constraints_violation" in moving.controller("arm").fault
@@ -237,12 +256,12 @@ def test_delay_of_twenty_cycles_stops_the_arm(moving):
 @pytest.mark.parametrize(
     "use",
     [
-        lambda robots: robots.set_user_stop("panda", pressed=True),
-        lambda robots: robots.set_guiding("panda", pressed=True),
-        lambda robots: robots.apply_force("panda", "hand", [0.0] * 3, [0.0] * 3, 1.0),
-        lambda robots: robots.inject("panda", HIT),
-        lambda robots: robots.faults("panda"),
-        lambda robots: robots.clear_faults("panda"),
+        lambda arms: arms.set_user_stop("panda", pressed=True),
+        lambda arms: arms.set_guiding("panda", pressed=True),
+        lambda arms: arms.apply_force("panda", "hand", [0.0] * 3, [0.0] * 3, 1.0),
+        lambda arms: arms.inject("panda", HIT),
+        lambda arms: arms.faults("panda"),
+        lambda arms: arms.clear_faults("panda"),
     ],
 )
 def test_arm_that_is_not_simulated_refuses_what_only_simulations_can_do(
@@ -252,14 +271,16 @@ def test_arm_that_is_not_simulated_refuses_what_only_simulations_can_do(
     monkeypatch.setattr(arm, "simulation", lambda: None)
     epoch = station.epoch
 
-    with pytest.raises(ArmCommandError, match="arm 'panda' is not simulated"):
-        use(station.robots)
+    with pytest.raises(ArmCommandError, match="Arm 'panda' is not simulated"):
+        use(Arms(station.robots))
     assert station.epoch == epoch
 
 
 def test_delay_of_seconds_is_refused(moving):
     with pytest.raises(InvalidCommandError, match="delayed cycle is 501"):
-        moving.robots.inject("panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 501))
+        Arms(moving.robots).inject(
+            "panda", SimulatedFault(FaultKind.DELAYED_CYCLE, 501)
+        )
 
 
 def test_recovery_without_an_error_disturbs_nobody(moving):
@@ -283,7 +304,7 @@ def test_restart_begins_with_a_period_of_zero(moving, monkeypatch):
         update(time, period)
 
     monkeypatch.setattr(controller, "update", watched)
-    moving.robots.inject("panda", HIT)
+    Arms(moving.robots).inject("panda", HIT)
     moving.loop.step(200)
     periods.clear()
     moving.robots.recover("panda", restart=True)
@@ -293,10 +314,10 @@ def test_restart_begins_with_a_period_of_zero(moving, monkeypatch):
 
 
 def test_what_an_earlier_error_stopped_is_not_started_by_a_later_recovery(moving):
-    moving.robots.inject("panda", HIT)
+    Arms(moving.robots).inject("panda", HIT)
     moving.loop.step(200)
     moving.robots.recover("panda")
-    moving.robots.inject("panda", HIT)  # while nothing runs
+    Arms(moving.robots).inject("panda", HIT)  # while nothing runs
     moving.loop.step(200)
     assert moving.latest().mode == "reflex"
 
@@ -309,32 +330,32 @@ def test_recovery_of_a_moving_arm_returns_when_it_is_at_rest(station):
     station.switch_controllers(SwitchRequest(("speed",), ()))
     station.set_command("speed", [0.3] * 7)
     station.loop.step(300)
-    station.robots.set_user_stop("panda", pressed=True)
+    Arms(station.robots).set_user_stop("panda", pressed=True)
     station.loop.step()
-    station.robots.set_user_stop("panda", pressed=False)
+    Arms(station.robots).set_user_stop("panda", pressed=False)
 
-    assert station.robots.report("panda").mode is RobotMode.IDLE
+    assert Arms(station.robots).report("panda").robot_mode is RobotMode.IDLE
     station.switch_controllers(SwitchRequest(("arm",), ()))
 
 
 def test_guided_arm_takes_no_controllers(station):
-    station.robots.set_guiding("panda", pressed=True)
+    Arms(station.robots).set_guiding("panda", pressed=True)
     with pytest.raises(SwitchRefusedError, match="mode guiding"):
         station.switch_controllers(SwitchRequest(("arm",), ()))
-    station.robots.set_guiding("panda", pressed=False)
+    Arms(station.robots).set_guiding("panda", pressed=False)
     station.switch_controllers(SwitchRequest(("arm",), ()))
 
 
 @pytest.mark.parametrize("kind", [FaultKind.STUCK_JOINT, FaultKind.NAN_SENSOR])
 def test_faults_are_listed_and_cleared(station, kind):
-    station.robots.inject("panda", SimulatedFault(kind, 1_000, joint=3))
+    Arms(station.robots).inject("panda", SimulatedFault(kind, 1_000, joint=3))
     station.loop.step(10)
-    (fault,) = station.robots.faults("panda")
+    (fault,) = Arms(station.robots).faults("panda")
     assert (fault.kind, fault.joint, 980 < fault.cycles < 1_000) == (kind, 3, True)
-    station.robots.clear_faults("panda")
+    Arms(station.robots).clear_faults("panda")
     station.loop.step()
-    assert station.robots.faults("panda") == []
-    assert all(q == q for q in station.robots.state("panda").q)
+    assert Arms(station.robots).faults("panda") == []
+    assert all(q == q for q in Arms(station.robots).state("panda").q)
 
 
 def test_blind_sensor_ends_what_uses_it_and_nothing_else(station):
@@ -343,7 +364,9 @@ def test_blind_sensor_ends_what_uses_it_and_nothing_else(station):
     station.load_controller("torques", group, {"joints": JOINTS, **gains})
     station.switch_controllers(SwitchRequest(("torques",), ()))
     station.loop.step(100)
-    station.robots.inject("panda", SimulatedFault(FaultKind.NAN_SENSOR, 20, joint=2))
+    Arms(station.robots).inject(
+        "panda", SimulatedFault(FaultKind.NAN_SENSOR, 20, joint=2)
+    )
     station.loop.step(100)
 
     status = station.controller("torques")
@@ -355,3 +378,45 @@ def test_blind_sensor_ends_what_uses_it_and_nothing_else(station):
     station.switch_controllers(SwitchRequest(("torques",), ()))
     station.loop.step(10)
     assert station.latest().mode == "move"
+
+
+@pytest.fixture
+def swing() -> Station:
+    return make_swing_station()
+
+
+def test_a_declared_service_is_called_by_name(swing):
+    assert swing.robots.call("swing", "push", impulse=2.0) == {
+        "impulse": 2.0,
+        "pushes": 1.0,
+    }
+    swing.robots.call("swing", "set_lengths", lengths=[1.0, 3.0])
+    assert swing.robots.call("swing", "length") == 3.0
+
+
+@pytest.mark.parametrize("name", ["oil", "name", "jump"])
+def test_what_is_not_declared_cannot_be_called(swing, name):
+    with pytest.raises(ServiceNotFoundError, match=f"no service '{name}'") as caught:
+        swing.robots.call("swing", name)
+    assert "set_lengths, push, length" in caught.value.remedy
+
+
+def test_a_service_that_moves_is_refused_while_the_station_is_stopped(swing):
+    swing.stop("test")
+    swing.loop.step()
+
+    with pytest.raises(StoppedError):
+        swing.robots.call("swing", "push", impulse=2.0)
+    assert swing.robots.call("swing", "length") == 1.0
+    assert swing.loop.hw.swing.pushes == []
+
+
+def test_a_robot_that_cannot_recover_has_nothing_to_recover_from(swing):
+    assert swing.robots.names() == ["swing"]
+    assert swing.robots.recover("swing") == ()
+    assert swing.robots.recover_all() == ()
+
+
+def test_services_of_an_arm_and_of_its_gripper_share_a_name(station):
+    assert station.robots.names() == ["panda"]
+    assert {"set_load", "connect"} <= set(station.robots.services("panda"))
