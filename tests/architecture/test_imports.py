@@ -41,9 +41,11 @@ PERMITTED = {
     "station/controllers/effort_controllers.py": "import numpy, station.core.clock",
     "station/controllers/position_controllers.py": "import station.core.clock",
     "station/core/clock.py": "import time, station.core.errors",
+    "station/core/description/urdf.py": "import xml.etree, station.core.errors",
     "station/core/parameters.py": "import station.core.errors",
     "station/core/errors.py": "import enum",
     "station/hw/mock.py": "import mujoco, station.core.clock",
+    "station/ui/robot_model.py": "import yourdfpy, station.core.description.urdf",
     "station/ui/scene.py": "import viser, station.client.sync",
 }
 

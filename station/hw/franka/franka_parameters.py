@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from math import pi
 from typing import NoReturn
 
+from station.core.description.urdf import Pose
 from station.core.errors import ParameterError
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.core.franka.franka_services import CollisionBehavior
@@ -23,7 +24,6 @@ from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
 from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
 from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
-from station.hw.urdf import Pose
 
 _DOF = 7
 _INTERNAL_CONTROLLERS = {

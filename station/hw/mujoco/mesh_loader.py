@@ -4,8 +4,8 @@ from pathlib import Path
 
 import mujoco
 
+from station.core.description.urdf import Shape
 from station.core.errors import RobotDescriptionError
-from station.hw.urdf import Shape
 
 _BINARY_STL_HEADER = 84
 _BINARY_STL_TRIANGLE = 50

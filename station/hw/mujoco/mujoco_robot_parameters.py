@@ -28,10 +28,10 @@ from enum import Enum
 from math import pi
 from typing import NoReturn
 
+from station.core.description.urdf import Pose
 from station.core.errors import ParameterError
 from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
-from station.hw.urdf import Pose
 
 _KEYS = frozenset({
     "type",

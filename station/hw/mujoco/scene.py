@@ -8,9 +8,9 @@ from typing import NoReturn
 
 import mujoco
 
+from station.core.description.urdf import Pose
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters
-from station.hw.urdf import Pose
 
 _SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "mesh": 0, "table": 3}
 _KEYS = {"name", "type", "size", "position", "rpy", "mass", "file", "friction"}

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.urdf import Pose, Shape
 from station.core.errors import RobotDescriptionError
 from station.hw.mujoco.mesh_loader import add_mesh
 from station.hw.mujoco.model_builder import new_world
-from station.hw.urdf import Pose, Shape
 
 # A tetrahedron.
 ASCII_STL = """solid t

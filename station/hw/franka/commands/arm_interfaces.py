@@ -5,6 +5,7 @@ setupFrankaModelInterface; differs: the model is `<arm_id>_robot` as well, as th
 documentation says.
 """
 
+from station.core.description.robot_files import RobotFiles
 from station.core.franka import (
     FrankaModelHandle,
     FrankaModelInterface,
@@ -13,7 +14,6 @@ from station.core.franka import (
 )
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.simulated.franka_model import ArmModel
-from station.hw.robot_description import RobotDescription
 
 
 def state_interface(arm: RobotArm, arm_id: str) -> FrankaStateInterface:
@@ -30,7 +30,7 @@ def state_interface(arm: RobotArm, arm_id: str) -> FrankaStateInterface:
 
 
 def model_interface(
-    arm: RobotArm, arm_id: str, description: RobotDescription
+    arm: RobotArm, arm_id: str, description: RobotFiles
 ) -> FrankaModelInterface:
     """Return the interface with the arm's model, `<arm_id>_model`.
 

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka import FaultKind, FrankaServicesInterface, SimulatedFault
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulated.simulation import ArmPlacement, simulate
-from station.hw.robot_description import load_robot_description
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def test_connecting_sets_the_configured_thresholds_again(services):
 @pytest.fixture
 def real():
     """Return the services of an arm that is none of the simulated ones."""
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     simulated = simulate([ArmPlacement("panda", description)]).arms["panda"]
 
     def passed_on(name):
