@@ -365,7 +365,8 @@ def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
     return {
         joint.name: joint.limit.velocity
         for joint in urdf.joints.values()
-        if joint.mimic is not None
+        if joint.type is not JointType.FIXED
+        and joint.mimic is not None
         and joint.limit is not None
         and joint.limit.velocity > 0.0
     }

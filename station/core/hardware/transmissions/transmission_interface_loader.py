@@ -32,8 +32,6 @@ from station.core.hardware.interfaces.resource_manager import (
 from station.core.hardware.transmissions.hardware_interface_kind import (
     HARDWARE_INTERFACES,
     CommandKind,
-    connect_actuator_to_joint_state,
-    connect_joint_to_actuator_state,
     interface_of,
 )
 from station.core.hardware.transmissions.parser import (
@@ -192,16 +190,13 @@ class TransmissionInterfaceLoader:
         self._register_joint_commands(info, kind)
         actuator = _actuator_command_data(commands, kind.quantity)
         joint = self.raw_joint_data.command_data(_joint_names(info), kind.quantity)
-        arguments = (
-            self._robot_transmissions,
-            info.name,
-            transmission,
-            actuator,
-            joint,
-        )
-        kind.connect_to_actuator(*arguments)
-        if is_bidirectional:
-            kind.connect_to_joint(*arguments)
+        for interface_type, is_used in (
+            (kind.to_actuator, True),
+            (kind.to_joint, is_bidirectional),
+        ):
+            if is_used:
+                interface = interface_of(self._robot_transmissions, interface_type)
+                interface.connect(info.name, transmission, actuator, joint)
 
     def _find_actuators(
         self, info: TransmissionInfo, interface_type: type[ResourceManager[_Handle]]
@@ -277,17 +272,18 @@ class TransmissionInterfaceLoader:
         *,
         both_ways: bool,
     ) -> None:
-        transmissions = self._robot_transmissions
         actuator = _actuator_state_data(actuators)
         joint = self.raw_joint_data.state_data(_joint_names(info))
-        arguments = (transmissions, info.name, transmission, actuator, joint)
-        forward = interface_of(transmissions, ActuatorToJointStateInterface)
-        if info.name not in forward.get_names():
-            connect_actuator_to_joint_state(*arguments)
-        if both_ways:
-            inverse = interface_of(transmissions, JointToActuatorStateInterface)
-            if info.name not in inverse.get_names():
-                connect_joint_to_actuator_state(*arguments)
+        for interface_type, is_used in (
+            (ActuatorToJointStateInterface, True),
+            (JointToActuatorStateInterface, both_ways),
+        ):
+            if not is_used:
+                continue
+            interface = interface_of(self._robot_transmissions, interface_type)
+            # A transmission with several joint interfaces carries its state once.
+            if info.name not in interface.get_names():
+                interface.connect(info.name, transmission, actuator, joint)
 
 
 def _joint_names(info: TransmissionInfo) -> list[str]:
