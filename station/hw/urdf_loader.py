@@ -67,5 +67,5 @@ def _find_problem(joint: Joint) -> str | None:
         if soft is not None:
             soft.validate(joint.name)
     except JointLimitsError as error:
-        return error.message
+        return f"<safety_controller>: {error.message}"
     return None
