@@ -4,8 +4,6 @@ from collections.abc import Sequence
 
 from station.core.errors import ParameterError
 
-_MAX_SHOWN = 80
-
 
 class ConfigError(ParameterError):
     """A configuration cannot be read, or holds something that is not allowed.
@@ -25,19 +23,6 @@ class ConfigError(ParameterError):
             "\n".join(problems), remedy=remedy, details={"errors": list(problems)}
         )
         self.problems = tuple(problems)
-
-
-def show(value: object) -> str:
-    """Return a value as a message shows it, shortened to 80 characters.
-
-    Args:
-        value: Any plain data.
-    """
-    # An integer of thousands of digits has no text: Python refuses to write it.
-    if isinstance(value, int) and value.bit_length() > 4 * _MAX_SHOWN:
-        return f"an integer of {value.bit_length()} bits"
-    text = repr(value)
-    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 1]}…"
 
 
 def key_text(path: Sequence[str | int]) -> str:

@@ -8,7 +8,8 @@ import re
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from station.config.errors import ConfigError, show
+from station.config.errors import ConfigError
+from station.core.errors import show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
 T = TypeVar("T")

@@ -14,7 +14,8 @@ import yaml
 from typing_extensions import override
 
 from station.config.angle_expression import parse_angle
-from station.config.errors import ConfigError, key_text, show
+from station.config.errors import ConfigError, key_text
+from station.core.errors import show
 
 KeyPath = tuple[str | int, ...]
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from station.config.errors import ConfigError, key_text, show
+from station.config.errors import ConfigError, key_text
+from station.core.errors import show
 
 
 def test_all_problems_are_in_message_and_details():
