@@ -14,8 +14,8 @@ With actuator reductions a1, a2, joint reductions j1, j2 and offsets o1, o2:
 | velocity            | `(V1*j1 + V2*j2) * a1`             | `(V1*j1 - V2*j2) * a2`  |
 | position            | as velocity, with `x - o` for V    | the same                |
 
-Where the absolute encoders sit on the joints themselves and the transmission is to be
-ignored for them, the first joint's is the second one in the actuators' order.
+If the absolute encoders sit on the joints, the transmission is ignored for them. The
+first joint's encoder is then the second one in the order of the actuators.
 
 Source: ros_control@633c374 differential_transmission.h, DifferentialTransmission.
 """
@@ -52,7 +52,7 @@ class DifferentialTransmission(Transmission):
         *,
         ignore_transmission_for_absolute_encoders: bool = False,
     ) -> None:
-        """Keep the parameters.
+        """Store the parameters.
 
         Args:
             actuator_reduction: Reductions on the actuator side, shape (2,), not 0.

@@ -49,7 +49,7 @@ class FourBarLinkageTransmission(Transmission):
         joint_reduction: Sequence[float],
         joint_offset: Sequence[float] = (0.0, 0.0),
     ) -> None:
-        """Keep the parameters.
+        """Store the parameters.
 
         Args:
             actuator_reduction: Reductions on the actuator side, shape (2,), not 0.

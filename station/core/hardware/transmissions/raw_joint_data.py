@@ -1,4 +1,4 @@
-"""Keep the joint side of a robot whose hardware has actuators only."""
+"""The joints of a robot whose hardware has actuators only."""
 
 from math import nan
 
@@ -51,7 +51,7 @@ class RawJointData:
         }
 
     def add(self, name: str) -> int:
-        """Return the slot of a joint, a new one if it has none.
+        """Return the slot of a joint; a joint without a slot gets a new one.
 
         Args:
             name: Name of the joint.

@@ -20,14 +20,14 @@ class TransmissionInterfaceError(HardwareInterfaceError, ValueError):
 class Transmission(ABC):
     """Map positions, velocities and efforts of some actuators to those of some joints.
 
-    Contract: the maps are pure, take one value per actuator (or joint) in a fixed order
-    and return a new list with one value per joint (or actuator). Maps of the same
-    quantity in both directions are inverses. Those of an ideal transmission preserve
-    power: the products of effort and velocity, summed, are equal on both sides. Called
-    by the control thread every cycle.
+    Contract: the maps are pure functions. They take one value per actuator (or joint)
+    in a fixed order and return a new list with one value per joint (or actuator). The
+    maps of a quantity in both directions are inverse to each other. An ideal
+    transmission preserves power: the sum of the products of effort and velocity is
+    equal on both sides. The control thread calls the maps every cycle.
 
-    Absolute encoders and torque sensors sit on the actuator side. Without an override
-    they are mapped like position and effort.
+    Absolute encoders and torque sensors sit on the actuator side. By default they are
+    mapped like position and effort.
 
     Attributes:
         num_actuators: Dimension of the actuator space.
