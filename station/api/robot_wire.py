@@ -11,6 +11,7 @@ from station.core.franka import (
     ArmRecord,
     CollisionBehavior,
     FaultKind,
+    RobotMode,
     RobotState,
     SimulatedFault,
 )
@@ -26,8 +27,15 @@ def arm_report(found: ArmReport) -> schemas.ArmReport:
         robot_mode=found.mode.name.lower(),  # type: ignore[arg-type]  # the same names
         connected=found.is_connected,
         errors=[arm_error(error) for error in found.errors],
-        remedy=found.remedy,
+        remedy=_remedy(found),
     )
+
+
+def _remedy(found: ArmReport) -> str:
+    """Return what to do before the arm can move, with the route that does it."""
+    if found.remedy is not None and found.mode is RobotMode.REFLEX:
+        return f"{found.remedy} (POST /robots/{found.arm_id}/error_recovery)"
+    return found.remedy or ""
 
 
 def arm_error(found: ArmError) -> schemas.ArmError:

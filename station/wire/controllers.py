@@ -13,7 +13,7 @@ from station.wire.base import (
 )
 
 ControllerStateName = Literal[
-    "unknown", "initialized", "running", "stopped", "waiting", "aborted"
+    "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
 ]
 
 

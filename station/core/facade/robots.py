@@ -15,6 +15,7 @@ from station.core.errors import ArmCommandError, ArmNotFoundError
 from station.core.franka import (
     ArmError,
     ArmRecord,
+    ArmSimulation,
     CollisionBehavior,
     FaultKind,
     Frame,
@@ -40,14 +41,14 @@ class ArmReport:
         mode: What it is doing.
         is_connected: Whether it may be used.
         errors: What its present errors, or else the last motion's, came from.
-        remedy: What to do so that it can move; empty when it can.
+        remedy: What to do before the arm can move; None when it can move.
     """
 
     arm_id: str
     mode: RobotMode
     is_connected: bool
     errors: tuple[ArmError, ...]
-    remedy: str
+    remedy: str | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,16 +252,16 @@ class Robots:
         )
 
     def set_user_stop(self, arm_id: str, *, pressed: bool) -> None:
-        """Press or release the user stop of an arm; see `FrankaServices`."""
+        """Press or release the user stop of an arm; see `ArmSimulation`."""
 
-        def press(arm: FrankaServices) -> None:
+        def press(arm: ArmSimulation) -> None:
             arm.set_user_stop(pressed=pressed)
             did = "pressed" if pressed else "released"
             self._loop.next_epoch(f"The user stop of arm '{arm_id}' was {did}.")
             if not pressed:
                 self._manager.forget_interrupted()
 
-        self._ask(arm_id, press)
+        self._ask_simulation(arm_id, press)
         self._wait_until_recovered(self._find(arm_id))
 
     def connect(self, arm_id: str) -> None:
@@ -272,8 +273,8 @@ class Robots:
         self._ask(arm_id, lambda arm: arm.disconnect())
 
     def set_guiding(self, arm_id: str, *, pressed: bool) -> None:
-        """Hold or let go of an arm's guiding buttons; see `FrankaServices`."""
-        self._ask(arm_id, lambda arm: arm.set_guiding(pressed=pressed))
+        """Hold or let go of an arm's guiding buttons; see `ArmSimulation`."""
+        self._ask_simulation(arm_id, lambda arm: arm.set_guiding(pressed=pressed))
 
     def apply_force(
         self,
@@ -286,8 +287,8 @@ class Robots:
         frame: str = "world",
         point: Sequence[float] | None = None,
     ) -> None:
-        """Push a link of a simulated arm; see `FrankaServices`."""
-        self._ask(
+        """Push a link of a simulated arm; see `ArmSimulation`."""
+        self._ask_simulation(
             arm_id,
             lambda arm: arm.apply_force(
                 link, force, torque, duration, frame=frame, point=point
@@ -295,26 +296,29 @@ class Robots:
         )
 
     def faults(self, arm_id: str) -> list[SimulatedFault]:
-        """Return what goes wrong with a simulated arm; see `FrankaServices`."""
-        return self._ask(arm_id, lambda arm: arm.faults())
+        """Return what goes wrong with a simulated arm; see `ArmSimulation`."""
+        return self._ask_simulation(arm_id, lambda arm: arm.faults())
 
     def inject(self, arm_id: str, fault: SimulatedFault) -> None:
-        """Make something go wrong with a simulated arm; see `FrankaServices`."""
+        """Make something go wrong with a simulated arm; see `ArmSimulation`."""
 
-        def begin(arm: FrankaServices) -> None:
+        def begin(arm: ArmSimulation) -> None:
             arm.inject(fault)
             if fault.kind is FaultKind.DELAYED_CYCLE:
                 self._loop.delay_next_cycle(fault.cycles)
 
-        self._ask(arm_id, begin)
+        self._ask_simulation(arm_id, begin)
 
     def clear_faults(self, arm_id: str) -> None:
         """End what was made to go wrong with a simulated arm, and every push."""
-        self._ask(arm_id, lambda arm: arm.clear_faults())
+        self._ask_simulation(arm_id, lambda arm: arm.clear_faults())
 
     def _ask(self, arm_id: str, action: Callable[[FrankaServices], T]) -> T:
         arm = self._find(arm_id)
         return self._loop.run_in_cycle(lambda: action(arm))
+
+    def _ask_simulation(self, arm_id: str, action: Callable[[ArmSimulation], T]) -> T:
+        return self._ask(arm_id, lambda arm: action(_simulation_of(arm)))
 
     def _find(self, arm_id: str) -> FrankaServices:
         arm = self._arms.get(arm_id)
@@ -335,3 +339,12 @@ def _report(arm: FrankaServices) -> ArmReport:
         tuple(arm.errors()),
         arm.remedy(),
     )
+
+
+def _simulation_of(arm: FrankaServices) -> ArmSimulation:
+    simulation = arm.simulation()
+    if simulation is None:
+        raise ArmCommandError(
+            f"arm '{arm.name}' is not simulated", remedy="do it by hand"
+        )
+    return simulation

@@ -1,5 +1,10 @@
 """What franka_hw adds to ros_control: the interfaces of an arm and of its hand."""
 
+from station.core.franka.arm_simulation import (
+    ArmSimulation,
+    FaultKind,
+    SimulatedFault,
+)
 from station.core.franka.franka_cartesian import (
     FrankaCartesianPoseHandle,
     FrankaCartesianVelocityHandle,
@@ -17,10 +22,8 @@ from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import (
     ArmRecord,
     CollisionBehavior,
-    FaultKind,
     FrankaServices,
     FrankaServicesInterface,
-    SimulatedFault,
 )
 from station.core.franka.franka_state import FrankaStateHandle, FrankaStateInterface
 from station.core.franka.gripper_services import (
@@ -40,6 +43,7 @@ __all__ = [
     "DEFAULT_SPEED",
     "ArmError",
     "ArmRecord",
+    "ArmSimulation",
     "CollisionBehavior",
     "FaultKind",
     "Frame",

@@ -6,12 +6,12 @@ called in the control thread, and a refusal raises with its reason.
 """
 # ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import ClassVar
 
+from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
@@ -62,39 +62,7 @@ class ArmRecord:
     command: tuple[float, ...]
 
 
-class FaultKind(Enum):
-    """What can be made to go wrong in a simulation."""
-
-    LOST_PACKETS = "lost_packets"
-    """Commands do not reach the arm."""
-    DELAYED_CYCLE = "delayed_cycle"
-    """The loop's next cycle begins late: its period is longer, packets are lost."""
-    NAN_SENSOR = "nan_sensor"
-    """A joint's measured position is no number."""
-    STUCK_JOINT = "stuck_joint"
-    """A joint does not move."""
-    COLLISION = "collision"
-    """Something hits the hand."""
-
-
-@dataclass(frozen=True, slots=True)
-class SimulatedFault:
-    """One fault to inject.
-
-    Attributes:
-        kind: What goes wrong.
-        cycles: For how many cycles of the arm, >= 1.
-        joint: Number of the joint, 1 to 7; where the kind needs one.
-        force: Force of a collision in the base frame [N], shape (3,).
-    """
-
-    kind: FaultKind
-    cycles: int
-    joint: int = 1
-    force: tuple[float, float, float] = (0.0, 0.0, -100.0)
-
-
-class FrankaServices(ResourceHandle):
+class FrankaServices(ResourceHandle, ABC):
     """The services of one arm, under its arm_id.
 
     `robot_mode`, `errors`, `remedy` and `is_connected` may be called by any thread; the
@@ -123,8 +91,12 @@ class FrankaServices(ResourceHandle):
         """Return the last cycles before the last abort, oldest first, at most 50."""
 
     @abstractmethod
-    def remedy(self) -> str:
-        """Say what to do so that the arm can move; empty when it can."""
+    def remedy(self) -> str | None:
+        """Return what to do before the arm can move; None when the arm can move."""
+
+    @abstractmethod
+    def simulation(self) -> ArmSimulation | None:
+        """Return the controls that only a simulated arm has; None for a real arm."""
 
     @abstractmethod
     def is_connected(self) -> bool:
@@ -231,22 +203,6 @@ class FrankaServices(ResourceHandle):
         """
 
     @abstractmethod
-    def set_user_stop(self, *, pressed: bool) -> None:
-        """Press or release the user stop.
-
-        Raises:
-            ArmCommandError: The arm's user stop cannot be operated from here.
-        """
-
-    @abstractmethod
-    def set_guiding(self, *, pressed: bool) -> None:
-        """Hold or let go of the guiding buttons; held, the arm gives way to pushes.
-
-        Raises:
-            ArmCommandError: The arm is not idle, or its buttons are not here.
-        """
-
-    @abstractmethod
     def connect(self) -> None:
         """Connect to the arm; its collision thresholds are the configured ones again.
 
@@ -260,60 +216,6 @@ class FrankaServices(ResourceHandle):
 
         Raises:
             ArmCommandError: A controller runs, or it is not connected.
-        """
-
-    @abstractmethod
-    def apply_force(
-        self,
-        link: str,
-        force: Sequence[float],
-        torque: Sequence[float],
-        duration: float,
-        *,
-        frame: str = "world",
-        point: Sequence[float] | None = None,
-    ) -> None:
-        """Push a link, as a human would; simulation only.
-
-        Args:
-            link: Name of the link or object.
-            force: [N], shape (3,).
-            torque: [Nm], shape (3,).
-            duration: How long [s], > 0.
-            frame: Axes of both: `world`, or a link with which they turn.
-            point: Where the force acts, in the link's frame [m], shape (3,); None for
-                its centre of mass.
-
-        Raises:
-            HardwareInterfaceError: There is no such link.
-            ArmCommandError: The arm is not simulated.
-        """
-
-    @abstractmethod
-    def inject(self, fault: SimulatedFault) -> None:
-        """Make something go wrong; simulation only.
-
-        A delayed cycle is for the loop to carry out.
-
-        Raises:
-            InvalidCommandError: The fault lasts too long.
-            ArmCommandError: The arm is not simulated.
-        """
-
-    @abstractmethod
-    def faults(self) -> list[SimulatedFault]:
-        """Return what goes wrong at present, with the cycles that are left.
-
-        Raises:
-            ArmCommandError: The arm is not simulated.
-        """
-
-    @abstractmethod
-    def clear_faults(self) -> None:
-        """End what was made to go wrong, and every push.
-
-        Raises:
-            ArmCommandError: The arm is not simulated.
         """
 
 

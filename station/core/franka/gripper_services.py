@@ -7,7 +7,7 @@ asked about, and one that did not reach its aim is aborted with the reason, inst
 having succeeded with `success` false.
 """
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import ClassVar
@@ -121,7 +121,7 @@ class GripperState:
     last: GripperCommand | None
 
 
-class GripperServices(ResourceHandle):
+class GripperServices(ResourceHandle, ABC):
     """The hand of one arm, under its arm_id. Control thread, between two cycles.
 
     A command begins at once and ends the one before. None of them waits, and none has

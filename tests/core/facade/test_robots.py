@@ -14,8 +14,13 @@ from station.core.errors import (
     SwitchRefusedError,
 )
 from station.core.facade.station import Station
-from station.core.franka import Frame, RobotMode
-from station.core.franka.franka_services import FaultKind, SimulatedFault
+from station.core.franka import (
+    FaultKind,
+    Frame,
+    FrankaServicesInterface,
+    RobotMode,
+    SimulatedFault,
+)
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
 from tests.franka_station import JOINTS, make_franka_station
@@ -227,6 +232,29 @@ def test_delay_of_twenty_cycles_stops_the_arm(moving):
 
     assert error.name == "communication_constraints_violation"
     assert "communication_constraints_violation" in moving.controller("arm").fault
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda robots: robots.set_user_stop("panda", pressed=True),
+        lambda robots: robots.set_guiding("panda", pressed=True),
+        lambda robots: robots.apply_force("panda", "hand", [0.0] * 3, [0.0] * 3, 1.0),
+        lambda robots: robots.inject("panda", HIT),
+        lambda robots: robots.faults("panda"),
+        lambda robots: robots.clear_faults("panda"),
+    ],
+)
+def test_arm_that_is_not_simulated_refuses_what_only_simulations_can_do(
+    station, monkeypatch, use
+):
+    arm = station.loop.hw.get(FrankaServicesInterface).get_handle("panda")
+    monkeypatch.setattr(arm, "simulation", lambda: None)
+    epoch = station.epoch
+
+    with pytest.raises(ArmCommandError, match="arm 'panda' is not simulated"):
+        use(station.robots)
+    assert station.epoch == epoch
 
 
 def test_delay_of_seconds_is_refused(moving):

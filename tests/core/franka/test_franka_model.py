@@ -4,7 +4,7 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.core.franka import Frame, FrankaModelHandle, RobotState
-from station.hw.franka.simulated.franka_model import ArmModel
+from station.hw.franka.simulated.arm_model import ArmModel
 
 Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 

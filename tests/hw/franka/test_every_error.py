@@ -10,11 +10,11 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.core.franka import FaultKind
+from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
-from station.core.franka.franka_services import SimulatedFault
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD
 
@@ -61,7 +61,7 @@ def torques(joint: int, largest: float, *, stuck: bool = False) -> Drive:
     def drive(bench: Bench) -> Iterator[None]:
         if stuck:
             fault = SimulatedFault(FaultKind.STUCK_JOINT, 10_000, joint)
-            bench.services.inject(fault)
+            bench.services.simulation().inject(fault)
         bench.start("jt")
         for cycle in range(5_000):
             bench.hw.commands.efforts[joint - 1] = min(largest, 0.5 * cycle)
@@ -162,7 +162,7 @@ def pushed(link: str, force: list[float]) -> Drive:
     def drive(bench: Bench) -> Iterator[None]:
         bench.services.set_joint_impedance([150.0] * 7)
         bench.start("jp")
-        bench.services.apply_force(link, force, [0.0] * 3, 5.0)
+        bench.services.simulation().apply_force(link, force, [0.0] * 3, 5.0)
         for _ in range(2_000):
             yield
 
@@ -173,7 +173,9 @@ def losing_packets(bench: Bench) -> Iterator[None]:
     bench.start("jp")
     for cycle in range(50):
         if cycle == 10:
-            bench.services.inject(SimulatedFault(FaultKind.LOST_PACKETS, 20))
+            bench.services.simulation().inject(
+                SimulatedFault(FaultKind.LOST_PACKETS, 20)
+            )
         yield
 
 
@@ -341,7 +343,7 @@ def test_error_is_raised_by_its_cause(cause: Cause, unlimited: str) -> None:
     assert cause.name in hw.interruption_of(bench.controller)
 
     hw.do_switch([], [bench.controller])  # as the manager does
-    bench.services.clear_faults()
+    bench.services.simulation().clear_faults()
     for _ in range(300):
         hw.read(0.0, PERIOD)
     assert bench.services.error_recovery()

@@ -14,7 +14,7 @@ from station.core.franka import (
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.interfaces import PositionJointInterface
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from tests.hw.franka.test_franka_hw import drive, make, run, switch
 
 NONE = [0.0, 0.0, 0.0]
@@ -65,20 +65,20 @@ def pushes(count: int) -> list[Push]:
 
 
 def put(hw: FrankaHW, services: FrankaServices, q: list[float]) -> None:
-    hw.reset_simulation(dict(zip(JOINTS, q, strict=True)))
+    hw.simulated_world().reset(dict(zip(JOINTS, q, strict=True)))
     services.error_recovery()
 
 
 def carry(hw: FrankaHW, services: FrankaServices, force: list[float]) -> None:
     """Load the hand with a weight that the arm knows of, and push it besides."""
-    data = hw.simulation.world.data
+    data = hw.simulated_world().world.data
     hand, link7 = data.body("panda_hand"), data.body("panda_link7")
     axes = np.reshape(link7.xmat, (3, 3))
     flange = link7.xpos + 0.107 * axes[:, 2]
     center = (axes.T @ (hand.xipos - flange)).tolist()
     services.set_load(PAYLOAD, center, [0.0] * 9)
     pull = [force[0], force[1], force[2] - WEIGHT]
-    services.apply_force("panda_hand", pull, NONE, 60.0)
+    services.simulation().apply_force("panda_hand", pull, NONE, 60.0)
 
 
 def read_state(hw: FrankaHW) -> RobotState:
@@ -90,7 +90,7 @@ def expected_wrench(hw: FrankaHW, force: list[float]) -> list[float]:
     state = read_state(hw)
     ee = np.reshape(state.O_T_EE, (4, 4)).T
     stiffness = ee @ np.reshape(state.EE_T_K, (4, 4)).T
-    acts_at = hw.simulation.world.data.body("panda_hand").xipos - BASE
+    acts_at = hw.simulated_world().world.data.body("panda_hand").xipos - BASE
     torque = np.cross(acts_at - stiffness[:3, 3], force)
     return [-value for value in (*force, *torque)]
 
@@ -114,7 +114,7 @@ def test_push_of_the_hand_is_felt_with_opposite_sign(
     if payload:
         carry(hw, services, push.force)
     else:
-        services.apply_force("panda_hand", push.force, NONE, 60.0)
+        services.simulation().apply_force("panda_hand", push.force, NONE, 60.0)
     run(hw, SETTLED)
     state = read_state(hw)
     expected = expected_wrench(hw, push.force)
@@ -134,7 +134,7 @@ def test_push_is_felt_while_a_controller_holds_the_arm(
     put(hw, services, push.q)
     switch(hw, "jp")
     try:
-        services.apply_force("panda_hand", push.force, NONE, 60.0)
+        services.simulation().apply_force("panda_hand", push.force, NONE, 60.0)
         drive(hw, PositionJointInterface, push.q, SETTLED)
         felt = read_state(hw).O_F_ext_hat_K
         assert_within_two_percent(felt, expected_wrench(hw, push.force))
@@ -147,7 +147,7 @@ def test_filter_lets_63_percent_of_a_force_through_in_its_time_constant(
     hw: FrankaHW, services: FrankaServices
 ) -> None:
     put(hw, services, list(INITIAL_POSITIONS))
-    services.apply_force("panda_link4", [0.0, 10.0, 0.0], NONE, 1.0)
+    services.simulation().apply_force("panda_link4", [0.0, 10.0, 0.0], NONE, 1.0)
     torques = []
     for _ in range(60):
         run(hw, 1)
@@ -168,7 +168,7 @@ def test_nothing_is_felt_at_rest_in_a_hundred_poses(
     poses = 0
     while poses < 100:
         put(hw, services, generator.uniform(low, high).tolist())
-        if hw.simulation.world.data.ncon:
+        if hw.simulated_world().world.data.ncon:
             continue  # the arm touches itself there
         if payload:
             carry(hw, services, NONE)

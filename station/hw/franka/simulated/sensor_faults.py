@@ -1,11 +1,14 @@
 """Faults of one simulated arm: what goes wrong on request, and for how long."""
 
+from station.core.errors import InvalidCommandError
+from station.core.franka.arm_simulation import FaultKind, SimulatedFault
 from station.core.franka.franka_robot_state import RobotState
-from station.core.franka.franka_services import FaultKind, SimulatedFault
 from station.hw.mujoco.push import Push
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints
 
+LONGEST_DELAY = 500
+"""Most nominal periods by which a cycle of the loop can be delayed."""
 # Of a joint that is stuck [Nm s/rad].
 _STUCK_DAMPING = 1e6
 _NAN = float("nan")
@@ -31,9 +34,10 @@ class SensorFaults:
     def inject(self, fault: SimulatedFault) -> None:
         """Begin with a fault; another of its kind ends.
 
-        A delayed cycle is one of the loop: nothing happens here.
+        A delayed cycle is one of the loop: only its length is checked here.
 
         Raises:
+            InvalidCommandError: A cycle would be delayed for too long.
             HardwareInterfaceError: There is nothing for a collision to hit.
         """
         index = fault.joint - 1
@@ -48,7 +52,7 @@ class SensorFaults:
             case FaultKind.COLLISION:
                 self._world.push(Push(self._hand, fault.force), fault.cycles)
             case FaultKind.DELAYED_CYCLE:
-                pass
+                _check_delay(fault.cycles)
 
     def clear(self) -> None:
         """End every fault and every push."""
@@ -100,3 +104,12 @@ class SensorFaults:
     def _free(self, index: int) -> None:
         del self._stuck[index]
         self._joints.set_extra_damping(index, 0.0)
+
+
+def _check_delay(cycles: int) -> None:
+    if cycles > LONGEST_DELAY:
+        raise InvalidCommandError(
+            f"'cycles' of a delayed cycle is {cycles}",
+            remedy=f"give at most {LONGEST_DELAY}: nothing answers in that time",
+            details={"cycles": cycles},
+        )

@@ -113,7 +113,7 @@ def test_same_mode_goes_on_for_joints_and_begins_anew_for_the_end_effector(hw):
 def test_arm_that_cannot_move_any_more_fails_the_switch(hw):
     hw.do_switch(controllers("cp"), controllers("jv"))
     arm = hw.get(FrankaServicesInterface).get_handle("panda")
-    arm.set_user_stop(pressed=True)
+    arm.simulation().set_user_stop(pressed=True)
     run(hw, 1)
 
     assert hw.switch_result() is SwitchState.ERROR

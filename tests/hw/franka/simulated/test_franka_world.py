@@ -6,8 +6,8 @@ import pytest
 
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.errors import RobotDescriptionError
-from station.hw.franka.simulated.simulation import (
-    INITIAL_POSITIONS,
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     find_prefix,
     joint_names,

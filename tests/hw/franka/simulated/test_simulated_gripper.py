@@ -3,8 +3,8 @@
 import pytest
 
 from station.core.description.robot_files import load_robot_files
-from station.hw.franka.hand.simulated_gripper import SimulatedGripper
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
+from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 
 
 @pytest.mark.parametrize("width", [0.08, 0.04, 0.0])

@@ -4,8 +4,8 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.hw.franka.arm.load import Load
+from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.franka.simulated.franka_model import ArmModel
 
 Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 INERTIA = [0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017]
