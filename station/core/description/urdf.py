@@ -269,3 +269,21 @@ class Urdf:
     def joint_above(self, link: str) -> Joint | None:
         """Return the joint whose child is `link`; None for the root."""
         return self._above.get(link)
+
+    def fixed_root(self, link: str) -> tuple[str, Pose]:
+        """Return the last link that fixed joints lead back to, and the pose in it.
+
+        Args:
+            link: Name of a link.
+
+        Returns:
+            The name of that link, which is `link` itself below a joint that moves, and
+            the pose of `link` in its frame.
+        """
+        pose = Pose()
+        joint = self.joint_above(link)
+        while joint is not None and joint.type is JointType.FIXED:
+            pose = joint.origin.compose(pose)
+            link = joint.parent
+            joint = self.joint_above(link)
+        return link, pose

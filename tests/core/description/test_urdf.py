@@ -36,3 +36,12 @@ def test_joints_below_a_link_are_its_own() -> None:
 
 def test_link_without_mass_and_shape_is_a_frame() -> None:
     assert Link("frame", None, ()).is_frame_only
+
+
+def test_fixed_root_ends_at_the_first_joint_that_moves() -> None:
+    urdf = parse_urdf(load_robot_files("example-robot-data:panda").xml)
+    root, pose = urdf.fixed_root("panda_hand_tcp")
+    assert root == "panda_link7"
+    # The flange is 0.107 m, the tip of the fingers 0.1034 m from the last joint.
+    assert pose.xyz == pytest.approx((0.0, 0.0, 0.107 + 0.1034))
+    assert urdf.fixed_root("panda_link7") == ("panda_link7", Pose())
