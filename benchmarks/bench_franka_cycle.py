@@ -20,6 +20,8 @@ from time import process_time
 from measuring import REPEATS, print_table, print_title
 from typing_extensions import override
 
+from station.core.description.robot_files import load_robot_files
+from station.core.description.srdf import disabled_collisions
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
@@ -42,9 +44,7 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.world import World
-from station.hw.robot_description import load_robot_description
-from station.hw.srdf import disabled_collisions
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 CYCLES = 500
 TURNS = 3 * REPEATS
@@ -76,8 +76,8 @@ class JointsAlone(RobotHW):
 
     def __init__(self, kind: str) -> None:
         super().__init__()
-        description = load_robot_description(PANDA)
-        urdf = parse_urdf(description)
+        description = load_robot_files(PANDA)
+        urdf = load_urdf(description)
         spec = new_world(PERIOD)
         neighbours = tuple(disabled_collisions(description.srdf_path))
         add_robot(spec, urdf, RobotOptions(disabled_collisions=neighbours))

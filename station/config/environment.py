@@ -14,7 +14,7 @@ _Section = dict[str, object]
 
 
 class _Environment(BaseSettings):
-    """The sections, which map variables to keys; values are read as YAML has them."""
+    """The sections, which map variables to keys; values are read as YAML."""
 
     model_config = SettingsConfigDict(
         env_prefix=_PREFIX, env_nested_delimiter=_BETWEEN, extra="ignore"
@@ -32,7 +32,7 @@ def read_environment() -> Iterator[tuple[KeyPath, object, str]]:
     """Yield each setting of the environment: its path, its value, its variable.
 
     Raises:
-        ConfigError: A variable that stands for a list or mapping is no JSON.
+        ConfigError: A variable for a list or mapping is not JSON.
     """
     try:
         settings = _Environment().model_dump(exclude_unset=True)

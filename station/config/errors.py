@@ -1,4 +1,4 @@
-"""What is wrong with a configuration, all of it at once."""
+"""The error that names everything that is wrong with a configuration, all at once."""
 
 from collections.abc import Sequence
 
@@ -10,10 +10,10 @@ class ConfigError(ParameterError):
 
     Args:
         problems: One sentence each: where, which key, its value, what is allowed.
-        remedy: What to do.
+        remedy: What to do about them.
 
     Attributes:
-        problems: As given.
+        problems: The sentences.
     """
 
     code = "invalid_configuration"
@@ -23,3 +23,13 @@ class ConfigError(ParameterError):
             "\n".join(problems), remedy=remedy, details={"errors": list(problems)}
         )
         self.problems = tuple(problems)
+
+
+def key_text(path: Sequence[str | int]) -> str:
+    """Return the path of a key as a message names it, such as `robot.arms[0].base`.
+
+    Args:
+        path: Keys of mappings and indices of lists, from the root.
+    """
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return "".join(parts).removeprefix(".")

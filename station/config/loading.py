@@ -13,6 +13,7 @@ from station.config.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_y
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
 _MERGED_SECTIONS = ("station", "robot", "api", "ui")
+_SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]
 
 
 def load_config(
@@ -23,16 +24,16 @@ def load_config(
 ) -> StationConfig:
     """Return the configuration of a station.
 
-    What comes later wins: the defaults, the file, controller files, environment
-    variables, flags.
+    Later sources win over earlier ones, in this order: the defaults, the file,
+    environment variables, flags, controller files.
 
     Args:
-        path: The station's YAML file; the defaults alone when None.
+        path: The station's YAML file; None takes the defaults alone.
         controller_files: Parameter files written for ROS, added to `controllers`.
-        flags: What the command line sets, as `api.port` → value.
+        flags: The values set on the command line by dotted key, such as `api.port`.
 
     Raises:
-        ConfigError: Something cannot be read or is not allowed.
+        ConfigError: A file cannot be read, or a value is not allowed.
     """
     merge = _Merge()
     merge.add_file(parse_yaml(DEFAULT_FILE.read_text(encoding="utf-8"), "default.yaml"))
@@ -47,7 +48,7 @@ def load_config(
 
 
 class _Merge:
-    """Mappings laid one over the other, and where each value came from."""
+    """Mappings merged one over the other, and the source of each value."""
 
     def __init__(self) -> None:
         self.values: dict[str, object] = {}
@@ -55,22 +56,25 @@ class _Merge:
         self._parameters: dict[str, object] = {}
 
     def where(self, path: KeyPath) -> str:
-        """Say where the value at `path` was written; the last who wrote it."""
+        """Return the source that wrote the value at `path` last."""
         for prefix, source in reversed(self._sources):
             if path[: len(prefix)] == prefix:
                 return source if isinstance(source, str) else source.where(path)
         return "configuration"
 
     def add_file(self, document: YamlDocument) -> None:
-        """Lay a file over what is there.
+        """Merge a file over the values so far.
 
         Raises:
-            ConfigError: It has something that only looks like a section.
+            ConfigError: The file has the section `parameters`, which does not exist.
         """
         values = document.values
         if "parameters" in values:
             raise ConfigError(
-                [f"{document.where(('parameters',))}: parameters is unknown."],
+                [
+                    f"{document.where(('parameters',))}: parameters is unknown; "
+                    f"allowed are {', '.join(_SECTIONS)}."
+                ],
                 remedy="Put the parameters of controllers under 'controllers'.",
             )
         if self._is_another_robot(values):
@@ -95,12 +99,12 @@ class _Merge:
         self._parameters |= found.others
 
     def add_environment(self) -> None:
-        """Lay environment variables over what is there."""
+        """Merge environment variables over the values so far."""
         for path, value, variable in read_environment():
             self._set(path, value, f"environment variable {variable}")
 
     def add_flags(self, flags: Mapping[str, object]) -> None:
-        """Lay what the command line sets over what is there."""
+        """Merge the values of the command line over the values so far."""
         for dotted, value in flags.items():
             self._set(tuple(dotted.split(".")), value, "command line")
 
@@ -133,8 +137,8 @@ class _Merge:
             self.values[section] = {**before, **value}
         elif section == "controllers" and isinstance(value, dict):
             found = split_ros_parameters(value, document.name)
-            # What is no controller stays, so that a missing type is refused; a
-            # namespace may hold other parameters.
+            # A mapping without a type stays among the controllers, so that the
+            # missing type is refused; namespaces may hold other parameters.
             untyped = {k: v for k, v in found.others.items() if k in value}
             self._parameters |= {
                 k: v for k, v in found.others.items() if k not in value
@@ -159,7 +163,7 @@ class _Merge:
 
 
 def _relative_to(directory: Path, robot: object) -> object:
-    """Return a robot's parameters; paths of URDFs in them begin at `directory`."""
+    """Return a robot's parameters with paths of URDFs relative to `directory`."""
     if not isinstance(robot, dict):
         return robot
     found: dict[str, object] = {}

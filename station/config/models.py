@@ -1,7 +1,7 @@
-"""What a configuration may hold.
+"""The sections of a configuration, with the types and ranges of their values.
 
-Defaults are in `default.yaml`, and there alone. Types are strict: `"600"` is no number
-and `true` is no 1.
+`default.yaml` holds the defaults. Types are strict: `"600"` is not a number and `true`
+is not 1.
 """
 
 from typing import Annotated, Any
@@ -37,7 +37,7 @@ class LoopSection(_Section):
 
 
 class RobotSection(_Section):
-    """The robot; all but the type is for its class to check.
+    """The robot; its class checks everything except the type.
 
     Attributes:
         type: `package/Class` or `module:Class`.
@@ -49,18 +49,18 @@ class RobotSection(_Section):
 
 
 class SceneSection(_Section):
-    """What is in a simulated world besides the robot.
+    """The objects of a simulated world around the robot.
 
     Attributes:
-        objects: Boxes, spheres, cylinders, tables and meshes; for the robot's class to
-            check.
+        objects: Boxes, spheres, cylinders, tables and meshes; the robot's class checks
+            them.
     """
 
     objects: list[dict[str, Any]]
 
 
 class Controller(_Section):
-    """A controller's parameters; all but the type are for its class to check.
+    """A controller's parameters; its class checks all of them except the type.
 
     Attributes:
         type: `package/Class` or `module:Class`.
@@ -76,8 +76,8 @@ class ApiSection(_Section):
 
     Attributes:
         host: Address to listen at.
-        port: TCP port.
-        token: The operator's token; a random one when None.
+        port: TCP port; 0 for any free one.
+        token: The operator's token; None has a random one made.
     """
 
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
@@ -90,7 +90,7 @@ class UiSection(_Section):
 
     Attributes:
         enabled: Whether to start it.
-        port: TCP port, at the API's host.
+        port: TCP port at the API's host; 0 for any free one.
     """
 
     enabled: bool
@@ -98,12 +98,12 @@ class UiSection(_Section):
 
 
 class StationConfig(_Section):
-    """Everything a station is built from.
+    """The whole configuration from which a station is built.
 
     Attributes:
         station: The control loop.
         robot: The robot.
-        scene: What is around a simulated robot.
+        scene: The objects around a simulated robot.
         controllers: Controllers to load, by name.
         start: Names of those to start, in order.
         parameters: Other parameters of the controller files (`joint_limits` …), which

@@ -11,14 +11,14 @@ from station.core.parameters import Parameters
 def load_parameters(params: Parameters, path: Path) -> None:
     """Merge the YAML file at `path` into a namespace, value by value.
 
-    Other values of the namespace stay. Listeners are told every value.
+    Other values of the namespace stay. Listeners are notified of every value.
 
     Args:
         params: The namespace.
         path: The file.
 
     Raises:
-        ConfigError: It cannot be read or is not valid; nothing changed.
+        ConfigError: The file cannot be read or is not valid; nothing changed.
     """
     _merge(params, "", read_yaml(path).values)
 
@@ -29,10 +29,10 @@ def load_parameters_text(params: Parameters, text: str, name: str) -> None:
     Args:
         params: The namespace.
         text: The YAML text.
-        name: What stands for the file in messages.
+        name: Stands for the file in messages.
 
     Raises:
-        ConfigError: It is not valid; nothing changed.
+        ConfigError: The text is not valid; nothing changed.
     """
     _merge(params, "", parse_yaml(text, name).values)
 
@@ -50,7 +50,7 @@ def dump_parameters(params: Parameters) -> str:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes numbers so that every YAML reader takes them for numbers."""
+    """Write numbers so that every YAML reader recognises them as numbers."""
 
 
 def _represent_float(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from station.config.errors import ConfigError
+from station.core.errors import show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
 T = TypeVar("T")
@@ -29,17 +30,17 @@ class RosParameters:
 
 
 def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
-    """Tell the controllers in a ROS parameter file from the rest.
+    """Separate the controllers in a ROS parameter file from other parameters.
 
     A controller is a mapping with a `type` of the form `package/Class`; a namespace is
     a mapping with a controller somewhere below it.
 
     Args:
-        values: What the file holds.
+        values: The content of the file.
         name: The file, for messages.
 
     Raises:
-        ConfigError: The file is of ROS 2, or has a name in two namespaces.
+        ConfigError: The file was written for ROS 2, or has a name in two namespaces.
     """
     found = RosParameters()
     _collect(values, "", found, name)
@@ -53,7 +54,7 @@ def _collect(
         path = f"{namespace}/{key.strip('/')}"
         if key == "ros__parameters":
             raise ConfigError(
-                [f"{name}: {path}: this is a parameter file of ROS 2."],
+                [f"{name}: {path} belongs to a parameter file of ROS 2."],
                 remedy="Write the controllers as ros_control has them: the name, then "
                 "`type: package/Class` and the parameters, without `ros__parameters`.",
             )
@@ -69,8 +70,9 @@ def _add(found: dict[str, T], path: str, value: T, name: str) -> None:
     key = path.rpartition("/")[2]
     if key in found:
         raise ConfigError(
-            [f"{name}: {path}: '{key}' is in another namespace of the file too."],
-            remedy="A station has one controller manager: use names that differ.",
+            [f"{name}: {path} has a name that another namespace has, too."],
+            remedy="A station has one controller manager: give each controller a name "
+            "of its own.",
         )
     found[key] = value
 
@@ -92,15 +94,16 @@ def substitute(value: object, arguments: dict[str, str], name: str) -> object:
 
     Args:
         value: Plain data.
-        arguments: What the names stand for.
+        arguments: The values that the names stand for.
         name: The file, for messages.
 
     Raises:
-        ConfigError: An argument is unknown, or it is no `arg` (`find`, `env` …).
+        ConfigError: An argument is unknown, or the substitution is not `arg` but
+            `find`, `env` or another one.
 
     Source:
-        ros_comm@1.17.0 tools/rosparam, `subst_value`; differs: of roslaunch's
-        substitutions `arg` alone is understood.
+        ros_comm@1.17.0 tools/rosparam, `subst_value`; differs: `arg` is the only one
+        of roslaunch's substitutions that is understood.
     """
     if isinstance(value, dict):
         return {
@@ -117,8 +120,9 @@ def substitute(value: object, arguments: dict[str, str], name: str) -> object:
             return arguments[match[2].strip()]
         allowed = ", ".join(f"$(arg {argument})" for argument in arguments)
         raise ConfigError(
-            [f"{name}: {match[0]} in {value!r} stands for nothing here."],
-            remedy=f"Write the value itself; what is replaced is: {allowed}.",
+            [f"{name}: {show(match[0])} in {show(value)} cannot be replaced."],
+            remedy=f"Write the value itself; what can be replaced is: "
+            f"{allowed or 'nothing'}.",
         )
 
     return _SUBSTITUTION.sub(replacement, value)

@@ -1,15 +1,16 @@
-"""Validate a merged configuration and word what is wrong with it."""
+"""Validate a merged configuration, and say in words what is wrong with it."""
 
 from collections.abc import Callable
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from station.config.errors import ConfigError
+from station.config.errors import ConfigError, key_text
 from station.config.models import NAME_PATTERN, PLUGIN_PATTERN, StationConfig
 from station.config.yaml_reader import KeyPath
+from station.core.errors import show
 
-# Names of the parameter tree that are no controller's.
+# Names in the parameter tree that controllers cannot have.
 RESERVED_NAMES = frozenset({"robot", "robot_description", "scene"})
 _REMEDY = "Correct the configuration and start again."
 _WANTED = {
@@ -36,10 +37,10 @@ def validate(
 
     Args:
         values: The merged mappings.
-        where: Says where the value at a path was written.
+        where: Returns where the value at a path was written.
 
     Raises:
-        ConfigError: Something is not allowed; all of it is named.
+        ConfigError: Something is not allowed; the message names every such value.
     """
     try:
         config = StationConfig.model_validate(values)
@@ -53,14 +54,14 @@ def validate(
 def _check_names(config: StationConfig, where: Callable[[KeyPath], str]) -> None:
     known = ", ".join(config.controllers) or "none"
     problems = [
-        f"{where(('start', i))}: start[{i}] is '{name}'; allowed are the names of "
+        f"{where(('start', i))}: start[{i}] is {show(name)}; allowed are the names in "
         f"'controllers': {known}."
         for i, name in enumerate(config.start)
         if name not in config.controllers
     ]
     problems += [
-        f"{where(('controllers', name))}: the name '{name}' is taken: the parameters "
-        "of the robot are there."
+        f"{where(('controllers', name))}: controllers.{name} has a name that is taken: "
+        f"the station keeps its own parameters under '{name}'."
         for name in RESERVED_NAMES & (config.controllers.keys() | config.parameters)
     ]
     if problems:
@@ -71,8 +72,7 @@ def _problem(details: ErrorDetails, where: Callable[[KeyPath], str]) -> str:
     path = details["loc"]
     if path[-1:] == ("[key]",):
         path = path[:-1]
-    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)[1:]
-    return f"{where(path)}: {key} {_complaint(details)}."
+    return f"{where(path)}: {key_text(path)} {_complaint(details)}."
 
 
 def _complaint(details: ErrorDetails) -> str:
@@ -89,9 +89,7 @@ def _complaint(details: ErrorDetails) -> str:
     if wanted is None:
         message = details["msg"].removeprefix("Input should ").removeprefix("be ")
         wanted = message[0].lower() + message[1:]
-    shown = repr(value)
-    shown = shown if len(shown) <= 80 else f"{shown[:77]}…"
-    return f"is {shown}; it must be {wanted}"
+    return f"is {show(value)}; it must be {wanted}"
 
 
 def _siblings(path: tuple[str | int, ...]) -> list[str]:

@@ -1,10 +1,11 @@
 """Read one YAML file into plain data that knows where each value was written.
 
-YAML 1.1, as ROS reads it, has traps. Here `1e-3` is a number, a date is text, and
-what 1.1 and 1.2 read differently (`010`, `1:30`, `1_000`) is refused, as are duplicate
-keys and keys that are not text.
+YAML 1.1, as ROS reads it, has traps. Here `1e-3` is a number and a date is text.
+Scalars that YAML 1.1 and 1.2 read differently (`010`, `1:30`, `1_000`) are refused, and
+so are duplicate keys and keys that are not text.
 """
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +13,9 @@ from pathlib import Path
 import yaml
 from typing_extensions import override
 
-from station.config.angles import parse_angle
-from station.config.errors import ConfigError
+from station.config.angle_expression import parse_angle
+from station.config.errors import ConfigError, key_text
+from station.core.errors import show
 
 KeyPath = tuple[str | int, ...]
 
@@ -23,7 +25,8 @@ _FIX_FILE = "Correct the file and start again."
 _MAX_DEPTH = 64
 _MAX_VALUES = 100_000
 """Aliases of aliases make a few lines into more values than there is memory."""
-# What a scalar without quotes is; the first pattern that matches decides.
+_MAX_NUMBER_LENGTH = 100
+# The tags of scalars without quotes; the first pattern that matches decides.
 _PLAIN_SCALARS = (
     (f"{_TAG}null", r"~|null|Null|NULL|"),
     (f"{_TAG}bool", r"(?i:true|false|yes|no|on|off)"),
@@ -79,7 +82,7 @@ class YamlDocument:
     positions: dict[KeyPath, tuple[int, int]]
 
     def where(self, path: KeyPath) -> str:
-        """Return `file:line:column` of the value at `path`, or of what holds it."""
+        """Return `file:line:column` of the value at `path`, or of its container."""
         while path and path not in self.positions:
             path = path[:-1]
         line, column = self.positions.get(path, (1, 1))
@@ -90,29 +93,34 @@ def read_yaml(path: Path) -> YamlDocument:
     """Read the YAML file at `path`.
 
     Raises:
-        ConfigError: It cannot be read, is not YAML, or holds something that is
-            refused; the message says file, line and column.
+        ConfigError: The file cannot be read, is not YAML, or holds something that is
+            refused; the message says file, line, column and key.
     """
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigError(
-            [f"{path}: cannot be read: {error.strerror}."],
+            [f"{path}: The file cannot be read: {error.strerror}."],
             remedy="Check the path and its permissions.",
         ) from error
     except UnicodeDecodeError as error:
         raise ConfigError(
-            [f"{path}: byte {error.start} is not UTF-8."],
+            [f"{path}: The file is not UTF-8 from byte {error.start} on."],
             remedy="Save the file as UTF-8.",
         ) from error
     return parse_yaml(text, str(path))
 
 
 def parse_yaml(text: str, name: str) -> YamlDocument:
-    """Parse YAML text; `name` stands for the file in messages.
+    """Parse YAML text.
+
+    Args:
+        text: The YAML text.
+        name: Stands for the file in messages.
 
     Raises:
-        ConfigError: As `read_yaml`.
+        ConfigError: The text is not YAML, or holds something that is refused; the
+            message says file, line, column and key.
     """
     root = _compose(text, name)
     if root is None:
@@ -121,17 +129,21 @@ def parse_yaml(text: str, name: str) -> YamlDocument:
     values = builder.build(root, ())
     if not isinstance(values, dict):
         raise ConfigError(
-            [f"{name}:1:1: the file holds {values!r:.80}; it must hold a mapping."],
+            [f"{name}:1:1: The file holds {show(values)}; it must hold a mapping."],
             remedy="Write `key: value` lines.",
         )
     return YamlDocument(name, values, builder.positions)
 
 
 def parse_value(text: str, name: str) -> object:
-    """Return what YAML text says, be it a mapping or a single number.
+    """Return the value of YAML text: a mapping, a list or a single scalar.
+
+    Args:
+        text: The YAML text.
+        name: Stands for the file in messages.
 
     Raises:
-        ConfigError: As `read_yaml`.
+        ConfigError: The text is not YAML, or holds something that is refused.
     """
     root = _compose(text, name)
     return None if root is None else _Builder(name).build(root, ())
@@ -143,21 +155,23 @@ def _compose(text: str, name: str) -> yaml.Node | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        message = f"{name}{place}: not valid YAML: {error.problem or error.context}."
+        problem = error.problem or error.context
+        message = f"{name}{place}: The text is not valid YAML: {problem}."
         raise ConfigError([message], remedy=_FIX_FILE) from error
     except RecursionError as error:
         raise ConfigError(
-            [f"{name}: nested deeper than {_MAX_DEPTH} levels."], remedy=_FIX_FILE
+            [f"{name}: The text is nested deeper than {_MAX_DEPTH} levels."],
+            remedy=_FIX_FILE,
         ) from error
     except yaml.YAMLError as error:
         raise ConfigError(
-            [f"{name}: not valid YAML: {error}."], remedy=_FIX_FILE
+            [f"{name}: The text is not valid YAML: {error}."], remedy=_FIX_FILE
         ) from error
     return root
 
 
 class _Builder:
-    """Turns PyYAML's nodes into plain data and notes positions."""
+    """Turn PyYAML's nodes into plain data and note their positions."""
 
     def __init__(self, name: str) -> None:
         self.positions: dict[KeyPath, tuple[int, int]] = {}
@@ -166,21 +180,23 @@ class _Builder:
         self._count = 0
 
     def build(self, node: yaml.Node, path: KeyPath) -> object:
-        """Return the data of `node`.
+        """Return the data of `node`, which stands at `path`.
 
         Raises:
-            ConfigError: Something in it is refused.
+            ConfigError: Something in the node is refused.
         """
         mark = node.start_mark
         self.positions[path] = (mark.line + 1, mark.column + 1)
         if any(node is parent for parent in self._open):
-            raise self._refuse(node, "an alias may not contain itself")
+            raise self._refuse(node, path, "is an alias that contains itself")
         if len(self._open) >= _MAX_DEPTH:
-            raise self._refuse(node, f"nested deeper than {_MAX_DEPTH} levels")
+            raise self._refuse(node, path, f"is nested deeper than {_MAX_DEPTH} levels")
         self._count += 1
         if self._count > _MAX_VALUES:
             raise self._refuse(
-                node, f"more than {_MAX_VALUES} values, aliases written out"
+                node,
+                path,
+                f"makes more than {_MAX_VALUES} values, with every alias written out",
             )
         self._open.append(node)
         try:
@@ -188,7 +204,7 @@ class _Builder:
                 return self._mapping(node, path)
             if isinstance(node, yaml.SequenceNode):
                 return [self.build(v, (*path, i)) for i, v in enumerate(node.value)]
-            return self._scalar(node)
+            return self._scalar(node, path)
         finally:
             self._open.pop()
 
@@ -202,10 +218,13 @@ class _Builder:
             key = self.build(key_node, path) if _is_scalar(key_node) else None
             if not isinstance(key, str):
                 raise self._refuse(
-                    key_node, f"the key {_text(key_node)} is not text; put it in quotes"
+                    key_node,
+                    path,
+                    f"has the key {_text(key_node)}, which is not text; put it in "
+                    "quotes",
                 )
             if key in own:
-                raise self._refuse(key_node, f"the key '{key}' is there twice")
+                raise self._refuse(key_node, path, f"has the key {show(key)} twice")
             own[key] = self.build(value_node, (*path, key))
         mark = node.start_mark
         self.positions[path] = (mark.line + 1, mark.column + 1)
@@ -217,11 +236,16 @@ class _Builder:
         for part in nodes:
             value = self.build(part, path)
             if not isinstance(value, dict):
-                raise self._refuse(part, "`<<` takes a mapping or a list of them")
+                raise self._refuse(
+                    part,
+                    path,
+                    f"merges {show(value)} with `<<`, which takes a mapping or a list "
+                    "of mappings",
+                )
             merged = {**value, **merged}
         return merged
 
-    def _scalar(self, node: yaml.Node) -> object:
+    def _scalar(self, node: yaml.Node, path: KeyPath) -> object:
         text = str(node.value)
         match node.tag.removeprefix(_TAG):
             case "str":
@@ -233,32 +257,61 @@ class _Builder:
             case "bool" if text.lower() in {"false", "no", "off"}:
                 return False
             case "int" | "float" | "!radians" | "!degrees" as kind:
-                return self._number(kind, text, node)
+                return self._number(kind, text, node, path)
             case "!ambiguous":
                 raise self._refuse(
                     node,
-                    f"{text} means different things in YAML 1.1 and 1.2; write a "
-                    f'plain decimal number, or "{text}" if it is text',
+                    path,
+                    f"is {show(text)}, which means different things in YAML 1.1 and "
+                    "1.2; write a plain decimal number, or put it in quotes if it is "
+                    "text",
                 )
-        raise self._refuse(node, f"{text!r} has the tag {node.tag}, which is unknown")
+        raise self._refuse(
+            node, path, f"is {show(text)} with the tag {node.tag}, which is unknown"
+        )
 
-    def _number(self, kind: str, text: str, node: yaml.Node) -> int | float:
+    def _number(
+        self, kind: str, text: str, node: yaml.Node, path: KeyPath
+    ) -> int | float:
+        # Python refuses to read or write integers of more than 4300 digits.
+        if len(text) > _MAX_NUMBER_LENGTH:
+            raise self._refuse(
+                node,
+                path,
+                f"is {show(text)}, a number of {len(text)} characters; allowed are "
+                f"{_MAX_NUMBER_LENGTH}",
+            )
         try:
-            match kind:
-                case "int":
-                    return int(text, 0)
-                case "float":
-                    return float(_INF_OR_NAN.sub(r"\1", text))
-                case "!degrees":
-                    return parse_angle(f"deg({text})")
-            return parse_angle(text)
+            number = _parse_number(kind, text)
         except ValueError as error:
-            raise self._refuse(node, f"{text!r} is no number: {error}") from error
+            raise self._refuse(
+                node, path, f"is {show(text)}, which is not a number: {error}"
+            ) from error
+        if kind == "float" and math.isinf(number) and "inf" not in text.lower():
+            raise self._refuse(
+                node,
+                path,
+                f"is {text}, which is too large; allowed are numbers up to 1.7e308, or "
+                ".inf",
+            )
+        return number
 
-    def _refuse(self, node: yaml.Node, problem: str) -> ConfigError:
+    def _refuse(self, node: yaml.Node, path: KeyPath, problem: str) -> ConfigError:
         mark = node.start_mark
         place = f"{self._name}:{mark.line + 1}:{mark.column + 1}"
-        return ConfigError([f"{place}: {problem}."], remedy=_FIX_FILE)
+        subject = key_text(path) or "The text"
+        return ConfigError([f"{place}: {subject} {problem}."], remedy=_FIX_FILE)
+
+
+def _parse_number(kind: str, text: str) -> int | float:
+    match kind:
+        case "int":
+            return int(text, 0)
+        case "float":
+            return float(_INF_OR_NAN.sub(r"\1", text))
+        case "!degrees":
+            return parse_angle(f"deg({text})")
+    return parse_angle(text)
 
 
 def _is_scalar(node: yaml.Node) -> bool:
@@ -266,4 +319,4 @@ def _is_scalar(node: yaml.Node) -> bool:
 
 
 def _text(node: yaml.Node) -> str:
-    return repr(node.value) if _is_scalar(node) else "(a list or mapping)"
+    return show(node.value) if _is_scalar(node) else "(a list or mapping)"

@@ -1,4 +1,4 @@
-"""Time as a dependency: the wall clock for the real loop, a manual one for tests."""
+"""Clocks: the operating system's for the real loop, and a manual one for tests."""
 
 import threading
 import time
@@ -10,8 +10,8 @@ from typing_extensions import override
 class Clock(ABC):
     """A monotonic clock that can wait.
 
-    Everything in the station that needs wall time gets a `Clock`; nothing calls
-    `time.*` itself. Safe to use from any thread.
+    Code that needs wall time is given a `Clock` and never calls `time.*` itself, so
+    that tests decide how time passes. Safe to use from any thread.
     """
 
     @abstractmethod
@@ -20,14 +20,14 @@ class Clock(ABC):
 
     @abstractmethod
     def sleep_until(self, deadline: float) -> None:
-        """Return when `now() >= deadline` [s]; at once when it has passed."""
+        """Wait until `now() >= deadline` [s]; return at once if that has passed."""
 
     @abstractmethod
     def wait_for(self, lock: threading.Lock, deadline: float) -> bool:
-        """Acquire `lock`, waiting for it until `deadline` [s] at most.
+        """Acquire `lock`, waiting until `deadline` [s] at most.
 
         Returns:
-            Whether it was acquired.
+            Whether the lock was acquired.
         """
 
 
@@ -56,8 +56,8 @@ class ManualClock(Clock):
     runs as fast as it can and every run is the same.
 
     Args:
-        start: First value of `now()` [s]. It is large and odd by default, so that a
-            value of another clock mixed in is seen at once.
+        start: First value of `now()` [s]. The default is large and odd, so that a time
+            of another clock stands out in a failing test.
     """
 
     def __init__(self, start: float = 7_654_321.0) -> None:
@@ -74,7 +74,9 @@ class ManualClock(Clock):
             ValueError: `duration` is negative; time only goes forward.
         """
         if duration < 0.0:
-            raise ValueError(f"cannot advance the clock by {duration} s; use >= 0")
+            raise ValueError(
+                f"The clock cannot be advanced by {duration} s; allowed are times >= 0."
+            )
         self._now += duration
 
     @override

@@ -1,4 +1,4 @@
-"""The tree of everything that can go wrong, as one root and named leaves.
+"""The exceptions that the station raises on purpose, in one tree.
 
 ```
 StationError
@@ -10,23 +10,23 @@ StationError
 ├── ControllerLoadError           a controller cannot be created or initialised
 │   └── ControllerExistsError     that name is loaded already (ValueError)
 ├── ControllerStateError          not possible in the controller's state (RuntimeError)
-├── SwitchRefusedError            a switch is not carried out; nothing changed
+├── SwitchRefusedError            a switch was refused; nothing changed
 │   └── ResourceConflictError     two controllers want the same resource
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
 ├── ArmNotFoundError              there is no arm of that name (KeyError)
 ├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
 ├── GripperNotFoundError          there is no hand at that arm (KeyError)
-├── GripperCommandError           a hand cannot do that now (RuntimeError)
+├── GripperCommandError           a hand cannot carry out a request (RuntimeError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
 ├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
 ├── GoalNotFoundError             no goal of that name is known (KeyError)
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
-├── GainsChangedError             the gains are not the ones the caller has read
+├── GainsChangedError             the gains changed since the caller read them
 ├── StaleEpochError               the command belongs to an older epoch
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
-├── SimulationError               there is no simulation, or not now (RuntimeError)
+├── SimulationError               a simulation refuses a request (RuntimeError)
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
 ```
 """
@@ -35,17 +35,32 @@ from collections.abc import Mapping
 
 from typing_extensions import override
 
+_MAX_SHOWN = 80
+
+
+def show(value: object) -> str:
+    """Return a value as a message shows it, shortened to 80 characters.
+
+    Args:
+        value: Any plain data.
+    """
+    # An integer of thousands of digits has no text: Python refuses to write it.
+    if isinstance(value, int) and value.bit_length() > 4 * _MAX_SHOWN:
+        return f"an integer of {value.bit_length()} bits"
+    text = repr(value)
+    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 1]}…"
+
 
 class StationError(Exception):
-    """Base of all errors the station raises on purpose.
+    """Base of all errors that the station raises on purpose.
 
-    The message names the thing, its value and what is allowed; `remedy` says what
-    to do. Both reach a REST client word by word.
+    The message names the thing, its value and the allowed values; `remedy` says what
+    to do. A REST client receives both unchanged.
 
     Attributes:
         code: Stable machine-readable name of the kind of failure.
-        message: What is wrong, one sentence or more.
-        remedy: What to do about it; may be empty.
+        message: What is wrong, in one sentence or more.
+        remedy: What to do about it, in full sentences; may be empty.
         details: The facts of the message as data (JSON-compatible values).
     """
 
@@ -112,13 +127,13 @@ class ControllerExistsError(ControllerLoadError, ValueError):
 
 
 class ControllerStateError(StationError, RuntimeError):
-    """The request is not possible in the controller's present state."""
+    """A request is not possible in the present state of the controller."""
 
     code = "controller_state"
 
 
 class SwitchRefusedError(StationError):
-    """A switch is not carried out; controllers and hardware are as before."""
+    """A switch was refused; controllers and hardware are as before."""
 
     code = "switch_refused"
 
@@ -166,13 +181,13 @@ class GripperNotFoundError(StationError, KeyError):
 
 
 class GripperCommandError(StationError, RuntimeError):
-    """A hand cannot do that now."""
+    """A hand cannot carry out a request in its present state."""
 
     code = "gripper_command_refused"
 
 
 class CommandTimeoutError(StationError, TimeoutError):
-    """No new set-point arrived in time, and the controller was told to stop then."""
+    """No new set-point arrived within the timeout of the last one."""
 
     code = "command_timeout"
 
@@ -220,7 +235,7 @@ class LoopError(StationError, RuntimeError):
 
 
 class SimulationError(StationError, RuntimeError):
-    """The simulation cannot do that now, or there is none."""
+    """The simulation refuses a request in its present state, or there is none."""
 
     code = "simulation_refused"
 

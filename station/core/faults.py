@@ -1,45 +1,45 @@
-"""Faults of code that the station did not write: what is contained, and in which words.
+"""Describe exceptions raised by controllers and robots that users wrote.
 
-A controller or a robot may raise anything, and its text may be anything, too: an error
-that cannot be printed, or letters that no JSON can carry.
+Such an exception may be of any type. Its text may fail to print, be of any length, or
+contain surrogates that no JSON can carry.
 """
 
 import traceback
 
 MAX_REASON = 1000
-"""Longest text of a fault: every client gets it, in every list of controllers."""
+"""Longest text of a fault [characters]; every list of controllers contains it."""
 MAX_TRACE = 20_000
-"""Longest traceback; its end is kept."""
+"""Longest traceback [characters]; a longer one loses its beginning."""
 CONTAINED = (Exception, SystemExit)
-"""What a plugin may raise without harm to others; `exit()` in it ends nothing else."""
+"""Exceptions that end the plugin that raised them, and nothing else; `exit()` too."""
 
 
 def reason_of(where: str, error: BaseException) -> str:
-    """Return what happened in one line.
+    """Return one line that names a callback and the exception it raised.
 
     Args:
-        where: The callback that raised.
-        error: What it raised.
+        where: Name of the callback.
+        error: The exception.
     """
     return f"{where} raised {describe(error)}"
 
 
 def describe(error: BaseException) -> str:
-    """Return an exception as `Type: text`, in letters that every encoding has."""
+    """Return an exception as `Type: text`, without lone surrogates."""
     try:
         text = str(error)
     except CONTAINED:
-        text = "(its text cannot be had)"
+        text = "(its text cannot be read)"
     if len(text) > MAX_REASON:
         text = f"{text[:MAX_REASON]}... ({len(text)} characters)"
     return printable(f"{type(error).__name__}: {text}")
 
 
 def trace_of_fault() -> str:
-    """Return the traceback of the exception being handled."""
+    """Return the traceback of the exception that is being handled."""
     return printable(traceback.format_exc()[-MAX_TRACE:])
 
 
 def printable(text: str) -> str:
-    """Return `text` with escapes in place of lone surrogates, which no UTF-8 has."""
+    """Return `text` with lone surrogates, which UTF-8 cannot encode, as escapes."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")

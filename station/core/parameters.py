@@ -1,15 +1,16 @@
-"""A tree of parameters with namespaces, as rosparam has it, typed at the reading end.
+"""A tree of parameters with namespaces, like that of rosparam.
 
-The tree holds what a YAML file holds: numbers, strings, booleans, lists and mappings.
-Paths are separated by `/`. A `Parameters` object is a view on one namespace; whoever
-reads says which type it expects and gets an error that names the full path otherwise.
+The tree holds the data of a YAML file: numbers, strings, booleans, lists and mappings.
+The parts of a path are separated by `/`. A `Parameters` object is a view on one
+namespace. Its methods read a value of a given type, and raise an error with the full
+path if the value has another type.
 """
 
 import threading
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 
-from station.core.errors import ParameterError
+from station.core.errors import ParameterError, show
 
 ParameterListener = Callable[[str, object], None]
 _MISSING = object()
@@ -23,7 +24,7 @@ class ParameterTree:
     """The store behind all namespaces. Safe to use from any thread.
 
     Args:
-        values: Initial content; copied.
+        values: Initial content, which is copied.
     """
 
     def __init__(self, values: Mapping[str, object] | None = None) -> None:
@@ -34,7 +35,7 @@ class ParameterTree:
             self._store(_split(key), deepcopy(value))
 
     def get(self, path: str, default: object = None) -> object:
-        """Return a copy of the value at `path`, or `default` when there is none."""
+        """Return a copy of the value at `path`, or `default` if there is none."""
         with self._lock:
             node: object = self._root
             for part in _split(path):
@@ -44,9 +45,10 @@ class ParameterTree:
             return deepcopy(node)
 
     def set(self, path: str, value: object) -> None:
-        """Store a copy of `value` at `path` and tell the listeners.
+        """Store a copy of `value` at `path` and notify the listeners.
 
-        Namespaces on the way are made; a plain value on the way is replaced.
+        Missing namespaces along the path are made; a plain value along it is replaced
+        by a namespace.
 
         Raises:
             ParameterError: `path` is empty and `value` is not a mapping.
@@ -54,7 +56,7 @@ class ParameterTree:
         parts = _split(path)
         if not parts and not isinstance(value, Mapping):
             raise ParameterError(
-                f"The root of the parameters must be a mapping, not {value!r}.",
+                f"The root of the parameters must be a mapping, not {show(value)}.",
                 remedy="Give a path such as 'controller/p'.",
             )
         with self._lock:
@@ -65,7 +67,7 @@ class ParameterTree:
         self._notify("/".join(parts), value)
 
     def delete(self, path: str) -> bool:
-        """Remove what is at `path`; return whether there was anything."""
+        """Remove the value at `path`, and return whether there was one."""
         parts = _split(path)
         with self._lock:
             node: object = self._root
@@ -79,9 +81,14 @@ class ParameterTree:
         return removed
 
     def subscribe(self, listener: ParameterListener) -> Callable[[], None]:
-        """Call `listener(path, value)` after every change; return the way to stop it.
+        """Call `listener(path, value)` after every change, in the changing thread.
 
-        A deleted parameter is told as None. Called in the thread of the change.
+        Args:
+            listener: Receives the path and the new value, which is None for a parameter
+                that was deleted.
+
+        Returns:
+            A function that ends the subscription.
         """
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener)
@@ -104,7 +111,7 @@ class Parameters:
     """A view on one namespace of a `ParameterTree`.
 
     Args:
-        tree: The tree; an empty one of its own when left out.
+        tree: The tree; None makes an empty one.
         path: The namespace.
     """
 
@@ -121,11 +128,11 @@ class Parameters:
         return Parameters(self.tree, self.resolve(key))
 
     def get(self, key: str = "", default: object = None) -> object:
-        """Return the value of `key` whatever its type, or `default`."""
+        """Return the value of `key`, of any type, or `default` if there is none."""
         return self.tree.get(self.resolve(key), default)
 
     def has(self, key: str) -> bool:
-        """Say whether `key` has a value."""
+        """Return whether `key` has a value."""
         return self.get(key, _MISSING) is not _MISSING
 
     def set(self, key: str, value: object) -> None:
@@ -133,15 +140,15 @@ class Parameters:
         self.tree.set(self.resolve(key), value)
 
     def keys(self) -> list[str]:
-        """Return the keys of this namespace; empty when it is none."""
+        """Return the keys of this namespace; none if it is not a mapping."""
         value = self.get()
         return [str(key) for key in value] if isinstance(value, dict) else []
 
     def get_float(self, key: str, default: float | None = None) -> float:
-        """Return the number at `key`; required when there is no default.
+        """Return the number at `key`; it is required if there is no default.
 
         Raises:
-            ParameterError: It is missing, or not a finite number.
+            ParameterError: The value is missing, or not a finite number.
         """
         value = self._value(key, default)
         number = not isinstance(value, bool) and isinstance(value, (int, float))
@@ -150,10 +157,10 @@ class Parameters:
         return float(value)  # type: ignore[arg-type]  # a number
 
     def get_int(self, key: str, default: int | None = None) -> int:
-        """Return the integer at `key`; required when there is no default.
+        """Return the integer at `key`; it is required if there is no default.
 
         Raises:
-            ParameterError: It is missing, or not an integer.
+            ParameterError: The value is missing, or not an integer.
         """
         value = self._value(key, default)
         if isinstance(value, bool) or not isinstance(value, int):
@@ -161,10 +168,10 @@ class Parameters:
         return value
 
     def get_bool(self, key: str, default: bool | None = None) -> bool:  # noqa: FBT001 - a default
-        """Return the boolean at `key`; required when there is no default.
+        """Return the boolean at `key`; it is required if there is no default.
 
         Raises:
-            ParameterError: It is missing, or neither true nor false.
+            ParameterError: The value is missing, or neither true nor false.
         """
         value = self._value(key, default)
         if not isinstance(value, bool):
@@ -172,10 +179,10 @@ class Parameters:
         return value
 
     def get_str(self, key: str, default: str | None = None) -> str:
-        """Return the string at `key`; required when there is no default.
+        """Return the string at `key`; it is required if there is no default.
 
         Raises:
-            ParameterError: It is missing, or not a string.
+            ParameterError: The value is missing, or not a string.
         """
         value = self._value(key, default)
         if not isinstance(value, str):
@@ -183,10 +190,10 @@ class Parameters:
         return value
 
     def get_str_list(self, key: str, default: list[str] | None = None) -> list[str]:
-        """Return the list of strings at `key`; required when there is no default.
+        """Return the list of strings at `key`; it is required if there is no default.
 
         Raises:
-            ParameterError: It is missing, or not a list of strings.
+            ParameterError: The value is missing, or not a list of strings.
         """
         value = self._value(key, default)
         if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
@@ -196,15 +203,15 @@ class Parameters:
     def get_float_list(
         self, key: str, size: int | None = None, default: list[float] | None = None
     ) -> list[float]:
-        """Return the list of numbers at `key`; required when there is no default.
+        """Return the list of numbers at `key`; it is required if there is no default.
 
         Args:
             key: The key.
-            size: Length the list must have; any when None.
-            default: Value when the key is absent.
+            size: Length that the list must have; None allows any.
+            default: Value if the key is absent.
 
         Raises:
-            ParameterError: It is missing, not a list of finite numbers, or has
+            ParameterError: The value is missing, not a list of finite numbers, or has
                 another length.
         """
         value = self._value(key, default)
@@ -222,14 +229,14 @@ class Parameters:
         if value is None:
             raise ParameterError(
                 f"Parameter '{self.resolve(key)}' is missing.",
-                remedy="Set it in the configuration or in the load request's params.",
+                remedy="Set it before the controller or robot is initialised.",
                 details={"parameter": self.resolve(key)},
             )
         return value
 
     def _wrong(self, key: str, value: object, wanted: str) -> ParameterError:
         return ParameterError(
-            f"Parameter '{self.resolve(key)}' is {value!r}; it must be {wanted}.",
+            f"Parameter '{self.resolve(key)}' is {show(value)}; it must be {wanted}.",
             remedy="Correct the value and try again.",
             details={"parameter": self.resolve(key)},
         )

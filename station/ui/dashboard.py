@@ -11,7 +11,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import viser
-import yourdfpy
 
 from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
@@ -24,7 +23,7 @@ from station.ui.panels.simulation_panel import SimulationPanel
 from station.ui.panels.target_panel import TargetPanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
-from station.ui.robot_model import RobotModelError, joint_limits
+from station.ui.robot_model import RobotModel, RobotModelError
 from station.ui.scene import RobotScene
 from station.ui.scene_objects import SceneObjects
 from station.ui.station_link import StationLink
@@ -49,7 +48,7 @@ class Dashboard:
     Args:
         server: Where it is shown.
         client: The station; used from Viser's event loop only.
-        urdf: The robot, with its visual meshes loaded; None shows no robot.
+        robot: The robot, with its visual meshes; None shows no robot.
         not_drawn: Why there is none; empty when none was asked for.
     """
 
@@ -57,7 +56,7 @@ class Dashboard:
         self,
         server: viser.ViserServer,
         client: AsyncStationClient,
-        urdf: yourdfpy.URDF | None,
+        robot: RobotModel | None,
         not_drawn: str = "",
     ) -> None:
         self._server = server
@@ -67,9 +66,9 @@ class Dashboard:
         self._failures = 0
         self._objects = SceneObjects(server)
         self._scene = None
-        if urdf is not None:
+        if robot is not None:
             try:
-                self._scene = RobotScene(server, urdf)
+                self._scene = RobotScene(server, robot)
             except RobotModelError as error:
                 _logger.warning("%s", error)
                 not_drawn = str(error)
@@ -79,7 +78,7 @@ class Dashboard:
             server.gui.add_html(warning(f"There is no picture. {not_drawn}"))
         tabs = server.gui.add_tab_group()
         with tabs.add_tab("Operate"):
-            limits = {} if urdf is None else joint_limits(urdf)
+            limits = {} if robot is None else robot.joint_limits()
             self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
             self._jog = JogPanel(server.gui, self._link, self._reporter)
             base = "" if self._scene is None else self._scene.base

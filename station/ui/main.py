@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import uvicorn
-import yourdfpy
 from starlette.applications import Starlette
 from typing_extensions import override
 
@@ -18,7 +17,7 @@ from station.client import ApiError, AsyncStationClient
 from station.ui.dashboard import Dashboard
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
-from station.ui.robot_model import RobotModelError, load_robot
+from station.ui.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.sessions import Role, Sessions
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
@@ -101,14 +100,14 @@ async def _serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    urdf, not_drawn = _load(config)
+    robot, not_drawn = _load(config)
     guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)
     dashboard = Dashboard(
         guarded.server,
         AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT),
-        urdf,
+        robot,
         not_drawn,
     )
     server = _Server(_gateway(config, api, dashboard, relay))
@@ -126,7 +125,7 @@ async def _serve(
         await api.close()
 
 
-def _load(config: DashboardConfig) -> tuple[yourdfpy.URDF | None, str]:
+def _load(config: DashboardConfig) -> tuple[RobotModel | None, str]:
     """Return the robot, or None and why it cannot be drawn."""
     if not config.robot_description:
         return None, ""

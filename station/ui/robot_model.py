@@ -1,22 +1,25 @@
-"""Load a robot's URDF with its visual meshes, ready to be drawn."""
+"""Load a robot's URDF with its visual meshes, ready to be drawn.
 
-import importlib.metadata
+The station's own reader says how the joints are connected and how they move; yourdfpy
+loads the visual meshes and places them.
+"""
+
 import io
 import math
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from urllib.parse import unquote, urlparse
+from collections.abc import Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import yourdfpy
-from viser.transforms import SO3
 
-from station.ui.joint_frames import JointFrame, Mimic, Motion, Quaternion
+from station.core.description.robot_files import RobotFiles, load_robot_files
+from station.core.description.urdf import Urdf, Vector3
+from station.core.description.urdf_parser import parse_urdf
+from station.core.errors import RobotDescriptionError
+from station.ui.joint_frames import is_drawn_moving
 
-_SCHEME = "example-robot-data:"
-_DISTRIBUTION = "example-robot-data"
-_DATA_DIRECTORY = "cmeel.prefix/share/example-robot-data"
-# What the libraries that read URDFs and meshes stumble over.
+_BASE_LINK = "station_base"
+# The exceptions of the libraries that read URDFs and meshes.
 LIBRARY_FAILURES = (
     ArithmeticError,
     AssertionError,
@@ -35,9 +38,45 @@ class RobotModelError(Exception):
     """The robot cannot be drawn; the message says why and what to do."""
 
 
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """A robot that can be drawn.
+
+    Attributes:
+        urdf: Links and joints; the root link stands fixed on the link `station_base`.
+        drawing: The same robot with its visual meshes in a scene graph.
+    """
+
+    urdf: Urdf
+    drawing: yourdfpy.URDF
+
+    def joint_limits(self) -> dict[str, tuple[float, float]]:
+        """Return the position limits of the joints that move on their own.
+
+        Returns:
+            Lower and upper limit by name [rad] or [m]. A joint without limits may turn
+            once in each direction.
+        """
+        limits = {}
+        for joint in self.urdf.joints.values():
+            if not is_drawn_moving(joint) or joint.mimic is not None:
+                continue
+            low, high = -2.0 * math.pi, 2.0 * math.pi
+            if joint.limit is not None and joint.limit.lower is not None:
+                low = joint.limit.lower
+            if joint.limit is not None and joint.limit.upper is not None:
+                high = joint.limit.upper
+            limits[joint.name] = (low, high)
+        return limits
+
+    def base_position(self) -> Vector3:
+        """Return where the robot's root link stands, x, y, z [m]."""
+        return self.urdf.joints_below(self.urdf.root)[0].origin.xyz
+
+
 def load_robot(
     reference: str, arm_id: str = "panda", base: Sequence[float] = (0.0,) * 6
-) -> yourdfpy.URDF:
+) -> RobotModel:
     """Load a robot with its visual meshes.
 
     Args:
@@ -46,142 +85,52 @@ def load_robot(
         base: Where the root link stands: x, y, z [m], roll, pitch, yaw [rad].
 
     Returns:
-        The model; its scene graph holds the visual meshes.
+        The robot with its meshes.
 
     Raises:
         RobotModelError: There is no such robot, or its files cannot be used.
     """
-    path = _urdf_path(reference)
     try:
-        xml = path.read_text(encoding="utf-8")
-        if arm_id != "panda":
-            xml = xml.replace('"panda_', f'"{arm_id}_')
-        return yourdfpy.URDF.load(
-            io.BytesIO(_with_base(xml, base)),
-            filename_handler=_mesh_finder(path),
-            load_collision_meshes=False,
-            force_collision_mesh=False,
-        )
+        files = load_robot_files(reference).with_prefix("panda_", f"{arm_id}_")
+        urdf = parse_urdf(files.xml, source=str(files.urdf_path))
+        xml = _with_base(files.xml, urdf.root, base)
+        return RobotModel(parse_urdf(xml), _load_drawing(files, xml))
+    except RobotDescriptionError as exc:
+        raise RobotModelError(
+            f"The robot '{reference}' cannot be drawn: {exc.message} {exc.remedy}"
+        ) from exc
     except LIBRARY_FAILURES as exc:
         raise RobotModelError(
-            f"The robot {reference!r} cannot be drawn: {_described(exc)}. Give the "
+            f"The robot '{reference}' cannot be drawn: {_described(exc)}. Give the "
             "path of a URDF whose meshes are at hand and in a known format."
         ) from exc
 
 
-def joint_frames(urdf: yourdfpy.URDF) -> dict[str, JointFrame]:
-    """Return all joints of a robot by the name of their child link."""
-    return {joint.child: _joint_frame(joint) for joint in urdf.joint_map.values()}
+def _load_drawing(files: RobotFiles, xml: str) -> yourdfpy.URDF:
+    def find(fname: str) -> str:
+        return str(files.resolve_mesh(fname))
 
-
-def joint_limits(urdf: yourdfpy.URDF) -> dict[str, tuple[float, float]]:
-    """Return the position limits of the moving joints by name [rad] or [m]."""
-    limits = {}
-    for joint in urdf.joint_map.values():
-        if Motion.of_urdf_type(joint.type) is Motion.FIXED or joint.mimic is not None:
-            continue
-        # A continuous joint may have turned once.
-        low, high = -2.0 * math.pi, 2.0 * math.pi
-        if joint.type != "continuous" and joint.limit is not None:
-            low = joint.limit.lower if joint.limit.lower is not None else low
-            high = joint.limit.upper if joint.limit.upper is not None else high
-        limits[joint.name] = (float(low), float(high))
-    return limits
-
-
-def base_position(urdf: yourdfpy.URDF) -> tuple[float, float, float]:
-    """Return where the root link stands, x, y, z [m]."""
-    for joint in urdf.joint_map.values():
-        if joint.parent == urdf.base_link and joint.origin is not None:
-            x, y, z = (float(value) for value in joint.origin[:3, 3])
-            return x, y, z
-    return 0.0, 0.0, 0.0
+    return yourdfpy.URDF.load(
+        io.BytesIO(xml.encode()),
+        filename_handler=find,
+        load_collision_meshes=False,
+        force_collision_mesh=False,
+    )
 
 
 def _described(error: BaseException) -> str:
     return str(error) or type(error).__name__
 
 
-def _joint_frame(joint: yourdfpy.Joint) -> JointFrame:
-    wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    x, y, z = 0.0, 0.0, 0.0
-    if joint.origin is not None:
-        rotation = SO3.from_matrix(joint.origin[:3, :3])
-        w, i, j, k = (float(value) for value in rotation.wxyz)
-        wxyz = (w, i, j, k)
-        x, y, z = (float(value) for value in joint.origin[:3, 3])
-    axis = (1.0, 0.0, 0.0)
-    if joint.axis is not None:
-        # Fixed joints may have the axis 0 0 0.
-        length = sum(float(part) ** 2 for part in joint.axis) ** 0.5 or 1.0
-        ax, ay, az = (float(part) / length for part in joint.axis)
-        axis = (ax, ay, az)
-    mimic = None
-    if joint.mimic is not None:
-        rule = joint.mimic
-        factor = 1.0 if rule.multiplier is None else float(rule.multiplier)
-        mimic = Mimic(rule.joint, factor, float(rule.offset or 0.0))
-    return JointFrame(
-        joint.name, Motion.of_urdf_type(joint.type), axis, (x, y, z), wxyz, mimic
-    )
-
-
-def _with_base(xml: str, base: Sequence[float]) -> bytes:
+def _with_base(xml: str, root: str, base: Sequence[float]) -> str:
     """Return the URDF with a new root link, on which the old one stands at `base`."""
     robot = ElementTree.fromstring(xml)
-    children = {child.get("link") for child in robot.iterfind("joint/child")}
-    links = [link.get("name", "") for link in robot.findall("link")]
-    for name in links:
-        if name not in children:
-            joint = ElementTree.SubElement(
-                robot, "joint", name="station_base_joint", type="fixed"
-            )
-            ElementTree.SubElement(joint, "parent", link="station_base")
-            ElementTree.SubElement(joint, "child", link=name)
-            xyz, rpy = (" ".join(map(str, part)) for part in (base[:3], base[3:]))
-            ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
-    ElementTree.SubElement(robot, "link", name="station_base")
-    return ElementTree.tostring(robot)
-
-
-def _urdf_path(reference: str) -> Path:
-    if not reference.startswith(_SCHEME):
-        return Path(reference).expanduser()
-    name = reference.removeprefix(_SCHEME).strip()
-    known = {path.stem: path for path in _data_directory().glob("robots/*/*/*.urdf")}
-    path = known.get(name) or known.get(f"{name}_robot")
-    if path is None:
-        raise RobotModelError(
-            f"{_DISTRIBUTION} has no robot {name!r}; it has {', '.join(sorted(known))}."
-        )
-    return path
-
-
-def _data_directory() -> Path:
-    try:
-        distribution = importlib.metadata.distribution(_DISTRIBUTION)
-    except importlib.metadata.PackageNotFoundError as exc:
-        raise RobotModelError(
-            f"The package {_DISTRIBUTION} is not installed; run `make setup`, or give "
-            "the path of a URDF."
-        ) from exc
-    return Path(str(distribution.locate_file(_DATA_DIRECTORY)))
-
-
-def _mesh_finder(urdf_path: Path) -> Callable[[str], str]:
-    """Return what turns a mesh's URI into a file name."""
-
-    def find(fname: str) -> str:
-        parts = urlparse(fname)
-        if parts.scheme in {"", "file"}:
-            return str(urdf_path.parent / (parts.netloc + unquote(parts.path)))
-        relative = Path(parts.netloc, unquote(parts.path).lstrip("/"))
-        roots = [*urdf_path.resolve().parents]
-        if parts.netloc == _DISTRIBUTION:
-            roots.append(_data_directory().parent)
-        for root in roots:
-            if (root / relative).is_file():
-                return str(root / relative)
-        raise RobotModelError(f"{urdf_path}: the mesh {fname!r} was not found.")
-
-    return find
+    joint = ElementTree.SubElement(
+        robot, "joint", name=f"{_BASE_LINK}_joint", type="fixed"
+    )
+    ElementTree.SubElement(joint, "parent", link=_BASE_LINK)
+    ElementTree.SubElement(joint, "child", link=root)
+    xyz, rpy = (" ".join(map(str, part)) for part in (base[:3], base[3:]))
+    ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+    ElementTree.SubElement(robot, "link", name=_BASE_LINK)
+    return ElementTree.tostring(robot, encoding="unicode")

@@ -5,17 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import viser
-import yourdfpy
 from numpy.typing import NDArray
 from trimesh.scene.transforms import SceneGraph
 
-from station.ui.joint_frames import JointFrame, Motion
-from station.ui.robot_model import (
-    LIBRARY_FAILURES,
-    RobotModelError,
-    base_position,
-    joint_frames,
-)
+from station.core.description.urdf import Joint
+from station.ui.joint_frames import is_drawn_moving, pose_at, position_among
+from station.ui.robot_model import LIBRARY_FAILURES, RobotModel, RobotModelError
 
 _ROOT = "/robot"
 _STAND = "/stand"
@@ -30,7 +25,7 @@ _LEAST_STAND = 0.05  # [m]
 
 @dataclass(frozen=True, slots=True)
 class _MovingFrame:
-    joint: JointFrame
+    joint: Joint
     handle: viser.FrameHandle
 
 
@@ -41,7 +36,7 @@ class RobotScene:
 
     Args:
         server: The scene's server.
-        urdf: The robot, with its visual meshes loaded.
+        robot: The robot, with its visual meshes.
 
     Attributes:
         base: Scene node of the robot's first link.
@@ -50,21 +45,22 @@ class RobotScene:
         RobotModelError: Something in its meshes cannot be drawn.
     """
 
-    def __init__(self, server: viser.ViserServer, urdf: yourdfpy.URDF) -> None:
+    def __init__(self, server: viser.ViserServer, robot: RobotModel) -> None:
         self._server = server
         self._shown: dict[str, float] = {}
-        self._urdf: yourdfpy.URDF | None = urdf  # until it has a pose
+        # Kept until the robot has its first pose, for the camera; meshes are large.
+        self._robot: RobotModel | None = robot
         _prepare_room(server)
         try:
-            self._moving = _draw(server, urdf)
+            self._moving = _draw(server, robot)
             self._look_at({})
         except LIBRARY_FAILURES as exc:
             raise RobotModelError(
                 f"The robot cannot be drawn: {type(exc).__name__}: {exc}. Its meshes "
                 "must be surfaces of triangles."
             ) from exc
-        roots = [j.child for j in urdf.joint_map.values() if j.parent == urdf.base_link]
-        self.base = _node_name(urdf.scene.graph, roots[0]) if roots else _ROOT
+        first = robot.urdf.joints_below(robot.urdf.root)[0].child
+        self.base = _node_name(robot.drawing.scene.graph, first)
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the robot's joints.
@@ -73,28 +69,31 @@ class RobotScene:
             positions: Joint positions by name [rad] or [m]; joints that are not
                 named stay, names that the robot does not have are skipped.
         """
-        if positions and self._urdf is not None:
+        if positions and self._robot is not None:
             self._look_at(positions)
-            self._urdf = None
+            self._robot = None
         with self._server.atomic():
             for frame in self._moving:
-                q = frame.joint.position_among(positions)
+                q = position_among(frame.joint, positions)
                 name = frame.joint.name
                 if q is None or abs(q - self._shown.get(name, 9e9)) < _SMALLEST_STEP:
                     continue
                 self._shown[name] = q
-                if frame.joint.motion is Motion.ROTATION:
-                    frame.handle.wxyz = frame.joint.wxyz_at(q)
+                pose = pose_at(frame.joint, q)
+                # What does not change is not sent to the browsers.
+                if frame.joint.type.is_rotation:
+                    frame.handle.wxyz = pose.quaternion
                 else:
-                    frame.handle.position = frame.joint.position_at(q)
+                    frame.handle.position = pose.xyz
 
     def _look_at(self, positions: Mapping[str, float]) -> None:
         """Let the camera see the whole robot, and put a stand under its base."""
-        if self._urdf is None:
+        if self._robot is None:
             return
-        movable = self._urdf.actuated_joint_names
-        self._urdf.update_cfg({n: q for n, q in positions.items() if n in movable})
-        bounds = self._urdf.scene.bounds  # (2, 3); None for a robot without meshes
+        drawing = self._robot.drawing
+        movable = drawing.actuated_joint_names
+        drawing.update_cfg({n: q for n, q in positions.items() if n in movable})
+        bounds = drawing.scene.bounds  # (2, 3); None for a robot without meshes
         if bounds is None:
             return
         camera = self._server.initial_camera
@@ -104,7 +103,7 @@ class RobotScene:
         camera.position = tuple((centre + distance * _FROM).tolist())
         camera.look_at = tuple(centre.tolist())
         if positions:
-            base = base_position(self._urdf)
+            base = self._robot.base_position()
             _draw_stand(self._server, base, float(bounds[0, 2]))
 
 
@@ -167,24 +166,24 @@ def _backdrop() -> NDArray[np.uint8]:
     return np.repeat(column[:, None, :], 2, axis=1).astype(np.uint8)
 
 
-def _draw(server: viser.ViserServer, urdf: yourdfpy.URDF) -> list[_MovingFrame]:
-    joints = joint_frames(urdf)
-    graph = urdf.scene.graph
+def _draw(server: viser.ViserServer, robot: RobotModel) -> list[_MovingFrame]:
+    scene = robot.drawing.scene
+    graph = scene.graph
     server.scene.add_frame(_ROOT, show_axes=False)
     moving = []
-    for child, joint in joints.items():
+    for joint in robot.urdf.joints.values():
         handle = server.scene.add_frame(
-            _node_name(graph, child),
+            _node_name(graph, joint.child),
             show_axes=False,
-            wxyz=joint.wxyz_at(0.0),
-            position=joint.position_at(0.0),
+            wxyz=joint.origin.quaternion,
+            position=joint.origin.xyz,
         )
-        if joint.motion is not Motion.FIXED:
+        if is_drawn_moving(joint):
             moving.append(_MovingFrame(joint, handle))
-    for name, mesh in urdf.scene.geometry.items():
+    for name, mesh in scene.geometry.items():
         drawn = mesh.copy()
         # Baked in, because this transform may scale or mirror.
-        drawn.apply_transform(urdf.get_transform(name, _parent(graph, name)))
+        drawn.apply_transform(robot.drawing.get_transform(name, _parent(graph, name)))
         server.scene.add_mesh_trimesh(_node_name(graph, name), drawn)
     return moving
 

@@ -46,6 +46,7 @@ PERMITTED = {
     "station/controllers/effort_controllers.py": "import numpy, station.core.clock",
     "station/controllers/position_controllers.py": "import station.core.clock",
     "station/core/clock.py": "import time, station.core.errors",
+    "station/core/description/urdf.py": "import xml.etree, station.core.errors",
     "station/core/parameters.py": "import station.core.errors",
     "station/core/errors.py": "import enum",
     "station/hw/franka/arm/robot_arm.py": "import station.core.clock",
@@ -57,6 +58,7 @@ PERMITTED = {
     "station/hw/mock.py": "import mujoco, station.core.clock",
     "station/hw/mujoco/world.py": "import mujoco",
     "station/ui/scene.py": "import viser, station.client.sync, station.wire",
+    "station/ui/robot_model.py": "import yourdfpy, station.core.description.urdf",
 }
 
 # Packages and modules that must stay light when imported, and what they must not load.

@@ -43,7 +43,7 @@ def test_mapping_with_a_type_that_is_no_plugin_is_no_controller():
 
 
 def test_name_in_two_namespaces_is_refused():
-    with pytest.raises(ConfigError, match="/right/arm: 'arm' is in another namespace"):
+    with pytest.raises(ConfigError, match="/right/arm has a name that another"):
         split_ros_parameters({"left": {"arm": ARM}, "right": {"arm": ARM}}, "f.yaml")
 
 
@@ -64,7 +64,7 @@ def test_arguments_are_substituted_in_texts_and_keys():
 
 @pytest.mark.parametrize("text", ["$(find franka)/x", "$(arg other)", "$(env HOME)"])
 def test_other_substitutions_are_refused(text):
-    with pytest.raises(ConfigError, match="stands for nothing here") as caught:
+    with pytest.raises(ConfigError, match="cannot be replaced") as caught:
         substitute([text], {"arm_id": "left"}, "f.yaml")
 
     assert "$(arg arm_id)" in caught.value.remedy

@@ -56,7 +56,11 @@ def test_minimal_configuration_is_valid():
         ("robot", {"type": "franka"}, "it must be package/Class"),
         ("controllers", {"arm": {}}, "controllers.arm.type is missing."),
         ("controllers", {"a b": {"type": "a/B"}}, "controllers.a b is 'a b'; it must"),
-        ("controllers", {"robot": {"type": "a/B"}}, "'robot' is taken"),
+        (
+            "controllers",
+            {"robot": {"type": "a/B"}},
+            "controllers.robot has a name that is taken",
+        ),
     ],
 )
 def test_problem_is_named(section, value, message):

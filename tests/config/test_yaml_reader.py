@@ -61,19 +61,19 @@ def test_scalar_with_two_meanings_is_refused(text):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a: 1\nb: 2\na: 3", r"f\.yaml:3:1: the key 'a' is there twice"),
-        ("a: {b: 1, b: 2}", r"f\.yaml:1:11: the key 'b' is there twice"),
-        ("on: 1", r"f\.yaml:1:1: the key 'on' is not text"),
-        ("1: 1", r"f\.yaml:1:1: the key '1' is not text"),
-        ("[a]: 1", r"f\.yaml:1:1: the key \(a list or mapping\) is not text"),
-        ("a: [1, 2", r"f\.yaml:1:9: not valid YAML"),
-        ("a: 1\n\tb: 2", r"f\.yaml:2:1: not valid YAML"),
-        ("a: 1\n---\nb: 2", r"f\.yaml:2:1: not valid YAML"),
-        ("a: *nothing", r"f\.yaml:1:4: not valid YAML"),
-        ("a: &x [*x]", r"f\.yaml:1:4: an alias may not contain itself"),
+        ("a: 1\nb: 2\na: 3", r"f\.yaml:3:1: The text has the key 'a' twice"),
+        ("a: {b: 1, b: 2}", r"f\.yaml:1:11: a has the key 'b' twice"),
+        ("on: 1", r"f\.yaml:1:1: The text has the key 'on', which is not text"),
+        ("1: 1", r"f\.yaml:1:1: The text has the key '1', which is not text"),
+        ("[a]: 1", r"f\.yaml:1:1: The text has the key \(a list or mapping\)"),
+        ("a: [1, 2", r"f\.yaml:1:9: The text is not valid YAML"),
+        ("a: 1\n\tb: 2", r"f\.yaml:2:1: The text is not valid YAML"),
+        ("a: 1\n---\nb: 2", r"f\.yaml:2:1: The text is not valid YAML"),
+        ("a: *nothing", r"f\.yaml:1:4: The text is not valid YAML"),
+        ("a: &x [*x]", r"f\.yaml:1:4: a\[0\] is an alias that contains itself"),
         ("a: !!python/name:os.system", r"f\.yaml:1:4: .* is unknown"),
-        ("a: !!float x", r"f\.yaml:1:4: 'x' is no number"),
-        ("<<: 1", r"f\.yaml:1:5: `<<` takes a mapping"),
+        ("a: !!float x", r"f\.yaml:1:4: a is 'x', which is not a number"),
+        ("<<: 1", r"f\.yaml:1:5: The text merges 1 with `<<`, which takes a mapping"),
         ("- a", r"f\.yaml:1:1: .*must hold a mapping"),
     ],
 )
@@ -133,3 +133,39 @@ def test_a_long_list_in_place_of_a_mapping_is_shown_in_part():
     with pytest.raises(ConfigError, match="must hold a mapping") as caught:
         parse_yaml("- some text\n" * 1000, "list.yaml")
     assert len(caught.value.message) < 300
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("1" * 10_000, 10_000),
+        (f"0x{'f' * 9_998}", 10_000),
+        (f"{'1' * 9_000}.5e3", 9_004),
+        (f"!degrees {'1' * 5_000}", 5_000),
+        (f"rad({'(' * 5_000})", 5_005),
+        (f"!!int {'x' * 5_000}", 5_000),
+    ],
+)
+def test_number_that_is_too_long_is_refused_in_few_words(text, count):
+    with pytest.raises(ConfigError) as caught:
+        parse_yaml(f"a: [0, {text}]", "f.yaml")
+
+    message = caught.value.message
+    assert message.startswith("f.yaml:1:8: a[1] is ")
+    assert message.endswith(f"a number of {count} characters; allowed are 100.")
+    assert len(message) < 200
+
+
+@pytest.mark.parametrize("text", [f"0{'1' * 9_000}", f"!unknown {'x' * 9_000}"])
+def test_long_scalar_that_is_refused_is_shown_in_part(text):
+    with pytest.raises(ConfigError) as caught:
+        parse_yaml(f"a: {text}", "f.yaml")
+
+    assert len(caught.value.message) < 250
+
+
+def test_number_beyond_all_floats_is_refused_and_infinity_is_not():
+    with pytest.raises(ConfigError, match=r"a\.b is 1e999, which is too large"):
+        parse_yaml("a: {b: 1e999}", "f.yaml")
+
+    assert parse_value(".inf", "f.yaml") == math.inf

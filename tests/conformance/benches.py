@@ -7,9 +7,9 @@ from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
 from station.core.control.controller_loader import TableLoader
 from station.core.control.controller_manager import ControllerManager
+from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.errors import ControllerLoadError
 from station.core.parameters import Parameters
-from station.hw.robot_description import RobotDescription, load_robot_description
 from station.hw.robot_loader import create_robot
 
 PERIOD = 0.001
@@ -97,9 +97,9 @@ CONTROLLER_PARAMETERS: Mapping[str, object] = {
 
 
 @cache
-def panda() -> RobotDescription:
+def panda() -> RobotFiles:
     """Return the description of the Panda, read once."""
-    return load_robot_description("example-robot-data:panda")
+    return load_robot_files("example-robot-data:panda")
 
 
 class Bench:

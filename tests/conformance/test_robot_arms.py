@@ -8,6 +8,7 @@ from math import nan
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka import ArmSimulation, CollisionBehavior, Frame, RobotMode
 from station.core.franka.franka_errors import error_names
@@ -21,12 +22,11 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
-from station.hw.robot_description import load_robot_description
 from tests.hw.franka.scripted_arm import ScriptedArm
 
 
 def simulated() -> RobotArm:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     return simulate([ArmPlacement("panda", description)]).arms["panda"]
 
 

@@ -17,7 +17,7 @@ def test_a_reason_names_callback_type_and_text():
 
 
 def test_an_error_without_words_is_still_named():
-    assert describe(Unprintable()) == "Unprintable: (its text cannot be had)"
+    assert describe(Unprintable()) == "Unprintable: (its text cannot be read)"
 
 
 def test_text_that_no_encoding_has_is_escaped():

@@ -30,6 +30,7 @@ from station.controllers.franka_example_controllers.start_pose import (
     read_joint_names,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.description.robot_description import require_robot_description
 from station.core.franka import (
     FrankaCartesianPoseHandle,
     FrankaModelHandle,
@@ -37,7 +38,6 @@ from station.core.franka import (
     FrankaPoseCartesianInterface,
 )
 from station.core.franka.franka_robot_state import RobotState
-from station.core.hardware.robot_description import require_robot_description
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort

@@ -19,9 +19,9 @@ from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
 from station.controllers.cartesian_motion.lookahead_settings import LookaheadSettings
+from station.core.description.robot_description import JointDescription
 from station.core.franka import Frame, FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotState
-from station.core.hardware.robot_description import JointDescription
 from station.core.numerics.rigid_motion import twist_between
 
 # What was worked out for a configuration holds for one as near as that [rad].

@@ -3,8 +3,8 @@
 from enum import Enum
 from typing import assert_never
 
+from station.core.description.robot_description import JointDescription
 from station.core.hardware.interfaces import JointStateGroup
-from station.core.hardware.robot_description import JointDescription
 
 
 class JointQuantity(Enum):

@@ -18,12 +18,12 @@ from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
 from station.core.control.controller import Controller
-from station.core.hardware.interfaces import JointCommandInterface, JointGroup
-from station.core.hardware.robot_description import (
+from station.core.description.robot_description import (
     JointDescription,
     RobotDescription,
     find_robot_description,
 )
+from station.core.hardware.interfaces import JointCommandInterface, JointGroup
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
 

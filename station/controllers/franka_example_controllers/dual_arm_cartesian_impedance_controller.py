@@ -39,9 +39,9 @@ from station.controllers.franka_example_controllers.start_pose import (
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
 from station.core.control.tunables import Tunable
+from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
-from station.core.hardware.robot_description import ROBOT_DESCRIPTION
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 

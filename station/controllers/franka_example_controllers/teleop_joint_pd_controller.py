@@ -40,9 +40,9 @@ from station.controllers.franka_example_controllers.teleop_parameters import (
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
 from station.core.control.tunables import Tunable
+from station.core.description.robot_description import require_robot_description
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
-from station.core.hardware.robot_description import require_robot_description
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 

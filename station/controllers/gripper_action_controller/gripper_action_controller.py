@@ -14,12 +14,12 @@ from station.controllers.gripper_action_controller.gripper_command_port import (
     GripperCommandPort,
 )
 from station.core.control.controller import Controller, ControllerSample
-from station.core.errors import ParameterError
-from station.core.hardware.interfaces import JointCommandInterface, JointHandle
-from station.core.hardware.robot_description import (
+from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
+from station.core.errors import ParameterError
+from station.core.hardware.interfaces import JointCommandInterface, JointHandle
 from station.core.parameters import Parameters
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 

@@ -10,8 +10,8 @@ from math import isfinite
 
 from typing_extensions import override
 
+from station.core.description.robot_description import JointDescription
 from station.core.errors import ControllerStateError, InvalidCommandError
-from station.core.hardware.robot_description import JointDescription
 from station.core.ports.goal import Goal, GoalPort
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
     ErrorCode,
 )
-from station.core.hardware.robot_description import JointDescription
+from station.core.description.robot_description import JointDescription
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.trajectory import JointTrajectorySegment, SegmentTrajectory
 

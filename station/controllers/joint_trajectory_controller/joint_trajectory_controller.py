@@ -22,12 +22,12 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
 )
 from station.core.control.controller import Controller, ControllerSample
 from station.core.control.tunables import Tunable
-from station.core.errors import ParameterError
-from station.core.hardware.interfaces import JointStateGroup
-from station.core.hardware.robot_description import (
+from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
+from station.core.errors import ParameterError
+from station.core.hardware.interfaces import JointStateGroup
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
 from station.core.trajectory import (

@@ -1,7 +1,7 @@
 """Is a way too fast for a joint?"""
 
+from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError
-from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import JointTrajectorySegment
 
 _ROUNDING = 1e-6

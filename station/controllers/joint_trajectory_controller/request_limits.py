@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError
-from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import JointTrajectory
 
 MAX_DURATION = 86_400.0

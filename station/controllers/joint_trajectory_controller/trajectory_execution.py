@@ -19,8 +19,9 @@ from station.controllers.joint_trajectory_controller.request_limits import (
     check_positions,
 )
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
 from station.core.errors import InvalidTrajectoryError
-from station.core.hardware.robot_description import JointDescription, JointType
 from station.core.numerics.angles import shortest_angular_distance
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.trajectory import (

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.core.control.tunables import Tunable
+from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidGainError, ParameterError
-from station.core.hardware.robot_description import JointDescription
 from station.core.numerics.pid import Pid, PidGains
 from station.core.parameters import Parameters
 

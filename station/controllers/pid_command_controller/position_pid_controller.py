@@ -17,12 +17,12 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
 from station.controllers.pid_command_controller.joint_pid_controller import (
     JointPidController,
 )
-from station.core.hardware.robot_description import (
+from station.core.description.robot_description import (
     JointDescription,
-    JointType,
     RobotDescription,
     require_robot_description,
 )
+from station.core.description.urdf import JointType
 from station.core.numerics.angles import (
     shortest_angular_distance,
     shortest_angular_distance_with_limits,

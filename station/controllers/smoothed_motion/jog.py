@@ -11,7 +11,7 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
 from station.controllers.smoothed_motion.smoothed_motion_controller import (
     SmoothedMotionController,
 )
-from station.core.hardware.robot_description import JointDescription
+from station.core.description.robot_description import JointDescription
 
 
 class JointJogControllerBase(SmoothedMotionController[CommandInterfaceT]):

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import NoReturn
 
+from station.core.description.robot_description import JointDescription
 from station.core.errors import ParameterError
-from station.core.hardware.robot_description import JointDescription
 from station.core.parameters import Parameters
 
 TIME_TO_SPEED = 0.5

@@ -18,7 +18,7 @@ from station.controllers.smoothed_motion.motion_limits import (
     read_motion_limits,
 )
 from station.core.control.controller import ControllerSample
-from station.core.hardware.robot_description import (
+from station.core.description.robot_description import (
     RobotDescription,
     require_robot_description,
 )

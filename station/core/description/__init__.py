@@ -1,1 +1,1 @@
-"""What a URDF says."""
+"""Robot descriptions: the one reader of URDF and SRDF, and where their files are."""

@@ -47,6 +47,24 @@ def parse_robot_description(text: str) -> ET.Element:
     return root
 
 
+def parse_robot(text: str) -> ET.Element:
+    """Return the `<robot>` element of a URDF.
+
+    Args:
+        text: The document.
+
+    Raises:
+        RobotDescriptionError: The text is not XML, or its root is another element.
+    """
+    root = parse_robot_description(text)
+    if root.tag != "robot":
+        raise RobotDescriptionError(
+            f"The robot description is not a URDF: its root element is <{root.tag}>.",
+            remedy="Give a URDF, whose root element is <robot>.",
+        )
+    return root
+
+
 def element_text(element: ET.Element) -> str:
     """Return the text before an element's first child; empty if there is none."""
     return " ".join((element.text or "").split())

@@ -1,7 +1,8 @@
 """Cartesian commands of an arm: the pose or the twist of its end effector.
 
 Source: franka_ros@c11f000 franka_hw, franka_cartesian_command_interface.h;
-differs: at a start the commands rest where the end effector is meant to be.
+differs: when a controller starts, the commands rest at the desired pose of the end
+effector.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,9 +19,9 @@ POSE_SIZE = 16
 TWIST_SIZE = 6
 """Numbers in a twist."""
 POSE_START_JUMP = 0.005
-"""Largest first pose command away from rest [m], and per element of the rotation."""
+"""Largest distance of a first pose command from rest, per element [m or 1]."""
 TWIST_START_JUMP = 0.02
-"""Largest first twist command away from rest [m/s or rad/s]."""
+"""Largest distance of a first twist command from rest, per element [m/s or rad/s]."""
 
 
 class FrankaCartesianHandle(FrankaStateHandle):
@@ -31,8 +32,8 @@ class FrankaCartesianHandle(FrankaStateHandle):
         state: The arm's live state.
         refresh: Brings the derived fields of `state` up to date.
         command: The robot's storage of the command.
-        elbow: The robot's storage of the elbow command, shape (2,); {0, 0} means that
-            the arm decides.
+        elbow: The robot's storage of the elbow command, shape (2,); two zeros let the
+            arm choose.
     """
 
     def __init__(
@@ -48,18 +49,19 @@ class FrankaCartesianHandle(FrankaStateHandle):
         self._elbow = elbow
 
     def get_command(self) -> list[float]:
-        """Return what was commanded last, a new list."""
+        """Return the pose or twist commanded last, a new list."""
         return list(self._command)
 
     def set_command(
         self, command: Sequence[float], elbow: Sequence[float] = (0.0, 0.0)
     ) -> None:
-        """Command the end effector; checked when it is sent, not here.
+        """Command the end effector; the robot checks the command when it sends it.
 
         Args:
-            command: Pose O_T_EE, 16 numbers, or twist O_dP_EE, 6 numbers.
-            elbow: Position of joint 3 [rad] and sign of joint 4, +1 or -1; zeros leave
-                the elbow to the arm.
+            command: Pose O_T_EE, 16 numbers, column-major, or twist O_dP_EE, linear
+                [m/s] and angular velocity [rad/s], 6 numbers.
+            elbow: Position of joint 3 [rad] and sign of joint 4, +1 or -1; two zeros
+                let the arm choose.
         """
         self._command[:] = command
         self._elbow[:] = elbow

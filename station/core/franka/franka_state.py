@@ -19,7 +19,7 @@ class FrankaStateHandle(ResourceHandle):
     Args:
         name: `<arm_id>_robot`.
         state: The arm's live state.
-        refresh: Brings the derived fields of `state` up to date; cheap when they are.
+        refresh: Brings the derived fields of `state` up to date; cheap if they are.
     """
 
     def __init__(
@@ -30,7 +30,7 @@ class FrankaStateHandle(ResourceHandle):
         self._refresh = refresh
 
     def get_robot_state(self) -> RobotState:
-        """Return the live state, every field of this cycle."""
+        """Return the live state with every field of this cycle up to date."""
         self._refresh()
         return self._state
 

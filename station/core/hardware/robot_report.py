@@ -3,12 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from station.core.hardware.limits import (
-    Clamp,
-    JointLimits,
-    JointLimitsHandle,
-    SoftJointLimits,
-)
+from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimits
+from station.core.hardware.limits.joint_limits_handle import Clamp, JointLimitsHandle
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from math import fmod, pi
 
 _TURN = 2.0 * pi
 _LIMIT_ROUNDING = 1e-9
-"""How far beyond a limit an angle still counts as on it [rad]."""
+"""An angle that exceeds a limit by less than this counts as being on it [rad]."""
 
 
 def shortest_angular_distance(start: float, end: float) -> float:
@@ -21,7 +21,7 @@ def shortest_angular_distance(start: float, end: float) -> float:
         The turn [rad], in (-pi, pi]; NaN when an angle is not finite.
     """
     difference = end - start
-    if difference - difference != 0.0:  # fmod refuses infinity
+    if difference - difference != 0.0:  # math.fmod raises an error for infinity
         return float("nan")
     turn = fmod(fmod(difference, _TURN) + _TURN, _TURN)
     return turn - _TURN if turn > pi else turn
@@ -32,8 +32,8 @@ def shortest_angular_distance_with_limits(
 ) -> float:
     """Return the shortest turn from `start` to `end` that ends within the limits.
 
-    The limits may be more than a turn apart. When neither direction ends within
-    them, the shorter one is returned.
+    The limits may be more than a turn apart. If neither direction ends within the
+    limits, the shorter turn is returned.
 
     Args:
         start: First angle [rad].
@@ -46,8 +46,8 @@ def shortest_angular_distance_with_limits(
 
     Source:
         angles@1.9.13 angles.h, shortest_angular_distance_with_large_limits; differs:
-        it does not say whether `start` is within the limits, and an `end` on a limit
-        is within it whatever rounding does to the sum of `start` and the turn.
+        the function does not return whether `start` is within the limits, and an `end`
+        on a limit counts as within it despite rounding in the sum of `start` and turn.
     """
     short = shortest_angular_distance(start, end)
     long = short - _TURN if short > 0.0 else short + _TURN

@@ -27,7 +27,7 @@ _INFINITY: Final[float] = float("inf")
 
 @dataclass(frozen=True, slots=True)
 class PidGains:
-    """Hold one consistent set of gains.
+    """One consistent set of gains.
 
     Attributes:
         p: Proportional gain [command unit / error unit].
@@ -43,7 +43,7 @@ class PidGains:
 
     Source:
         control_toolbox@de05a5c pid.h, Pid::Gains; differs: inverted bounds and gains
-        that are not numbers are refused, they are undefined behaviour in the original.
+        that are not finite are refused; they are undefined behaviour in the original.
     """
 
     p: float = 0.0
@@ -71,7 +71,7 @@ class PidGains:
     def from_parameters(cls, params: Parameters) -> "PidGains":
         """Read gains from a namespace of parameters.
 
-        `p` is required; `i`, `d` and `i_clamp` are 0 and `antiwindup` is false when
+        `p` is required; `i`, `d` and `i_clamp` are 0 and `antiwindup` is false if
         absent. `i_clamp_min` and `i_clamp_max` each replace one side of `i_clamp`;
         the signs of all three do not matter.
 
@@ -108,15 +108,15 @@ class PidGains:
 class Pid:
     """Compute a command from an error once per cycle.
 
-    The control thread computes and resets; any thread may set the gains: they are one
-    immutable object that is exchanged as a whole, and a cycle uses one set throughout.
+    The control thread computes and resets. Any thread may set the gains: they are one
+    immutable object that is exchanged as a whole, so that a cycle uses a single set.
     """
 
     def __init__(self, gains: PidGains | None = None) -> None:
         """Start with no error and no integral.
 
         Args:
-            gains: First gains; all zero when absent.
+            gains: First gains; None for zeros.
         """
         self._gains: PidGains = gains if gains is not None else PidGains()
         self._p_error: float = 0.0
@@ -143,7 +143,7 @@ class Pid:
 
     @property
     def gains(self) -> PidGains:
-        """Return the gains in force."""
+        """The gains in use."""
         return self._gains
 
     def set_gains(self, gains: PidGains) -> None:
@@ -159,15 +159,15 @@ class Pid:
         return Pid(self._gains)
 
     def compute_command(self, error: float, period: float) -> float:
-        """Return the command for an error whose rate is found from the last one.
+        """Return the command for an error; its rate follows from the last error.
 
         Args:
             error: Target minus measured value.
-            period: Time since the last computation [s]; 0 gives the command 0 and
-                changes nothing, as an error that is not finite does.
+            period: Time since the last computation [s]. A period of 0, or an error that
+                is not finite, gives the command 0 and changes nothing.
 
         Returns:
-            The command, 0 where none can be computed.
+            The command; 0 if none can be computed.
         """
         if period == 0.0 or not -_INFINITY < error < _INFINITY:
             return 0.0
@@ -187,11 +187,11 @@ class Pid:
         Args:
             error: Target minus measured value.
             error_dot: Rate of the error [1/s].
-            period: Time since the last computation [s]; 0 gives the command 0, as an
-                error or a rate that is not finite does; the errors are kept though.
+            period: Time since the last computation [s]. A period of 0, or an error or
+                rate that is not finite, gives the command 0; the errors are kept.
 
         Returns:
-            The command, 0 where none can be computed.
+            The command; 0 if none can be computed.
         """
         gains = self._gains
         self._p_error = error
@@ -221,10 +221,10 @@ class Pid:
         return self._command
 
     def set_current_command(self, command: float) -> None:
-        """Note a command that was computed elsewhere.
+        """Replace the current command by one that was computed elsewhere.
 
         Args:
-            command: What `get_current_command` shall return.
+            command: The command that `get_current_command` then returns.
         """
         self._command = command
 
@@ -233,7 +233,7 @@ class Pid:
         return (self._p_error, self._i_error, self._d_error)
 
     def reset(self) -> None:
-        """Forget all errors; the next rate is taken from an error of 0."""
+        """Forget all errors; the next rate is computed from an error of 0."""
         self._reset(0.0, 0.0, has_p_error_last=True)
 
     def reset_to(self, d_error: float, i_error: float) -> None:

@@ -1,7 +1,7 @@
 """Poses, rotation vectors and twists in plain floats.
 
-Poses have 16 numbers, flat and column-major: T(r, c) = T[4 c + r]; rotations are the
-upper left 3 x 3 of one.
+A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. A rotation is the
+upper left 3 x 3 block of a pose.
 """
 
 from collections.abc import Sequence
@@ -13,13 +13,14 @@ _SMALL = 1e-9
 def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[float]:
     """Return the rotation vector [rad], shape (3,), that turns one pose to another.
 
-    It is in the axes in which both poses are given; its length is 0 to pi.
+    The vector is expressed in the axes in which both poses are given. Its length is
+    from 0 to pi.
 
     Args:
-        first: Pose to begin with.
-        second: Pose to end with.
+        first: Pose before the rotation, 16 numbers.
+        second: Pose after the rotation, 16 numbers.
     """
-    # R = R_second R_first^T, by elements: this runs several times in every cycle.
+    # R = R_second R_first^T, element by element: this runs several times in each cycle.
     a0, a1, a2, _, b0, b1, b2, _, c0, c1, c2 = first[:11]
     d0, d1, d2, _, e0, e1, e2, _, f0, f1, f2 = second[:11]
     x = d2 * a1 + e2 * b1 + f2 * c1 - d1 * a2 - e1 * b2 - f1 * c2
@@ -37,7 +38,7 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
         return [scale * x, scale * y, scale * z]
     if cosine > 0.0:
         return [x / 2.0, y / 2.0, z / 2.0]
-    # Half a turn: R = 2 k k^T - 1, a column of which leads along the axis k.
+    # Half a turn: in R = 2 k k^T - 1, each column of R + 1 is parallel to the axis k.
     lengths = [sqrt(max(0.0, (value + 1.0) / 2.0)) for value in diagonal]
     largest = lengths.index(max(lengths))
     axis = [
@@ -53,13 +54,13 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
 def displace(
     pose: Sequence[float], shift: Sequence[float], turn: Sequence[float]
 ) -> list[float]:
-    """Return a pose moved by a shift and a rotation vector, in its outer axes.
+    """Return a pose moved by a shift and a rotation vector, given in the outer axes.
 
-    The rotation is made exactly orthonormal again.
+    The rotation of the result is orthonormal despite rounding.
 
     Args:
-        pose: The pose.
-        shift: Of the origin [m], shape (3,).
+        pose: The pose, 16 numbers.
+        shift: Displacement of the origin [m], shape (3,).
         turn: Rotation vector [rad], shape (3,).
     """
     angle = sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
@@ -81,7 +82,7 @@ def displace(
 
 
 def _orthonormalise(pose: list[float]) -> None:
-    """Make the rotation of a pose exact, keeping its x axis."""
+    """Make the rotation of a pose orthonormal, keeping the direction of its x axis."""
     ax, ay, az = pose[0:3]
     length = sqrt(ax * ax + ay * ay + az * az)
     ax, ay, az = ax / length, ay / length, az / length
@@ -101,9 +102,9 @@ def twist_between(
     """Return the twist [m/s, rad/s], shape (6,), that leads from one pose to another.
 
     Args:
-        first: Pose to begin with.
-        second: Pose to end with.
-        period: Time between them [s], > 0.
+        first: Pose before the motion, 16 numbers.
+        second: Pose after the motion, 16 numbers.
+        period: Time between the poses [s], > 0.
     """
     turn = rotation_between(first, second)
     return [
@@ -120,8 +121,8 @@ def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[floa
     """Return a pose, 16 numbers.
 
     Args:
-        position: Of the origin [m], shape (3,).
-        quaternion: x, y, z, w; of any length but 0, which does not count.
+        position: Position of the origin [m], shape (3,).
+        quaternion: Rotation x, y, z, w; of any length except 0.
     """
     x, y, z, w = quaternion
     s = 2.0 / (x * x + y * y + z * z + w * w)
@@ -136,7 +137,7 @@ def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[floa
 def quaternion_of(pose: Sequence[float]) -> list[float]:
     """Return the unit quaternion x, y, z, w of a pose's rotation, with w >= 0."""
     xx, yy, zz = pose[0], pose[5], pose[10]
-    # The largest of the four is found first: dividing by it is safe.
+    # Dividing by the largest component is safe.
     squares = [1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz]
     squares.append(1.0 + xx + yy + zz)
     largest = squares.index(max(squares))
@@ -168,8 +169,8 @@ def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
     """Return J dq, shape (6,).
 
     Args:
-        jacobian: 42 numbers, column-major.
-        dq: Joint velocities, shape (7,).
+        jacobian: The Jacobian J, 42 numbers, column-major.
+        dq: Joint velocities [rad/s], shape (7,).
     """
     result = [0.0] * 6
     for joint, rate in enumerate(dq):

@@ -8,13 +8,13 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Percentiles:
-    """Percentiles of the durations in a ring [s]; zeros when it is empty.
+    """Percentiles of the durations in a ring [s]; zeros if it is empty.
 
     Attributes:
         p50: Median.
-        p99: 99 of 100 are at most this.
-        p999: 999 of 1000 are at most this.
-        max: Largest since the last reset, also when it has left the ring.
+        p99: Bound of 99 % of the durations.
+        p999: Bound of 99.9 % of the durations.
+        max: Largest duration since the last reset, even if it has left the ring.
         count: Number of durations since the last reset.
     """
 
@@ -26,10 +26,10 @@ class Percentiles:
 
 
 class DurationRing:
-    """Keeps the last durations. One thread adds, any thread may summarise.
+    """Keep the last durations. One thread adds, any thread may ask for percentiles.
 
     Args:
-        capacity: How many durations the percentiles are taken over.
+        capacity: Number of durations that are kept.
     """
 
     def __init__(self, capacity: int = 16384) -> None:
@@ -46,12 +46,12 @@ class DurationRing:
             self._max = duration
 
     def reset(self) -> None:
-        """Forget everything; by the thread that adds."""
+        """Forget all durations; only the thread that adds may call this."""
         self._count = 0
         self._max = 0.0
 
     def percentiles(self) -> Percentiles:
-        """Summarise the ring."""
+        """Return the percentiles of the durations in the ring."""
         count = self._count
         values = np.array(self._values[: min(count, self._capacity)])
         if values.size == 0:

@@ -1,1 +1,1 @@
-"""Where other threads hand set-points and goals to a controller."""
+"""Ports: how other threads hand set-points and goals to a controller."""

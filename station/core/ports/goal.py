@@ -16,7 +16,7 @@ _KEPT_GOALS = 50
 
 
 class GoalStatus(Enum):
-    """How far a goal is. The last three are final."""
+    """The states of a goal. The last three are final."""
 
     PENDING = "pending"
     ACTIVE = "active"
@@ -30,8 +30,8 @@ class GoalResult:
     """How a goal ended.
 
     Attributes:
-        code: The number the action defines for this end; 0 for success and for an end
-            from outside.
+        code: The number that the action defines for this end; 0 for success, and for a
+            goal that was ended from outside of its controller.
         message: One sentence for people; empty on success.
         details: The facts of the message (JSON-compatible values).
     """
@@ -42,19 +42,19 @@ class GoalResult:
 
 
 class Goal:
-    """One goal. Its owner changes it in the control thread; anybody may read it.
+    """One goal. Its controller changes it in the control thread; any thread may read.
 
     Args:
-        identifier: Its name within the controller.
-        request: What was asked for.
+        identifier: Name of the goal within the controller.
+        request: The goal message.
 
     Attributes:
-        status: How far it is.
-        progress: Part of its time that has passed, 0 to 1.
-        result: How it ended; None until then.
-        cancel_requested: Whether somebody wants it to end.
-        feedback: Gives the action's feedback message (JSON-compatible values); nothing
-            unless its owner says more. Any thread.
+        status: State of the goal.
+        progress: Part of the goal's time that has passed, 0 to 1.
+        result: How the goal ended; None until then.
+        cancel_requested: Whether the goal was asked to end.
+        feedback: Returns the action's feedback message (JSON-compatible values), which
+            is empty unless the controller replaces this function. Any thread.
     """
 
     def __init__(self, identifier: str, request: Mapping[str, object]) -> None:
@@ -67,7 +67,7 @@ class Goal:
         self.feedback: Callable[[], Mapping[str, object]] = dict
 
     def is_final(self) -> bool:
-        """Say whether the goal has ended."""
+        """Return whether the goal has ended."""
         return self.status not in {GoalStatus.PENDING, GoalStatus.ACTIVE}
 
     def finish(self, status: GoalStatus, result: GoalResult) -> None:
@@ -80,10 +80,11 @@ class Goal:
         """End the goal from outside of its controller, whether it has begun or not.
 
         Callable from any thread: a controller that takes the goal up at the same time
-        sees the wish and ends the motion. A goal that has ended stays as it is.
+        sees `cancel_requested` and ends the motion. A goal that has ended stays as it
+        is.
 
         Args:
-            reason: Why, one sentence.
+            reason: Why the goal ends, in one sentence.
         """
         if self.is_final():
             return
@@ -92,7 +93,7 @@ class Goal:
 
 
 class GoalPort(ABC):
-    """Where a controller takes goals. All methods may be called from any thread."""
+    """The port of a controller for goals. Any thread may call all methods."""
 
     def __init__(self) -> None:
         self._goals: deque[Goal] = deque(maxlen=_KEPT_GOALS)
@@ -117,26 +118,27 @@ class GoalPort(ABC):
         return list(self._goals)
 
     def get(self, identifier: str) -> Goal:
-        """Return the goal of that name.
+        """Return the goal called `identifier`.
 
         Raises:
-            GoalNotFoundError: There is none, or it is too old.
+            GoalNotFoundError: There is no such goal among the last 50.
         """
         for goal in self.goals():
             if goal.identifier == identifier:
                 return goal
         known = ", ".join(goal.identifier for goal in self.goals())
         raise GoalNotFoundError(
-            f"There is no goal '{identifier}'.", remedy=f"Known are {known or 'none'}."
+            f"There is no goal '{identifier}'.",
+            remedy=f"Known goals: {known or 'none'}.",
         )
 
     def cancel(self, identifier: str) -> Goal:
-        """Ask for the end of a goal; the controller ends it in its next cycle.
+        """Ask a goal to end; the controller ends it in its next cycle.
 
         A goal that has ended stays as it is.
 
         Raises:
-            GoalNotFoundError: There is none of that name, or it is too old.
+            GoalNotFoundError: There is no such goal among the last 50.
         """
         goal = self.get(identifier)
         if not goal.is_final():
@@ -144,28 +146,28 @@ class GoalPort(ABC):
         return goal
 
     def void(self, reason: str) -> None:
-        """End every goal; what was asked for never resumes. Callable from any thread.
+        """End every goal for good. Callable from any thread.
 
         Args:
-            reason: Why, one sentence.
+            reason: Why the goals end, in one sentence.
         """
         for goal in self.goals():
             goal.withdraw(reason)
 
     def abort(self, reason: str) -> None:
-        """End every goal because its controller cannot go on. Control thread.
+        """End every goal because its controller cannot continue. Control thread.
 
         Args:
-            reason: Why, one sentence.
+            reason: Why the controller cannot continue, in one sentence.
         """
         for goal in self.goals():
             goal.finish(GoalStatus.ABORTED, GoalResult(0, reason))
 
     def new_goal(self, request: Mapping[str, object]) -> Goal:
-        """Return a goal with a new name that is not yet listed."""
+        """Return a goal with a new name, which `goals` does not list yet."""
         self._count += 1
         return Goal(str(self._count), request)
 
     def remember(self, goal: Goal) -> None:
-        """List an accepted goal."""
+        """Add an accepted goal to those that `goals` lists."""
         self._goals.append(goal)

@@ -13,10 +13,10 @@ class SetPointElement:
     """One number of a set-point.
 
     Attributes:
-        name: What it commands, usually a joint.
-        unit: Its unit.
-        minimum: Smallest value allowed; -inf where unlimited.
-        maximum: Largest value allowed; inf where unlimited.
+        name: The commanded quantity, usually named after a joint.
+        unit: The unit of the number.
+        minimum: Smallest allowed value; -inf if unlimited.
+        maximum: Largest allowed value; inf if unlimited.
     """
 
     name: str
@@ -27,7 +27,7 @@ class SetPointElement:
 
 @dataclass(frozen=True, slots=True)
 class SetPoint:
-    """What a controller takes as set-point, and what it got last.
+    """The form of a controller's set-points, and the one it picked up last.
 
     Attributes:
         elements: Name, unit and range of each number.
@@ -39,24 +39,24 @@ class SetPoint:
 
 
 class SetPointPort:
-    """Takes set-points from any thread; the control thread picks the newest one up.
+    """Take set-points from any thread; the control thread picks the newest one up.
 
     A set-point may be valid for a limited time only, so that the robot does not go on
-    when whoever commands it has fallen silent. The time counts from `post` and on the
-    wall clock: it also passes while the simulation is paused.
+    moving when its commander has fallen silent. The time counts from `post` on the wall
+    clock, which also runs while the simulation is paused.
 
     Args:
-        elements: What the numbers of a set-point are, in order.
-        timeout: How long a set-point is valid [s]; 0 for ever.
+        elements: Name, unit and range of each number of a set-point, in order.
+        timeout: How long a set-point is valid [s]; 0 without limit.
         longest: Longest validity that a set-point may ask for [s].
-        clock: The clock that measures it.
+        clock: The clock that measures the validity.
 
     Attributes:
-        feed_forward: What may follow the numbers of a set-point: the rates at which
-            they change. Empty when the controller has no use for them.
-        generation: Counts how often set-points were made void.
-        last: The last set-point picked up, with its rates; None when there was none
-            since the controller started.
+        feed_forward: The rates of change that may follow the numbers of a set-point.
+            Empty if the controller does not use any.
+        generation: How often the set-points were made void.
+        last: The last set-point picked up, with its rates; None if there was none since
+            the controller started.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class SetPointPort:
         self.clock: Clock = SystemClock() if clock is None else clock
         self.feed_forward: list[SetPointElement] = []
         self.last: list[float] | None = None
-        # Appending and popping are atomic: no set-point is lost between them.
+        # Appending and popping are atomic, so that no set-point is lost without a lock.
         self._slot: deque[tuple[list[float], float, int]] = deque(maxlen=1)
         self.generation = 0
         self._deadline = inf
@@ -89,25 +89,26 @@ class SetPointPort:
 
         Args:
             values: The set-point.
-            timeout: How long it shall be valid [s], 0 for ever; None for `timeout`.
-            rates: How fast it changes, as `feed_forward` says; None when unknown.
+            timeout: How long it is valid [s], 0 without limit; None takes the port's
+                timeout.
+            rates: Rates of change in the order of `feed_forward`; None if unknown.
 
         Raises:
-            InvalidCommandError: Wrong length, an element is not finite or out of its
-                range, or it shall be valid for too long.
+            InvalidCommandError: The length is wrong, a number is not finite or out of
+                its range, or the timeout is longer than `longest`.
         """
         if timeout is not None and not 0.0 < (timeout or inf) <= self.longest:
             raise InvalidCommandError(
                 f"The timeout of the command is {timeout} s; allowed is more than 0 "
                 f"and at most {self.longest} s.",
-                remedy="Leave it out, and send set-points again and again.",
+                remedy="Leave the timeout out, and send set-points repeatedly.",
                 details={"timeout": timeout, "longest": self.longest},
             )
         _check_values(self.elements, values)
         if rates is not None and not self.feed_forward:
             raise InvalidCommandError(
-                "This controller takes no rates of its set-points.",
-                remedy="Leave them out, or use a PID position controller.",
+                "This controller does not use the rates of its set-points.",
+                remedy="Leave the rates out, or use a PID position controller.",
             )
         if rates is not None:
             _check_values(self.feed_forward, rates)
@@ -122,9 +123,10 @@ class SetPointPort:
 
         Args:
             values: The set-point, with its rates if there are any.
-            timeout: How long it is valid [s], 0 for ever; the port's timeout when None.
-            generation: The generation in which the sender decided; it is dropped when
-                that is over. The present one when None.
+            timeout: How long it is valid [s], 0 without limit; None takes the port's
+                timeout.
+            generation: The generation in which the sender decided on the set-point,
+                which is dropped if the generation is over. None takes the present one.
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
@@ -132,7 +134,7 @@ class SetPointPort:
         self._slot.append((list(values), deadline, of))
 
     def take(self) -> list[float] | None:
-        """Return the newest set-point and empty the slot (control thread only)."""
+        """Empty the slot and return its set-point, or None. Control thread only."""
         if not self._slot:
             return None
         values, deadline, generation = self._slot.pop()
@@ -142,9 +144,10 @@ class SetPointPort:
         return self.last
 
     def take_expiry(self) -> bool:
-        """Say, once, that the set-point picked up last is no longer valid.
+        """Return whether the set-point picked up last has just become invalid.
 
-        Call it after `take`, in every cycle (control thread only).
+        True once for each set-point. Called after `take` in every cycle, in the control
+        thread only.
         """
         if self._deadline == inf or self.clock.now() <= self._deadline:
             return False
@@ -152,7 +155,7 @@ class SetPointPort:
         return True
 
     def clear(self) -> None:
-        """Void every set-point, picked up or not (control thread only)."""
+        """Make every set-point void, picked up or not. Control thread only."""
         self._slot.clear()
         self.last = None
         self._deadline = inf
@@ -160,17 +163,18 @@ class SetPointPort:
         self.generation += 1
 
     def take_void(self) -> bool:
-        """Say, once, that what was picked up before is void (control thread only)."""
+        """Return whether set-points became void since the last call. Control thread."""
         was_void = self._is_void
         self._is_void = False
         return was_void
 
 
 def _check_values(elements: list[SetPointElement], values: list[float]) -> None:
-    """Refuse values that are not what `elements` says.
+    """Refuse values that do not fit `elements`.
 
     Raises:
-        InvalidCommandError: Wrong length, or a value is not finite or out of range.
+        InvalidCommandError: The length is wrong, or a value is not finite or out of
+            its range.
     """
     if len(values) != len(elements):
         names = ", ".join(element.name for element in elements)

@@ -1,7 +1,7 @@
 """Add white noise to a command, to shake a joint or to overcome its stiction.
 
-Two independent Gaussian numbers come out of two uniform ones by the polar method; the
-second is kept for the next call.
+The polar method turns two uniform random numbers into two independent Gaussian ones;
+the second one is kept for the next call.
 
 Source: control_toolbox@de05a5c src/dither.cpp, Dither; the sequence is that of C++'s
 `std::mt19937` with libstdc++'s `std::uniform_real_distribution`.
@@ -65,7 +65,7 @@ class Dither:
         return factor * first
 
     def _uniform(self) -> float:
-        # Two words of 32 bits make a number from 0 to 1, the first one the lesser.
+        # Two words of 32 bits make a number from 0 to 1; the first word is the lower.
         low = float(self._random.getrandbits(32))
         high = float(self._random.getrandbits(32))
         fraction = (low + high * float(_WORD)) / (float(_WORD) * float(_WORD))
@@ -73,7 +73,7 @@ class Dither:
 
 
 def _seeded_generator(seed: int) -> Random:
-    # Python seeds the same generator in another way than C++ does.
+    # Python seeds the same generator differently from C++.
     words = [seed]
     for index in range(1, _STATE_SIZE):
         last = words[-1] ^ (words[-1] >> 30)

@@ -1,8 +1,8 @@
 """Track a set-point with limited velocity and effort, and return without overshoot.
 
-The controller follows a proxy. The proxy follows the set-point like a body with limited
-acceleration, and it is dragged along by the joint where the effort limit is reached. So
-nothing winds up, and after an obstacle is gone the joint returns smoothly.
+The joint follows a proxy. The proxy follows the set-point like a body with limited
+acceleration, and the joint drags it along when the effort limit is reached. Therefore
+no error winds up, and the joint returns smoothly when an obstacle has gone.
 
 | step            | formula                                                           |
 |-----------------|-------------------------------------------------------------------|
@@ -13,11 +13,11 @@ nothing winds up, and after an obstacle is gone the joint returns smoothly.
 | velocity limit  | `acc` between `-l*(v - v_max)` and `-l*(v + v_max)`, implicitly   |
 | effort          | `m*acc - kd*e_v - kp*e_p - clip(ki*e_i, +-i_clamp)`, clipped      |
 
-with l = bandwidth, c = acceleration, e = measured minus proxy.
+with l = bandwidth, c = acceleration, e = measured value minus proxy.
 
 Source: control_toolbox@de05a5c src/limited_proxy.cpp, LimitedProxy; differs: negative
-parameters are refused instead of made positive, and are not truncated to whole numbers
-as the original's integer `abs` does; its unused position limits are left out.
+parameters are refused, while the original's integer `abs` makes them positive whole
+numbers; its unused position limits are left out.
 """
 
 from dataclasses import dataclass, fields
@@ -28,7 +28,7 @@ from station.core.errors import InvalidGainError
 
 @dataclass(frozen=True, slots=True)
 class LimitedProxyGains:
-    """Hold the parameters of a limited proxy, all >= 0.
+    """The parameters of a limited proxy, all >= 0.
 
     Attributes:
         mass: Estimate of the joint's inertia [kg*m^2 or kg].
@@ -38,7 +38,8 @@ class LimitedProxyGains:
         i_clamp: Largest integral part of the effort [N*m or N].
         effort_limit: Largest effort [N*m or N]; 0 for no limit.
         velocity_limit: Largest velocity of the proxy [rad/s or m/s]; 0 for no limit.
-        bandwidth: How fast the proxy converges [1/s]; 0 sets it onto the set-point.
+        bandwidth: Rate at which the proxy converges [1/s]; 0 puts the proxy onto the
+            set-point.
         acceleration: Acceleration for convergence [rad/s^2 or m/s^2], > 0 unless
             `bandwidth` is 0.
 
@@ -67,8 +68,8 @@ class LimitedProxyGains:
                 )
         if self.bandwidth > 0.0 and self.acceleration == 0.0:
             raise InvalidGainError(
-                f"Limited proxy has a bandwidth of {self.bandwidth} 1/s, and no "
-                "acceleration to converge with.",
+                f"Limited proxy has a bandwidth of {self.bandwidth} 1/s, and an "
+                "acceleration of 0 to converge with.",
                 remedy="Give an acceleration > 0, or a bandwidth of 0.",
             )
 
@@ -157,7 +158,7 @@ class LimitedProxy:
             return
         bandwidth = gains.bandwidth
         if bandwidth * period > 2.0:
-            bandwidth = 2.0 / period  # beyond it the integration is not stable
+            bandwidth = 2.0 / period  # a larger one makes the integration unstable
         half = period / 2.0
         free_velocity = self._velocity + half * self._acceleration
         free_position = self._position + half * (self._velocity + free_velocity)
@@ -183,8 +184,8 @@ class LimitedProxy:
     def _drag_proxy(
         self, gains: LimitedProxyGains, missing: float, integral: float, period: float
     ) -> None:
-        # Shift the proxy's highest derivative that costs effort, and what follows
-        # from it, so that the controller asks for the clipped effort.
+        # Shift the highest derivative of the proxy that costs effort, and with it the
+        # lower ones, so that the next effort is the clipped one.
         half = period / 2.0
         shares = (1.0, half, half * half, half * half * half)
         if gains.mass == 0.0:

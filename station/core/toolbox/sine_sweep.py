@@ -36,7 +36,7 @@ class SineSweep:
 
         Source:
             control_toolbox@de05a5c SineSweep::init; differs: a start at 0 Hz, equal
-            frequencies and a duration of 0 are refused, they divide by 0 there.
+            frequencies and a duration of 0, which make it divide by 0, are refused.
         """
         numbers = (start_frequency, end_frequency, duration, amplitude)
         is_valid = 0.0 < start_frequency < end_frequency and duration > 0.0
@@ -60,7 +60,7 @@ class SineSweep:
             time: Time since the start of the sweep [s], >= 0.
 
         Returns:
-            The command; 0 when the sweep is over.
+            The command; 0 after the end of the sweep.
         """
         if time > self._duration:
             return 0.0

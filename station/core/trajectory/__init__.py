@@ -1,4 +1,4 @@
-"""Trajectories of joints: segments, requests, tolerances, and how they are joined."""
+"""Trajectories of joints: requests, segments, tolerances, and how they are joined."""
 
 from station.core.trajectory.hold_trajectory import hold_trajectory, stop_trajectory
 from station.core.trajectory.init_joint_trajectory import (

@@ -20,12 +20,12 @@ from station.core.trajectory.quintic_spline_segment import (
 def hold_trajectory(
     time: float, positions: Sequence[float], goal: Goal | None = None
 ) -> SegmentTrajectory:
-    """Return a trajectory that stays where it is from `time` on.
+    """Return a trajectory that holds positions from `time` on.
 
     Args:
-        time: When it begins [s].
+        time: Start of the trajectory [s].
         positions: Positions to hold [rad or m], shape (n,).
-        goal: The goal that waits for it.
+        goal: The goal that the trajectory belongs to; None if it belongs to none.
     """
     rest = [PosVelAccState([position], [0.0], [0.0]) for position in positions]
     return [
@@ -46,14 +46,14 @@ def stop_trajectory(
 ) -> SegmentTrajectory:
     """Return a trajectory that comes to rest within `duration`.
 
-    It ends where a motion that turned the velocity round in twice the time would have
-    its turning point, which is the smoothest place to be at rest.
+    The joints come to rest at the turning point of a motion that would reverse their
+    velocities in twice the time, because that is the smoothest way to stop.
 
     Args:
-        time: When it begins [s].
-        duration: How long it takes to come to rest [s], > 0.
+        time: Start of the trajectory [s].
+        duration: Time in which the joints come to rest [s], > 0.
         states: Position [rad or m] and velocity [rad/s or m/s] of every joint.
-        goal: The goal that waits for it.
+        goal: The goal that the trajectory belongs to; None if it belongs to none.
     """
     result: SegmentTrajectory = []
     for position, velocity in states:

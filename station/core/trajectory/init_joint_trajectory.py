@@ -1,4 +1,4 @@
-"""Turn a requested trajectory into segments, joined to what is being executed.
+"""Turn a requested trajectory into segments, joined to the one being executed.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/init_joint_trajectory.h.
 """
@@ -33,17 +33,17 @@ class TrajectoryOptions:
     """How a requested trajectory becomes an executable one.
 
     Attributes:
-        current: What is being executed; the result begins with the part of it that
-            comes before the requested start. None for a trajectory of its own.
-        joint_names: The joints of the controller and their order; those of the request
-            when None.
-        angle_wraparound: For each of these joints whether it is continuous; such a
-            joint goes the short way from `current` to the request. None for no joint.
+        current: The trajectory being executed; the result begins with the part of it
+            before the requested start. None if the request is joined to nothing.
+        joint_names: The joints of the controller in their order; None takes those of
+            the request.
+        angle_wraparound: Whether each of these joints is continuous; a continuous joint
+            takes the short way from `current` to the request. None if no joint is.
         other_time_base: The present time in the time base of `current` and of the
-            result [s]; None when it is the time base of the request.
+            result [s]; None if that is the time base of the request.
         allow_partial_joints_goal: Whether the request may leave joints out.
-        goal: The goal of the new segments.
-        tolerances: Bounds of the new segments by joint; none when absent.
+        goal: The goal of the new segments; None if they have none.
+        tolerances: Bounds of the new segments by joint; None for no bounds.
     """
 
     current: SegmentTrajectory | None = None
@@ -60,31 +60,34 @@ class _Times:
     """Times of the result's time base [ns].
 
     Attributes:
-        now: The present.
-        start: When the requested trajectory starts.
+        now: The present time.
+        start: The time at which the requested trajectory starts.
     """
 
     now: int
     start: int
 
     def of(self, point: JointTrajectoryPoint) -> float:
-        """Return when `point` is due [s]."""
+        """Return the time at which `point` is due [s]."""
         return to_seconds(self.start + to_nanoseconds(point.time_from_start))
 
     def bridge_end(self, point: JointTrajectoryPoint) -> float:
-        """Return when a bridge to `point` ends [s]; the original adds seconds here."""
+        """Return the time at which a bridge to `point` ends [s].
+
+        The original adds seconds here, not nanoseconds, so the sum is rounded.
+        """
         return to_seconds(self.start) + to_seconds(
             to_nanoseconds(point.time_from_start)
         )
 
     def takeover(self) -> float:
-        """Return when the new trajectory takes over [s]."""
+        """Return the time at which the new trajectory takes over [s]."""
         return to_seconds(max(self.start, self.now))
 
 
 @dataclass(frozen=True, slots=True)
 class _Label:
-    """What all new segments of a joint have in common."""
+    """The goal and tolerances that all new segments of a joint share."""
 
     goal: Goal | None
     tolerances: JointTolerances
@@ -118,11 +121,11 @@ def init_joint_trajectory(
     Args:
         trajectory: The request.
         now: The present [s], in the time base of the request.
-        options: What it is joined to and for whom.
+        options: The trajectory to join it to, and the goal and joints it is for.
 
     Returns:
-        Segments for every joint; an empty list when there are too few points for a
-        segment and nothing to join them to.
+        Segments for every joint; an empty list if there are too few points for a
+        segment and no trajectory to join them to.
 
     Raises:
         InvalidTrajectoryError: The request is malformed, does not fit the joints, or
@@ -130,8 +133,8 @@ def init_joint_trajectory(
 
     Source:
         initJointTrajectory; differs: sizes and numbers of all points are checked
-        first, a joint may be named once only, and a start before the other time base
-        began is allowed.
+        first, a joint may be named only once, and a start before the beginning of the
+        other time base is allowed.
     """
     _check_points(trajectory)
     joint_names = list(options.joint_names or trajectory.joint_names)
@@ -184,13 +187,13 @@ def check_joint_names(
         allow_partial_joints_goal: Whether the request may leave joints out.
 
     Raises:
-        InvalidTrajectoryError: The joints are not those that are expected.
+        InvalidTrajectoryError: The joints are not the expected ones.
     """
     known = bool(names) and set(names) <= set(expected)
     complete = allow_partial_joints_goal or len(names) == len(expected)
     if not known or not complete or len(set(names)) != len(names):
         raise InvalidTrajectoryError(
-            f"The trajectory is for the joints {', '.join(names) or 'none'}; expected "
+            f"The trajectory names the joints {', '.join(names) or 'none'}; expected "
             f"are {', '.join(expected)}.",
             remedy="Name "
             + ("some" if allow_partial_joints_goal else "all")
@@ -222,14 +225,13 @@ def _check_joints(
     """Return the index in `joint_names` of every joint of the request.
 
     Raises:
-        InvalidTrajectoryError: The joints are not those that are expected.
+        InvalidTrajectoryError: The joints are not the expected ones.
     """
     wraps = options.angle_wraparound
     if wraps and len(wraps) != len(joint_names):
         raise InvalidTrajectoryError(
-            f"It is known of {len(wraps)} joints whether they are continuous; the "
-            f"trajectory has {len(joint_names)}.",
-            remedy="Say it of every joint.",
+            f"angle_wraparound has {len(wraps)} values for {len(joint_names)} joints.",
+            remedy="Give one value for every joint.",
             details={"reason": "wraparound"},
         )
     return check_joint_names(
@@ -311,7 +313,7 @@ def _remaining(current: JointSegments, times: _Times) -> JointSegments:
     """Return the current segments that are still executed before the takeover.
 
     Raises:
-        InvalidTrajectoryError: They do not cover the time in between.
+        InvalidTrajectoryError: The segments do not cover the time until the takeover.
     """
     now = to_seconds(times.now)
     first, last = find_segment(current, now), find_segment(current, times.takeover())

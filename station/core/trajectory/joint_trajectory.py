@@ -1,4 +1,4 @@
-"""A trajectory as it is requested: points in time for named joints.
+"""A requested trajectory: points in time for named joints.
 
 Source: trajectory_msgs/JointTrajectory.msg; ros_controllers@678b92a
 joint_trajectory_controller/joint_trajectory_msg_utils.h.
@@ -15,12 +15,12 @@ from station.core.trajectory.ros_time import to_nanoseconds
 
 @dataclass(frozen=True, slots=True)
 class JointTrajectoryPoint:
-    """Where the joints shall be at one time; lists have the order of `joint_names`.
+    """Desired state of the joints at one time; lists have the order of `joint_names`.
 
     Attributes:
         positions: Positions [rad or m].
-        velocities: Velocities [rad/s or m/s]; empty when not specified.
-        accelerations: Accelerations [rad/s^2 or m/s^2]; empty when not specified.
+        velocities: Velocities [rad/s or m/s]; empty if not specified.
+        accelerations: Accelerations [rad/s^2 or m/s^2]; empty if not specified.
         time_from_start: Time from the start of the trajectory [s].
     """
 
@@ -32,12 +32,13 @@ class JointTrajectoryPoint:
 
 @dataclass(frozen=True, slots=True)
 class JointTrajectory:
-    """Points that joints shall pass.
+    """Points that the joints pass through.
 
     Attributes:
-        joint_names: The joints.
-        points: The points in the order of time; none means: stop and hold.
-        stamp: When the trajectory starts [s, station time]; 0 means now.
+        joint_names: Names of the joints.
+        points: The points in the order of time; without points, the joints stop and
+            hold their positions.
+        stamp: Station time at which the trajectory starts [s]; 0 means now.
     """
 
     joint_names: Sequence[str]
@@ -45,12 +46,16 @@ class JointTrajectory:
     stamp: float = 0.0
 
     def start_nanoseconds(self, now: int) -> int:
-        """Return when the trajectory starts [ns], given the present time [ns]."""
+        """Return the time at which the trajectory starts [ns].
+
+        Args:
+            now: The present time [ns].
+        """
         stamp = to_nanoseconds(self.stamp)
         return now if stamp == 0 else stamp
 
     def is_strictly_increasing(self) -> bool:
-        """Say whether every point is later than the one before."""
+        """Return whether every point is later than the one before."""
         times = [to_nanoseconds(point.time_from_start) for point in self.points]
         return all(a < b for a, b in pairwise(times))
 
@@ -73,7 +78,8 @@ class JointTrajectory:
         """
         if not isfinite(self.stamp):
             raise InvalidTrajectoryError(
-                f"The trajectory's stamp is {self.stamp}.", remedy="Give a finite time."
+                f"The trajectory has the stamp {self.stamp}; it must be finite.",
+                remedy="Give a finite time.",
             )
         for index, point in enumerate(self.points):
             self._check_point(index, point)
@@ -95,13 +101,15 @@ class JointTrajectory:
             for name, value in zip(self.joint_names, values, strict=False):
                 if not isfinite(value):
                     raise InvalidTrajectoryError(
-                        f"Point {index} has {value} among its {what}, for '{name}'.",
+                        f"Point {index} has {value} among its {what}, for '{name}'; "
+                        "it must be finite.",
                         remedy="Give finite numbers.",
                         details={"point": index, "joint": name, "reason": "finite"},
                     )
         if not isfinite(point.time_from_start):
             raise InvalidTrajectoryError(
-                f"Point {index} has the time_from_start {point.time_from_start}.",
+                f"Point {index} has the time_from_start {point.time_from_start}; it "
+                "must be finite.",
                 remedy="Give a finite time.",
                 details={"point": index, "reason": "finite"},
             )

@@ -19,14 +19,14 @@ _HALF_TURN_ROUNDING = 1e-9
 
 
 class JointTrajectorySegment:
-    """A segment of one joint that knows whose it is and how exact it has to be.
+    """A segment of one joint with the goal it belongs to and its tolerances.
 
     Args:
-        spline: The way, of one dimension.
-        end: Where it leads, kept for a bridge that may have to begin later.
-        goal: The goal it belongs to; None when nobody waits for a result.
-        tolerances: Bounds of the error while it is executed; none when absent.
-        is_bridge: Whether it leads from an older trajectory to a new one.
+        spline: The path in time, of one dimension.
+        end: The state at the end, kept for a bridge that may have to begin later.
+        goal: The goal that the segment belongs to; None if it belongs to none.
+        tolerances: Bounds of the error while it is executed; None for no bounds.
+        is_bridge: Whether the segment leads from an older trajectory to a new one.
 
     Attributes:
         start_time: Time at the start [s].
@@ -66,8 +66,8 @@ class JointTrajectorySegment:
         """Return a segment with the same end that begins later, at `start`.
 
         Args:
-            time: When it begins [s], <= `end_time`.
-            start: Where it begins.
+            time: Time at the new start [s], <= `end_time`.
+            start: State at the new start.
         """
         return JointTrajectorySegment(
             QuinticSplineSegment(time, start, self.end_time, self.end),
@@ -85,36 +85,42 @@ SegmentTrajectory = list[JointSegments]
 
 
 def find_segment(segments: JointSegments, time: float) -> int | None:
-    """Return the index of the segment active at `time` [s]; None before the first.
+    """Return the index of the segment that is active at a time.
 
-    After the end it is the last one.
+    Args:
+        segments: The segments.
+        time: The time [s].
+
+    Returns:
+        The index, which after the end is that of the last segment; None before the
+        first one.
     """
     index = bisect_right(segments, time, key=_start_time) - 1
     return index if index >= 0 else None
 
 
 def sample_segments(segments: JointSegments, time: float) -> tuple[float, float, float]:
-    """Return position, velocity and acceleration of one joint at `time` [s].
+    """Return position, velocity and acceleration of one joint at a time.
 
-    Before the first segment it is the first position, at rest.
+    Before the first segment, the joint rests at its first position.
 
     Args:
         segments: At least one segment.
-        time: When [s].
+        time: The time [s].
     """
     index = find_segment(segments, time)
     return segments[0 if index is None else index].spline.sample_dimension(time)
 
 
 def wraparound_offset(previous: float, following: float) -> float:
-    """Return the whole turns to add so that a joint goes the short way.
+    """Return the whole turns to add so that a continuous joint takes the short way.
 
     Args:
-        previous: Where a continuous joint is [rad].
-        following: Where it shall go [rad].
+        previous: Position of the joint [rad].
+        following: Next position of the joint [rad].
 
     Returns:
-        Offset for `following` [rad]. Half a turn away keeps its direction.
+        Offset for `following` [rad]. A distance of half a turn keeps its direction.
     """
     distance = shortest_angular_distance(previous, following)
     if abs(abs(distance) - pi) < _HALF_TURN_ROUNDING:

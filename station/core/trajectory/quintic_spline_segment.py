@@ -14,14 +14,14 @@ _REMEDY = "Give both ends the same number of positions, and rates of the same si
 
 @dataclass(frozen=True, slots=True)
 class PosVelAccState:
-    """Positions and, where known, their rates.
+    """Positions and, if known, their rates.
 
     Attributes:
         position: Positions [rad or m], shape (n,).
-        velocity: Velocities [rad/s or m/s], shape (n,); empty when not specified.
-        acceleration: Accelerations [rad/s^2 or m/s^2], shape (n,); empty when not
+        velocity: Velocities [rad/s or m/s], shape (n,); empty if not specified.
+        acceleration: Accelerations [rad/s^2 or m/s^2], shape (n,); empty if not
             specified.
-        time_from_start: When the state belongs, from the trajectory's start [s].
+        time_from_start: Time of the state from the trajectory's start [s].
     """
 
     position: list[float] = field(default_factory=list)
@@ -33,18 +33,18 @@ class PosVelAccState:
 class QuinticSplineSegment:
     """Leads from one state to another in a given time.
 
-    The degree follows from what both ends specify: positions give a straight line,
-    velocities too a cubic, accelerations as well a quintic polynomial.
+    The degree follows from the quantities that both ends specify: positions give a
+    straight line, positions and velocities a cubic polynomial, and all three a quintic.
 
     Args:
         start_time: Time at the start state [s].
-        start: Where the segment begins.
+        start: State in which the segment begins.
         end_time: Time at the end state [s], >= `start_time`.
-        end: Where the segment ends.
+        end: State in which the segment ends.
 
     Attributes:
         start_time: Time at the start state [s].
-        time_from_start: When the segment begins, from the trajectory's start [s].
+        time_from_start: Time of the start state from the trajectory's start [s].
 
     Raises:
         InvalidTrajectoryError: The end is before the start, or the sizes of the
@@ -72,18 +72,21 @@ class QuinticSplineSegment:
 
     @property
     def end_time(self) -> float:
-        """Return the time at the end state [s]."""
+        """The time at the end state [s]."""
         return self.start_time + self._duration
 
     @property
     def size(self) -> int:
-        """Return the number of dimensions."""
+        """The number of dimensions."""
         return len(self._coefficients)
 
     def sample(self, time: float) -> PosVelAccState:
-        """Return the state at `time` [s].
+        """Return the state at a time.
 
-        Before the start and after the end it is that end's position, at rest.
+        Before the start and after the end, the state is at rest at the nearer end.
+
+        Args:
+            time: The time [s].
         """
         states = [self.sample_dimension(time, each) for each in range(self.size)]
         return PosVelAccState(
@@ -121,7 +124,7 @@ def _check(
     size = len(start.position)
     both_velocities = bool(start.velocity) and bool(end.velocity)
     both_accelerations = bool(start.acceleration) and bool(end.acceleration)
-    problem = ""
+    problem = None
     if end_time < start_time:
         problem = f"it ends at {end_time} s, before it starts at {start_time} s."
     elif not start.position or not end.position:
@@ -140,7 +143,7 @@ def _check(
             f"its ends have {len(start.acceleration)} and {len(end.acceleration)} "
             f"accelerations for {size} positions."
         )
-    if problem:
+    if problem is not None:
         raise InvalidTrajectoryError(f"{_PREFIX}{problem}", remedy=_REMEDY)
 
 

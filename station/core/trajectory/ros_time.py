@@ -1,4 +1,4 @@
-"""Times of trajectories: whole nanoseconds, so that sums of times compare exactly.
+"""Times of trajectories in whole nanoseconds, so that sums of times compare exactly.
 
 Source: rostime include/ros/time.h, duration.h.
 """

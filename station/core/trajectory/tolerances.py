@@ -1,4 +1,4 @@
-"""How far a joint may be from its trajectory, on the way and at the goal.
+"""Bounds of a joint's distance from its trajectory, on the way and at the goal.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/include/
 joint_trajectory_controller/tolerances.h.
@@ -30,7 +30,7 @@ class StateTolerances:
     def violation(
         self, position: float, velocity: float, acceleration: float = 0.0
     ) -> tuple[str, float, float] | None:
-        """Return the first error that is too large, None when all are within bounds.
+        """Return the first error that is too large, or None if all are within bounds.
 
         Args:
             position: Position error [rad or m].
@@ -38,7 +38,7 @@ class StateTolerances:
             acceleration: Acceleration error [rad/s^2 or m/s^2].
 
         Returns:
-            What is violated, the error, and the bound.
+            Name of the quantity, its error, and its bound.
         """
         if self.position > 0.0 and abs(position) > self.position:
             return "position", position, self.position
@@ -54,9 +54,10 @@ class JointTolerances:
     """The bounds of one joint.
 
     Attributes:
-        path: Bounds while the joint is under way.
+        path: Bounds while the joint follows the trajectory.
         goal: Bounds at the end.
-        goal_time: Extra time in which the goal's bounds may be reached [s].
+        goal_time: Extra time after the end within which the bounds of the goal must be
+            reached [s].
     """
 
     path: StateTolerances = StateTolerances()
@@ -66,13 +67,13 @@ class JointTolerances:
 
 @dataclass(frozen=True, slots=True)
 class ToleranceRequest:
-    """What a goal asks for one joint, instead of the defaults.
+    """The bounds that a goal requests for one joint in place of the defaults.
 
     A positive number is the bound, a negative one removes the bound, zero keeps the
     default.
 
     Attributes:
-        name: The joint.
+        name: Name of the joint.
         position: Position error [rad or m].
         velocity: Velocity error [rad/s or m/s].
         acceleration: Acceleration error [rad/s^2 or m/s^2].
@@ -85,7 +86,12 @@ class ToleranceRequest:
 
 
 def updated_value(default: float, requested: float) -> float:
-    """Return a bound after a request, by the rule of `ToleranceRequest`."""
+    """Return a bound after a request, by the rule of `ToleranceRequest`.
+
+    Args:
+        default: The bound without a request.
+        requested: The requested number.
+    """
     if requested > 0.0:
         return requested
     return 0.0 if requested < 0.0 else default
@@ -101,8 +107,8 @@ def updated_tolerances(
 
     Args:
         defaults: Bounds by joint name.
-        path: Requests for the way; those for other joints are ignored.
-        goal: Requests for the end; those for other joints are ignored.
+        path: Requests for the path; requests for other joints are ignored.
+        goal: Requests for the goal; requests for other joints are ignored.
         goal_time: Requested extra time [s], by the same rule.
     """
     updated = {

@@ -1,4 +1,4 @@
-"""Where a controller takes trajectories for which nobody waits."""
+"""The port of a controller for trajectories that report no result."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ class TrajectoryPort(ABC):
             request: The message as JSON-compatible values.
 
         Raises:
-            StationError: It cannot be followed; nothing changed.
+            StationError: The trajectory cannot be followed; nothing changed.
         """
 
     @abstractmethod
@@ -29,8 +29,11 @@ class TrajectoryPort(ABC):
 
     @abstractmethod
     def query_state(self, time: float) -> PosVelAccState:
-        """Return where the joints shall be at a station time [s].
+        """Return the desired state of the joints at a time.
+
+        Args:
+            time: Station time [s].
 
         Raises:
-            StationError: Nothing is known about that time.
+            StationError: The controller knows no state at that time.
         """

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 from typing_extensions import override
 
+from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.errors import ParameterError, SwitchRefusedError
 from station.core.franka.franka_robot_state import RobotMode
 from station.core.hardware.combined_robot_hw import CombinedRobotHW
 from station.core.hardware.interfaces import JointCommandInterface, JointStateInterface
-from station.core.hardware.robot_description import ROBOT_DESCRIPTION
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.core.parameters import Parameters
 from station.hw.franka.arm.control_mode import (

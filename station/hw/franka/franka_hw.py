@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
+from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.errors import (
     HardwareInterfaceError,
     ParameterError,
@@ -28,7 +29,6 @@ from station.core.errors import (
 )
 from station.core.franka import FrankaServicesInterface
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.hardware.robot_description import ROBOT_DESCRIPTION
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     ResourceConflict,
@@ -65,7 +65,7 @@ from station.hw.franka.franka_parameters import (
     read_parameters,
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
@@ -134,7 +134,7 @@ class FrankaHW(RobotHW):
             self.arm, self.commands, self.cartesian, CommandFilter(limits)
         )
         self._motion = MotionStart(self.arm, self._sender)
-        urdf = parse_urdf(description)
+        urdf = load_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from math import pi
 from typing import NoReturn
 
+from station.core.description.urdf import Pose
 from station.core.errors import ParameterError
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.core.franka.franka_services import CollisionBehavior
@@ -25,7 +26,6 @@ from station.hw.franka.arm.collision_behavior import (
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, ControllerMode
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.commands.command_settings import CommandSettings
-from station.hw.urdf import Pose
 
 _DOF = 7
 _INTERNAL_CONTROLLERS = {

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from station.hw.urdf import Inertial, Pose
+from station.core.description.urdf import Inertial, Pose
 
 
 def is_rigid_body(inertial: Inertial) -> bool:

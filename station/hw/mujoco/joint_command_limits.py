@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
-from xml.etree import ElementTree
 
-from station.core.description.urdf_text import parse_robot_description
+from station.core.description.urdf import Joint
+from station.core.description.urdf_parser import parse_urdf
 from station.core.hardware.interfaces import JointHandle
 from station.core.hardware.limits import (
     JointLimits,
@@ -38,20 +38,22 @@ class JointCommandLimits:
     win. A velocity limit of 0 in the URDF stands for a joint nobody limited.
 
     Args:
-        xml: The URDF, checked already.
+        xml: The URDF.
         params: The namespace that has `joint_limits`.
         mode: Which handles enforce them.
 
     Attributes:
         reports: The limits of every joint added, and their sources.
 
+    Raises:
+        RobotDescriptionError: The URDF cannot be read.
+
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, registerJointLimits;
     differs: one handle per kind of command, of which those in use act.
     """
 
     def __init__(self, xml: str, params: Parameters, mode: LimitMode) -> None:
-        root = parse_robot_description(xml)
-        self._elements = {e.get("name", ""): e for e in root.findall("joint")}
+        self._joints = parse_urdf(xml).joints
         self._params = params
         self._mode = mode
         self._handles: dict[tuple[str, str], JointLimitsHandle] = {}
@@ -67,9 +69,8 @@ class JointCommandLimits:
 
         Raises:
             JointLimitsError: Its limits are contradictory.
-            RobotDescriptionError: Its limits cannot be read.
         """
-        report = self._read(joint, self._elements[joint])
+        report = self._read(self._joints[joint])
         self.reports.append(report)
         # The handles want these two.
         limits, soft = report.limits, report.soft_limits
@@ -125,20 +126,20 @@ class JointCommandLimits:
             for (joint, quantity), handle in self._handles.items()
         })
 
-    def _read(self, joint: str, element: ElementTree.Element) -> JointLimitsReport:
+    def _read(self, joint: Joint) -> JointLimitsReport:
         params = self._params
-        first = joint_limits_from_urdf(element) or JointLimits()
+        first = joint_limits_from_urdf(joint) or JointLimits()
         first = replace(first, max_velocity=first.max_velocity or None)
-        limits = joint_limits_from_parameters(joint, params, first) or first
-        first_soft = soft_joint_limits_from_urdf(element)
-        soft = soft_joint_limits_from_parameters(joint, params, first_soft)
+        limits = joint_limits_from_parameters(joint.name, params, first) or first
+        first_soft = soft_joint_limits_from_urdf(joint)
+        soft = soft_joint_limits_from_parameters(joint.name, params, first_soft)
         soft = soft or first_soft
         before = limit_values(first, first_soft)
         sources = {
             kind: _PARAMETERS if value != before.get(kind) else _source_in_urdf(kind)
             for kind, value in limit_values(limits, soft).items()
         }
-        return JointLimitsReport(joint, limits, soft, sources)
+        return JointLimitsReport(joint.name, limits, soft, sources)
 
 
 def _source_in_urdf(kind: str) -> str:

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import mujoco
 
+from station.core.description.urdf import Shape
 from station.core.errors import RobotDescriptionError
-from station.hw.urdf import Shape
 
 _BINARY_STL_HEADER = 84
 _BINARY_STL_TRIANGLE = 50
+_MAX_BYTES = 200_000_000
+_MAX_REASON = 200
 
 
 def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
@@ -23,13 +25,15 @@ def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
         shape: A shape of kind `mesh`.
 
     Raises:
-        RobotDescriptionError: The file has no triangles or is of an unknown format.
+        RobotDescriptionError: The file is missing, too large, has no triangles or is
+            of an unknown format.
     """
     path = shape.mesh
     if path is None:
         raise RobotDescriptionError(
-            f"the mesh {name!r} has no file", remedy="name a file in the URDF"
+            f"The mesh '{name}' has no file.", remedy="Name a file in the URDF."
         )
+    check_mesh_file(path)
     mesh = spec.add_mesh(name=name, scale=shape.size)
     # The link's inertia comes from the URDF; thin or open meshes are not an error.
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
@@ -39,6 +43,36 @@ def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
     vertices, faces = _load_with_trimesh(path)
     mesh.uservert = vertices
     mesh.userface = faces
+
+
+def check_mesh_file(path: Path) -> None:
+    """Refuse a file that cannot be a mesh, before it is read.
+
+    Args:
+        path: The file.
+
+    Raises:
+        RobotDescriptionError: The file has no extension, is missing or too large.
+    """
+    # The extension alone says which format the readers expect.
+    if not path.suffix:
+        raise RobotDescriptionError(
+            f"The mesh file {path} has no extension, so that its format is not known.",
+            remedy="Give the file the extension of its format, such as .stl or .obj.",
+        )
+    try:
+        size = path.stat().st_size
+    except OSError as exc:
+        raise RobotDescriptionError(
+            f"The mesh file {path} cannot be read: {exc.strerror}.",
+            remedy="Check the path and its permissions.",
+        ) from exc
+    # A larger mesh would take all memory, or minutes, before MuJoCo refuses it.
+    if size > _MAX_BYTES:
+        raise RobotDescriptionError(
+            f"The mesh file {path} has {size} bytes; a mesh may have {_MAX_BYTES}.",
+            remedy="Use a mesh of fewer triangles; only its convex hull collides.",
+        )
 
 
 def _is_binary_stl(path: Path) -> bool:
@@ -59,12 +93,12 @@ def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
         loaded = trimesh.load_scene(path)
     except (ValueError, KeyError, OSError) as exc:
         raise RobotDescriptionError(
-            f"cannot read the mesh {path}: {exc}",
-            remedy="convert it to STL or OBJ",
+            f"The mesh file {path} cannot be read: {str(exc)[:_MAX_REASON]}.",
+            remedy="Convert the file to STL or OBJ.",
         ) from exc
     mesh = loaded.to_mesh()
     if len(mesh.faces) == 0:
         raise RobotDescriptionError(
-            f"the mesh {path} has no triangles", remedy="use another file"
+            f"The mesh file {path} has no triangles.", remedy="Use another file."
         )
     return mesh.vertices.ravel().tolist(), mesh.faces.ravel().tolist()

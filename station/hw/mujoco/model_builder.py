@@ -20,10 +20,7 @@ from dataclasses import dataclass, field
 
 import mujoco
 
-from station.core.errors import RobotDescriptionError
-from station.hw.mujoco.inertia import combine, is_rigid_body
-from station.hw.mujoco.mesh_loader import add_mesh
-from station.hw.urdf import (
+from station.core.description.urdf import (
     Inertial,
     Joint,
     JointType,
@@ -33,6 +30,9 @@ from station.hw.urdf import (
     Shape,
     Urdf,
 )
+from station.core.errors import RobotDescriptionError
+from station.hw.mujoco.inertia import combine, is_rigid_body
+from station.hw.mujoco.mesh_loader import add_mesh
 
 _COLLISION_GROUP = 3
 # How MuJoCo says which element it refuses.
@@ -94,7 +94,7 @@ def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
     Args:
         spec: The world; changed.
         urdf: The robot. Its names must not be in the world yet; see
-            `RobotDescription.with_prefix`.
+            `RobotFiles.with_prefix`.
         options: Place and properties.
 
     Raises:

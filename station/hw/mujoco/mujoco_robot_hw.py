@@ -16,6 +16,9 @@ from math import ceil, inf
 
 from typing_extensions import override
 
+from station.core.description.robot_description import ROBOT_DESCRIPTION
+from station.core.description.robot_files import RobotFiles, load_robot_files
+from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
     HardwareInterfaceError,
     RobotDescriptionError,
@@ -27,7 +30,6 @@ from station.core.hardware.interfaces import (
     JointStateInterface,
 )
 from station.core.hardware.limits import LimitMode
-from station.core.hardware.robot_description import ROBOT_DESCRIPTION
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -59,9 +61,7 @@ from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
-from station.hw.robot_description import RobotDescription, load_robot_description
-from station.hw.urdf import JointType, Urdf
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 # Steps of the world that are made up for in one cycle, or as many as make two cycles;
 # the rest is lost.
@@ -115,8 +115,8 @@ class MujocoRobotHW(RobotHW):
                 the element and the reason.
         """
         parameters = read_parameters(hw_params)
-        description = load_robot_description(parameters.robot_description)
-        urdf = parse_urdf(description)
+        description = load_robot_files(parameters.robot_description)
+        urdf = load_urdf(description)
         transmissions = read_transmissions(description, urdf)
         if not transmissions:
             raise RobotDescriptionError(
@@ -264,7 +264,7 @@ class MujocoRobotHW(RobotHW):
         self.lost_steps += max(0, steps - self._most_steps)
 
     def _make_motors(
-        self, description: RobotDescription, infos: list[TransmissionInfo]
+        self, description: RobotFiles, infos: list[TransmissionInfo]
     ) -> None:
         self._names = [joint.name for info in infos for joint in info.joints]
         self._world_joints: WorldJoints = self.world.joints(self._names)
@@ -302,7 +302,7 @@ class MujocoRobotHW(RobotHW):
         self,
         loader: TransmissionInterfaceLoader,
         info: TransmissionInfo,
-        description: RobotDescription,
+        description: RobotFiles,
     ) -> None:
         """Load one transmission.
 
@@ -366,7 +366,8 @@ def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
     return {
         joint.name: joint.limit.velocity
         for joint in urdf.joints.values()
-        if joint.mimic is not None
+        if joint.type is not JointType.FIXED
+        and joint.mimic is not None
         and joint.limit is not None
         and joint.limit.velocity > 0.0
     }

@@ -12,7 +12,7 @@ robot:
   timestep: 0.001                             # of the simulation [s]
   initial_positions: {elbow_joint: 1.57}      # [rad or m]; others at 0 or mid-range
   limit_mode: ros_control                     # or rate
-  joint_limits: {elbow_joint: {…}}            # as core.hardware.limits.parameters
+  joint_limits: {elbow_joint: {…}}            # see limits_from_parameters
   pid_gains: {elbow_joint: {p: 100, d: 10}}   # see station.core.numerics.pid
   sensors:
     wrist_ft: {type: force_torque, link: tool0}
@@ -28,10 +28,10 @@ from enum import Enum
 from math import pi
 from typing import NoReturn
 
+from station.core.description.urdf import Pose
 from station.core.errors import ParameterError
 from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
-from station.hw.urdf import Pose
 
 _KEYS = frozenset({
     "type",

@@ -2,6 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
+from station.core.description.robot_files import RobotFiles
+from station.core.description.srdf import disabled_collisions
+from station.core.description.urdf import Joint, JointType, Urdf
 from station.core.errors import ParameterError, RobotDescriptionError
 from station.hw.mujoco.model_builder import (
     RobotOptions,
@@ -13,13 +16,10 @@ from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
 from station.hw.mujoco.scene import SceneObject, add_object
 from station.hw.mujoco.sensors import add_sensors
 from station.hw.mujoco.world import World
-from station.hw.robot_description import RobotDescription
-from station.hw.srdf import disabled_collisions
-from station.hw.urdf import Joint, JointType, Urdf
 
 
 def simulate_robot(
-    description: RobotDescription,
+    description: RobotFiles,
     urdf: Urdf,
     parameters: MujocoRobotParameters,
     objects: Sequence[SceneObject] = (),

@@ -11,6 +11,8 @@ from dataclasses import replace
 from typing import NoReturn
 from xml.etree import ElementTree
 
+from station.core.description.robot_files import RobotFiles
+from station.core.description.urdf import JointType, Urdf
 from station.core.errors import RobotDescriptionError
 from station.core.hardware.transmissions import (
     ActuatorInfo,
@@ -18,8 +20,6 @@ from station.core.hardware.transmissions import (
     TransmissionInfo,
     TransmissionParser,
 )
-from station.hw.robot_description import RobotDescription
-from station.hw.urdf import JointType, Urdf
 
 _logger = logging.getLogger(__name__)
 DEFAULT_TYPE = "transmission_interface/SimpleTransmission"
@@ -40,9 +40,7 @@ def driven_joints(urdf: Urdf) -> list[str]:
     ]
 
 
-def read_transmissions(
-    description: RobotDescription, urdf: Urdf
-) -> list[TransmissionInfo]:
+def read_transmissions(description: RobotFiles, urdf: Urdf) -> list[TransmissionInfo]:
     """Return a transmission for every driven joint, in the joints' order.
 
     A joint without one gets a simple one with reduction 1. Transmissions all of whose
@@ -78,7 +76,7 @@ def _is_driven(
     info: TransmissionInfo,
     driven: list[str],
     urdf: Urdf,
-    description: RobotDescription,
+    description: RobotFiles,
 ) -> bool:
     known = [joint.name in driven for joint in info.joints]
     others = [j.name for j in info.joints if j.name not in driven]
@@ -93,9 +91,7 @@ def _is_driven(
     return not others
 
 
-def _check_distinct(
-    description: RobotDescription, infos: list[TransmissionInfo]
-) -> None:
+def _check_distinct(description: RobotFiles, infos: list[TransmissionInfo]) -> None:
     seen: set[tuple[str, str]] = set()
     for info in infos:
         members = [("transmission", info.name)]
@@ -135,7 +131,7 @@ def _default(joint: str) -> TransmissionInfo:
     )
 
 
-def _refuse(description: RobotDescription, element: str, reason: str) -> NoReturn:
+def _refuse(description: RobotFiles, element: str, reason: str) -> NoReturn:
     raise RobotDescriptionError(
         f"{description.urdf_path}: {element}: {reason}",
         remedy="correct that element of the URDF",

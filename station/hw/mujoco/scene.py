@@ -8,9 +8,10 @@ from typing import NoReturn
 
 import mujoco
 
-from station.core.errors import ParameterError
+from station.core.description.urdf import Pose
+from station.core.errors import ParameterError, RobotDescriptionError
 from station.core.parameters import Parameters
-from station.hw.urdf import Pose
+from station.hw.mujoco.mesh_loader import check_mesh_file
 
 _SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "mesh": 0, "table": 3}
 _KEYS = {"name", "type", "size", "position", "rpy", "mass", "file", "friction"}
@@ -83,8 +84,8 @@ def read_object(values: object, where: str) -> SceneObject:
     if not isinstance(kind, str) or kind not in _SIZES:
         _refuse(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
     file = entry.get("file", "")
-    if kind == "mesh" and not Path(str(file)).is_file():
-        _refuse(f"{where}/file", f"is {file!r}", "the path of a mesh file")
+    if kind == "mesh":
+        _check_mesh(file, f"{where}/file")
     size = _numbers(entry.get("size", []), _SIZES[kind], f"{where}/size")
     if any(value <= 0.0 for value in size):
         _refuse(f"{where}/size", f"is {size}", "above 0")
@@ -103,6 +104,20 @@ def read_object(values: object, where: str) -> SceneObject:
         friction=friction,
         file=str(file),
     )
+
+
+def _check_mesh(file: object, where: str) -> None:
+    path = Path(str(file))
+    if not path.is_file():
+        _refuse(where, f"is {file!r}", "the path of a mesh file")
+    try:
+        check_mesh_file(path)
+    except RobotDescriptionError as error:
+        raise ParameterError(
+            f"Parameter '{where}' is {file!r}. {error.message}",
+            remedy=error.remedy,
+            details={"parameter": where},
+        ) from error
 
 
 def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:

@@ -27,22 +27,14 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.transmissions import (
     ActuatorData,
-    ActuatorToJointEffortHandle,
-    ActuatorToJointPositionHandle,
-    ActuatorToJointVelocityHandle,
+    Direction,
     JointData,
-    JointToActuatorStateHandle,
     Transmission,
     TransmissionHandle,
     TransmissionInfo,
 )
 
 QUANTITIES = ("position", "velocity", "effort")
-_COMMAND_HANDLES: Mapping[str, type[TransmissionHandle]] = {
-    "position": ActuatorToJointPositionHandle,
-    "velocity": ActuatorToJointVelocityHandle,
-    "effort": ActuatorToJointEffortHandle,
-}
 
 
 class SimulatedMotors:
@@ -122,12 +114,25 @@ class SimulatedMotors:
             command.set_quantity(quantity, [(values, i) for i in actuators])
             values = self._targets[quantity]
             target.set_quantity(quantity, [(values, i) for i in joints])
-            handle = _COMMAND_HANDLES[quantity]
             self._to_targets[quantity].append(
-                handle(info.name, transmission, command, target)
+                TransmissionHandle(
+                    info.name,
+                    transmission,
+                    command,
+                    target,
+                    direction=Direction.ACTUATOR_TO_JOINT,
+                    quantities=(quantity,),
+                )
             )
         self._to_state.append(
-            JointToActuatorStateHandle(info.name, transmission, state, joint_state)
+            TransmissionHandle(
+                info.name,
+                transmission,
+                state,
+                joint_state,
+                direction=Direction.JOINT_TO_ACTUATOR,
+                quantities=QUANTITIES,
+            )
         )
 
     def update_state(self) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from station.core.description.urdf import Joint, JointType
 from station.core.errors import ParameterError
 from station.core.numerics.angles import (
     shortest_angular_distance,
@@ -9,7 +10,6 @@ from station.core.numerics.angles import (
 )
 from station.core.numerics.pid import Pid
 from station.core.parameters import Parameters
-from station.hw.urdf import Joint, JointType
 
 
 class SimulatedPid:

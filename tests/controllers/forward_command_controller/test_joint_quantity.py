@@ -3,8 +3,9 @@
 import pytest
 
 from station.controllers.forward_command_controller import JointQuantity
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup, JointStateHandle
-from station.core.hardware.robot_description import JointDescription, JointType
 
 ELBOW = JointDescription("elbow", JointType.REVOLUTE, -1.0, 2.0, 3.0, 4.0)
 SLIDE = JointDescription("slide", JointType.PRISMATIC, -1.0, 2.0, 3.0, 4.0)

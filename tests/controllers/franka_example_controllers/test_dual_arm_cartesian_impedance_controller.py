@@ -106,7 +106,7 @@ def test_stiffnesses_of_both_arms_are_gains(station):
 
 def test_arms_that_are_not_described_together_are_refused(station):
     station.switch_controllers(SwitchRequest((), ("example",)))
-    station.parameters.set("robot_description", "<robot/>")
+    station.parameters.set("robot_description", "<robot><link name='base'/></robot>")
     kind = "franka_example_controllers/DualArmCartesianImpedanceExampleController"
     with pytest.raises(ControllerLoadError, match="no link 'l_link0'"):
         station.load_controller("second", kind, PARAMS)

@@ -6,7 +6,8 @@ from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
     JointErrors,
 )
-from station.core.hardware.robot_description import JointDescription, JointType
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
 from station.core.ports.goal import Goal, GoalStatus
 from station.core.trajectory import (
     JointTolerances,

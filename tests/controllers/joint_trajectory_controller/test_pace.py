@@ -5,8 +5,8 @@ import math
 import pytest
 
 from station.controllers.joint_trajectory_controller.pace import check_pace
+from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError
-from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import (
     JointTrajectorySegment,
     PosVelAccState,

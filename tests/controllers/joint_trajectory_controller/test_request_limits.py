@@ -7,8 +7,8 @@ from station.controllers.joint_trajectory_controller.request_limits import (
     check_duration,
     check_positions,
 )
+from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError
-from station.core.hardware.robot_description import JointDescription
 from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
 
 NOW = 1000.0

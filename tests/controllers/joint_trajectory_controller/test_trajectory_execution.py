@@ -7,7 +7,7 @@ import pytest
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
-from station.core.hardware.robot_description import JointDescription
+from station.core.description.robot_description import JointDescription
 from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
 
 

@@ -4,8 +4,9 @@ import pytest
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.pid_command_controller import JointPids, read_joint_pids
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
 from station.core.errors import ParameterError
-from station.core.hardware.robot_description import JointDescription, JointType
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters, ParameterTree
 

@@ -6,8 +6,9 @@ import pytest
 
 from station.controllers import effort_controllers, velocity_controllers
 from station.controllers.pid_command_controller import position_error
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
 from station.core.errors import RobotDescriptionError
-from station.core.hardware.robot_description import JointDescription, JointType
 
 single_joint = pytest.mark.parametrize(
     ("package", "commanded"),

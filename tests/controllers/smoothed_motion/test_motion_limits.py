@@ -5,8 +5,8 @@ from math import inf, nan
 import pytest
 
 from station.controllers.smoothed_motion.motion_limits import read_motion_limits
+from station.core.description.robot_description import JointDescription
 from station.core.errors import ParameterError
-from station.core.hardware.robot_description import JointDescription
 from station.core.parameters import Parameters, ParameterTree
 
 JOINTS = [JointDescription("a", velocity=2.0), JointDescription("b", velocity=1.0)]

@@ -44,7 +44,7 @@ class Unprintable(Exception):  # noqa: N818 - a plugin's own
     ("error", "told"),
     [
         (SystemExit(3), "SystemExit: 3"),
-        (Unprintable(), "Unprintable: (its text cannot be had)"),
+        (Unprintable(), "Unprintable: (its text cannot be read)"),
         (OSError("file \udc80"), "OSError: file \\udc80"),
     ],
 )

@@ -2,9 +2,9 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.franka import Frame, FrankaModelHandle, RobotState
 from station.hw.franka.simulated.arm_model import ArmModel
-from station.hw.robot_description import load_robot_description
 
 Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 
@@ -12,7 +12,7 @@ Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 @pytest.fixture
 def handle():
     state = RobotState(q=list(Q), dq=[0.2] * 7, m_total=0.7, F_x_Ctotal=[0, 0, 0.05])
-    model = ArmModel(load_robot_description("example-robot-data:panda"))
+    model = ArmModel(load_robot_files("example-robot-data:panda"))
     return FrankaModelHandle("panda_model", model, state, lambda: None)
 
 

@@ -33,7 +33,7 @@ def test_goals_have_names_and_are_found_by_them():
     assert port.goals() == [first, second]
     with pytest.raises(GoalNotFoundError) as caught:
         port.get("99")
-    assert caught.value.remedy == "Known are 1, 2."
+    assert caught.value.remedy == "Known goals: 1, 2."
 
 
 def test_cancelling_is_a_wish():

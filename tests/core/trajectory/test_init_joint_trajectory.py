@@ -148,7 +148,7 @@ def test_malformed_points_are_refused(point, message):
 
 def test_a_joint_may_be_named_once_only():
     request = JointTrajectory(["a", "a"], [JointTrajectoryPoint([1.0, 2.0])])
-    with pytest.raises(InvalidTrajectoryError, match="for the joints a, a;"):
+    with pytest.raises(InvalidTrajectoryError, match="names the joints a, a;"):
         init_joint_trajectory(
             request,
             0.0,

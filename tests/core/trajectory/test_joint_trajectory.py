@@ -34,5 +34,5 @@ def test_the_last_point_before_now_is_found(now, index):
 
 
 def test_a_stamp_has_to_be_finite():
-    with pytest.raises(InvalidTrajectoryError, match="stamp is nan"):
+    with pytest.raises(InvalidTrajectoryError, match="the stamp nan"):
         _trajectory(1.0, stamp=float("nan")).check_values()

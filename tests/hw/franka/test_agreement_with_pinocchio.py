@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.load import Load, combine_loads
@@ -19,8 +20,7 @@ from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.end_effector import end_effector_of
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
-from station.hw.robot_description import RobotDescription, load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 STATES = 500
 TOLERANCE = 1e-9
@@ -42,17 +42,17 @@ class Case:
 
 
 @pytest.fixture(scope="module")
-def description() -> RobotDescription:
-    return load_robot_description("example-robot-data:panda")
+def description() -> RobotFiles:
+    return load_robot_files("example-robot-data:panda")
 
 
 @pytest.fixture(scope="module")
-def model(description: RobotDescription) -> ArmModel:
+def model(description: RobotFiles) -> ArmModel:
     return ArmModel(description)
 
 
 @pytest.fixture(scope="module")
-def arm(description: RobotDescription) -> pin.Model:
+def arm(description: RobotFiles) -> pin.Model:
     """Return Pinocchio's model of the links 0 to 8, without hand."""
     root = ElementTree.fromstring(description.xml)
     kept = {f"panda_link{number}" for number in range(9)}
@@ -156,7 +156,7 @@ def test_gravity_agrees(model: ArmModel, arm: pin.Model, cases: list[Case]) -> N
 
 
 def test_torques_of_a_motion_agree(
-    description: RobotDescription, arm: pin.Model, cases: list[Case]
+    description: RobotFiles, arm: pin.Model, cases: list[Case]
 ) -> None:
     dynamics = FrankaDynamics(description)
     for case in cases:
@@ -214,7 +214,7 @@ def with_frame(arm: pin.Model, frame: Frame, case: Case) -> tuple[pin.Model, int
 
 
 def test_arm_with_its_hand_is_the_arm_with_that_load(
-    description: RobotDescription, model: ArmModel, cases: list[Case]
+    description: RobotFiles, model: ArmModel, cases: list[Case]
 ) -> None:
     width = 0.08
     whole = pin.buildModelFromXML(description.xml)
@@ -223,7 +223,7 @@ def test_arm_with_its_hand_is_the_arm_with_that_load(
     for finger in fingers:
         pose[whole.joints[finger].idx_q] = width / 2.0
     with_hand = pin.buildReducedModel(whole, fingers, pose)
-    hand = end_effector_of(parse_urdf(description), "panda_", width)
+    hand = end_effector_of(load_urdf(description), "panda_", width)
     for case in cases:
         theirs = loaded(with_hand, case.load)
         both = replace(case, load=combine_loads(hand, case.load))
@@ -240,13 +240,13 @@ def test_arm_with_its_hand_is_the_arm_with_that_load(
 
 
 def test_simulated_arm_is_the_same_one(
-    description: RobotDescription, arm: pin.Model, cases: list[Case]
+    description: RobotFiles, arm: pin.Model, cases: list[Case]
 ) -> None:
     """The world moves the arm that the model describes, its rotors apart."""
     simulation = simulate([ArmPlacement("panda", description)])
     world = simulation.world
     joints = world.joints(JOINTS)
-    hand = end_effector_of(parse_urdf(description), "panda_", 0.08)
+    hand = end_effector_of(load_urdf(description), "panda_", 0.08)
     theirs = loaded(arm, hand)
     for case in cases:
         world.reset(dict(zip(JOINTS, case.q.tolist(), strict=True)))

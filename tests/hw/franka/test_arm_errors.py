@@ -4,6 +4,7 @@ from math import pi
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
@@ -17,7 +18,6 @@ from station.hw.franka.simulated.franka_world import (
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.mujoco.scene import SceneObject
-from station.hw.robot_description import load_robot_description
 
 IMPEDANCE = ControllerMode.JOINT_IMPEDANCE
 EXTERNAL = ControllerMode.EXTERNAL_CONTROLLER
@@ -27,7 +27,7 @@ VELOCITY = MotionGeneratorMode.JOINT_VELOCITY
 POSE = MotionGeneratorMode.CARTESIAN_POSITION
 TWIST = MotionGeneratorMode.CARTESIAN_VELOCITY
 ZEROS = [0.0] * 7
-DESCRIPTION = load_robot_description("example-robot-data:panda")
+DESCRIPTION = load_robot_files("example-robot-data:panda")
 
 
 @pytest.fixture

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.franka import FaultKind
 from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
-from station.hw.robot_description import load_robot_description
 from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD
 
@@ -292,7 +292,7 @@ CAUSES = [
 @pytest.fixture(scope="module")
 def unlimited(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return a Panda without soft limits, so that commands reach the arm unclamped."""
-    panda = load_robot_description("example-robot-data:panda")
+    panda = load_robot_files("example-robot-data:panda")
     directory: Path = tmp_path_factory.mktemp("panda")
     for path, text in (
         ("urdf/panda.urdf", re.sub(r"<safety_controller[^>]*/>", "", panda.xml)),

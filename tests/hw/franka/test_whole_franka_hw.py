@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.franka import (
     FrankaModelInterface,
     FrankaPoseCartesianInterface,
@@ -22,7 +23,6 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_limits import FR3_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
-from station.hw.robot_description import load_robot_description
 from tests.hw.franka.test_franka_hw import (
     PERIOD,
     ROBOT,
@@ -46,7 +46,7 @@ def hw() -> FrankaHW:
 @pytest.fixture(scope="module")
 def without_soft_limits(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return the path of the Panda's URDF without its safety controllers."""
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     xml = re.sub(r"<safety_controller [^>]*/>", "", description.xml)
     path = tmp_path_factory.mktemp("urdf") / "panda.urdf"
     path.write_text(xml)

@@ -37,7 +37,11 @@ SECOND = TRANSMISSION.replace('"t"', '"t2"')
 CASES = {
     "no limits": (LIMIT, "", ["Joint 'j'", "revolute", "no <limit>"]),
     "no effort": (' effort="5"', "", ["Joint 'j'", "<limit> without effort"]),
-    "inverted limits": ('lower="-1"', 'lower="3"', ["joint 'j' <limit>", "3.0", "1.0"]),
+    "inverted limits": (
+        'lower="-1"',
+        'lower="3"',
+        ["Joint 'j'", "<limit>", "3.0", "1.0"],
+    ),
     "limit is no number": (
         'upper="1"',
         'upper="one"',
@@ -81,7 +85,7 @@ CASES = {
     "missing mesh": (
         '<box size="0.1 0.1 0.1"/>',
         MESH,
-        ["link 'arm' <collision>", "package://nobody/arm.stl", "not found"],
+        ["Link 'arm' <collision>", "package://nobody/arm.stl", "not found"],
     ),
     "missing link": ('<child link="arm"/>', '<child link="leg"/>', ["'j'", "'leg'"]),
     "impossible inertia": (

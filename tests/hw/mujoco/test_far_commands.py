@@ -6,10 +6,10 @@ from random import Random
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import Joint
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf import Joint
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 from tests.hw.mujoco.test_mujoco_robot_hw import (
     INTERFACES,
     PERIOD,
@@ -48,8 +48,8 @@ ROBOTS: Mapping[str, Mapping[str, object]] = {
 
 
 def joints_of(robot: str) -> dict[str, Joint]:
-    description = load_robot_description(f"example-robot-data:{robot}")
-    return dict(parse_urdf(description).joints)
+    description = load_robot_files(f"example-robot-data:{robot}")
+    return dict(load_urdf(description).joints)
 
 
 def check_far_commands(

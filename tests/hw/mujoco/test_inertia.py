@@ -4,8 +4,8 @@ from math import pi
 
 import pytest
 
+from station.core.description.urdf import Inertial, Pose
 from station.hw.mujoco.inertia import combine, is_rigid_body
-from station.hw.urdf import Inertial, Pose
 
 ROD = Inertial(2.0, Pose(), (0.1, 0.2, 0.25, 0.0, 0.0, 0.0))
 

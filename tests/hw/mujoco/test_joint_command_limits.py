@@ -21,8 +21,10 @@ class Bench:
 
     def __init__(self, *, mode=LimitMode.ROS_CONTROL, soft="", velocity=2, **entry):
         xml = (
-            '<robot name="r"><joint name="j" type="revolute"><limit lower="-1" '
-            f'upper="1" effort="5" velocity="{velocity}"/>{soft}</joint></robot>'
+            '<robot name="r"><link name="a"/><link name="b"/>'
+            '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
+            f'<limit lower="-1" upper="1" effort="5" velocity="{velocity}"/>{soft}'
+            "</joint></robot>"
         )
         values = {"joint_limits": {"j": entry}} if entry else {}
         params = Parameters(ParameterTree(values))

@@ -4,6 +4,7 @@ from math import nan
 
 import pytest
 
+from station.core.description.urdf import Joint, JointType, Pose
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
@@ -14,7 +15,6 @@ from station.core.numerics.pid import Pid, PidGains
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.simulated_pid import SimulatedPid
-from station.hw.urdf import Joint, JointType, Pose
 
 WHEEL = Joint(
     name="b",

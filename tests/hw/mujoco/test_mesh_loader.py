@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.urdf import Pose, Shape
 from station.core.errors import RobotDescriptionError
 from station.hw.mujoco.mesh_loader import add_mesh
 from station.hw.mujoco.model_builder import new_world
-from station.hw.urdf import Pose, Shape
 
 # A tetrahedron.
 ASCII_STL = """solid t
@@ -65,3 +65,23 @@ def test_unreadable_mesh_is_refused_with_its_path(tmp_path: Path) -> None:
     path.write_text("no mesh", encoding="ascii")
     with pytest.raises(RobotDescriptionError, match=r"t\.stl"):
         compile_with_mesh(path, 1.0)
+
+
+def test_mesh_without_extension_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "hull"
+    path.write_text(ASCII_STL, encoding="ascii")
+    with pytest.raises(RobotDescriptionError, match="hull has no extension"):
+        compile_with_mesh(path, 1.0)
+
+
+def test_mesh_of_gigabytes_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "huge.stl"
+    with path.open("wb") as file:
+        file.truncate(3_000_000_000)
+    with pytest.raises(RobotDescriptionError, match="has 3000000000 bytes; a mesh may"):
+        compile_with_mesh(path, 1.0)
+
+
+def test_missing_mesh_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RobotDescriptionError, match=r"none\.stl cannot be read"):
+        compile_with_mesh(tmp_path / "none.stl", 1.0)

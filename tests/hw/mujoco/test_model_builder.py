@@ -7,6 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from station.core.description.robot_files import RobotFiles, load_robot_files
+from station.core.description.srdf import disabled_collisions
+from station.core.description.urdf import Pose, Urdf
 from station.core.errors import RobotDescriptionError
 from station.hw.mujoco.model_builder import (
     RobotOptions,
@@ -14,10 +17,7 @@ from station.hw.mujoco.model_builder import (
     compile_world,
     new_world,
 )
-from station.hw.robot_description import RobotDescription, load_robot_description
-from station.hw.srdf import disabled_collisions
-from station.hw.urdf import Pose, Urdf
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]
@@ -51,8 +51,8 @@ DH = [
 
 
 def panda() -> tuple[Urdf, tuple[tuple[str, str], ...]]:
-    description = load_robot_description("example-robot-data:panda")
-    return parse_urdf(description), disabled_collisions(description.srdf_path)
+    description = load_robot_files("example-robot-data:panda")
+    return load_urdf(description), disabled_collisions(description.srdf_path)
 
 
 def panda_model(**options) -> mujoco.MjModel:
@@ -72,7 +72,7 @@ def at_pose(model: mujoco.MjModel, q: list[float], fingers: float = 0.04):
 
 def small_model(body: str) -> mujoco.MjModel:
     xml = f'<robot name="r"><link name="base"/>{body}</robot>'
-    urdf = parse_urdf(RobotDescription("r", Path("r.urdf"), xml, None))
+    urdf = load_urdf(RobotFiles("r", Path("r.urdf"), xml, None))
     spec = new_world(0.001)
     add_robot(spec, urdf, RobotOptions(armature=0.0))
     return compile_world(spec)
@@ -210,14 +210,14 @@ def test_second_finger_follows_the_first() -> None:
 
 
 def test_two_arms_stand_at_their_own_base_poses() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     spec = new_world(0.001)
     bases = {
         "left_": Pose((0.0, 0.5, 0.1)),
         "right_": Pose.from_rpy((0.0, -0.5, 0.0), (0.0, 0.0, pi / 2)),
     }
     for prefix, base in bases.items():
-        urdf = parse_urdf(description.with_prefix("panda_", prefix))
+        urdf = load_urdf(description.with_prefix("panda_", prefix))
         add_robot(spec, urdf, RobotOptions(base=base))
     model = compile_world(spec)
     data = mujoco.MjData(model)
@@ -280,8 +280,8 @@ def test_joint_without_effort_has_no_motor() -> None:
 
 @pytest.mark.parametrize("name", ["ur5", "talos_left_arm", "z1", "xarm7", "pr2"])
 def test_other_robots_can_be_built(name: str) -> None:
-    description = load_robot_description(f"example-robot-data:{name}")
-    urdf = parse_urdf(description)
+    description = load_robot_files(f"example-robot-data:{name}")
+    urdf = load_urdf(description)
     spec = new_world(0.001)
     add_robot(spec, urdf, RobotOptions())
     assert compile_world(spec).nu > 0

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import HardwareInterfaceError, SwitchRefusedError
 from station.core.hardware.interfaces import (
     ActuatorStateInterface,
@@ -23,8 +24,7 @@ from station.core.hardware.transmissions import (
 )
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 PERIOD = 0.001
 UR5, PANDA = "example-robot-data:ur5", "example-robot-data:panda"
@@ -211,7 +211,7 @@ def test_far_command_leaves_neither_range_nor_velocity_bound(
     limits = UR5_SOFT_LIMITS if is_ur5 else {}
     hw = make(reference, initial_positions=start, joint_limits=limits)
     name = "shoulder_pan_joint" if is_ur5 else "panda_joint4"
-    limit = parse_urdf(load_robot_description(reference)).joints[name].limit
+    limit = load_urdf(load_robot_files(reference)).joints[name].limit
     claim(hw, quantity, name)
     state, outside, fastest = states(hw)[name], -inf, 0.0
     for far in (1e4 * direction, -1e4 * direction):

@@ -2,21 +2,21 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 
 def simulate(robot: str, **parameters: object):
     reference = f"example-robot-data:{robot}"
-    description = load_robot_description(reference)
+    description = load_robot_files(reference)
     values = {"robot_description": reference, **parameters}
     return simulate_robot(
         description,
-        parse_urdf(description),
+        load_urdf(description),
         read_parameters(Parameters(ParameterTree(values))),
     )
 

@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.errors import RobotDescriptionError
 from station.hw.mujoco.robot_transmissions import driven_joints, read_transmissions
-from station.hw.robot_description import RobotDescription, load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 JOINT = '<limit lower="-1" upper="1" effort="{effort}" velocity="1"/>'
 INTERFACE = "<hardwareInterface>{}</hardwareInterface>"
 
 
-def describe(transmissions: str, effort: int = 5) -> RobotDescription:
+def describe(transmissions: str, effort: int = 5) -> RobotFiles:
     """Return a robot with the joints a, b and c; c has the given effort limit."""
     joints = "".join(
         f'<link name="link_{name}"/><joint name="{name}" type="revolute">'
@@ -22,7 +22,7 @@ def describe(transmissions: str, effort: int = 5) -> RobotDescription:
         for name, parent in (("a", "base"), ("b", "link_a"), ("c", "link_b"))
     )
     xml = f'<robot name="r"><link name="base"/>{joints}{transmissions}</robot>'
-    return RobotDescription("r", Path("/r.urdf"), xml, None)
+    return RobotFiles("r", Path("/r.urdf"), xml, None)
 
 
 def transmission(name: str, *joints: str, interface: str = "EffortJointInterface"):
@@ -35,8 +35,8 @@ def transmission(name: str, *joints: str, interface: str = "EffortJointInterface
     )
 
 
-def read(description: RobotDescription):
-    return read_transmissions(description, parse_urdf(description))
+def read(description: RobotFiles):
+    return read_transmissions(description, load_urdf(description))
 
 
 def test_joints_without_transmission_get_a_simple_one():
@@ -61,7 +61,7 @@ def test_every_joint_has_all_command_interfaces():
 
 def test_joint_without_effort_is_not_driven(caplog):
     description = describe(transmission("t", "c"), effort=0)
-    assert driven_joints(parse_urdf(description)) == ["a", "b"]
+    assert driven_joints(load_urdf(description)) == ["a", "b"]
     assert [info.name for info in read(description)] == [
         "a_transmission",
         "b_transmission",
@@ -86,8 +86,8 @@ def test_contradictions_are_refused(xml, effort, parts):
 
 
 def test_part_of_a_robot_loads_without_the_rest(caplog):
-    description = load_robot_description("example-robot-data:talos_left_arm")
-    infos = read_transmissions(description, parse_urdf(description))
+    description = load_robot_files("example-robot-data:talos_left_arm")
+    infos = read_transmissions(description, load_urdf(description))
     assert "arm_left_1_trans is left out" in caplog.text
     wrist = next(info for info in infos if info.name == "wrist_left_trans")
     assert [j.name for j in wrist.joints] == ["arm_left_6_joint", "arm_left_7_joint"]

@@ -56,3 +56,19 @@ def test_names_are_unlike():
     with pytest.raises(ParameterError, match="unlike names"):
         read_scene(Parameters(tree))
     assert read_scene(Parameters(ParameterTree({}))) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "problem"),
+    [("hull", 10, "has no extension"), ("hull.stl", 3_000_000_000, "3000000000 bytes")],
+)
+def test_mesh_file_that_cannot_be_one_is_refused_with_its_key(
+    tmp_path, name, size, problem
+):
+    path = tmp_path / name
+    with path.open("wb") as file:
+        file.truncate(size)
+    entry = {"name": "hull", "type": "mesh", "file": str(path)}
+    with pytest.raises(ParameterError, match=problem) as caught:
+        read_object(entry, "scene/objects/0")
+    assert "'scene/objects/0/file'" in caught.value.message

@@ -6,6 +6,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import HardwareInterfaceError
 from station.hw.mujoco.model_builder import (
     RobotOptions,
@@ -14,8 +15,7 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.world import World
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]
@@ -24,7 +24,7 @@ START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]
 @pytest.fixture
 def world() -> World:
     spec = new_world(0.001)
-    urdf = parse_urdf(load_robot_description("example-robot-data:panda"))
+    urdf = load_urdf(load_robot_files("example-robot-data:panda"))
     add_robot(spec, urdf, RobotOptions())
     world = World(compile_world(spec))
     world.begin_at(dict(zip(ARM, START, strict=True)))

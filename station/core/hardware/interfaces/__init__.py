@@ -1,4 +1,4 @@
-"""What a controller can claim: handles and hardware interfaces, one family a file."""
+"""Handles and hardware interfaces, one family in each file."""
 
 from station.core.hardware.interfaces.actuator import (
     ActuatorCommandInterface,

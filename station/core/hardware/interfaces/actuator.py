@@ -1,7 +1,7 @@
 """Actuator handles and interfaces: the motor side of a transmission.
 
-They are the joint handles and interfaces over again, on the other side of the gears.
-Asking for a handle claims nothing: actuators are claimed through their joints.
+They correspond to the joint handles and interfaces, on the motor side of the gears.
+Asking for a handle claims nothing, because actuators are claimed through their joints.
 
 Source: ros_control@633c374 hardware_interface/actuator_state_interface.h,
 actuator_command_interface.h; differs: a "pointer" is a list of floats and an index.
@@ -16,8 +16,8 @@ from station.core.hardware.interfaces.resource_manager import HardwareResourceMa
 class ActuatorStateHandle(JointStateHandle):
     """Reads the state of one actuator.
 
-    Arguments, storage and errors are those of `JointStateHandle`; positions and efforts
-    are those of the motor's shaft.
+    Arguments, storage and errors are those of `JointStateHandle`. Positions, velocities
+    and efforts are those of the motor's shaft.
     """
 
 

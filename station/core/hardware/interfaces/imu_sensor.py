@@ -66,11 +66,11 @@ class ImuSensorHandle(ResourceHandle):
         return check_storage(self.name, what, storage, size - 1)
 
     def get_frame_id(self) -> str:
-        """Return the sensor's frame."""
+        """Return the frame in which the values are expressed."""
         return self._frame_id
 
     def get_orientation(self) -> list[float] | None:
-        """Return the quaternion x, y, z, w, shape (4,); None if not measured."""
+        """Return the quaternion x, y, z, w, shape (4,), or None if not measured."""
         return _copy(self._orientation)
 
     def get_orientation_covariance(self) -> list[float] | None:
@@ -82,7 +82,7 @@ class ImuSensorHandle(ResourceHandle):
         return _copy(self._angular_velocity)
 
     def get_angular_velocity_covariance(self) -> list[float] | None:
-        """Return its covariance [rad^2/s^2], shape (9,), or None."""
+        """Return the angular velocity's covariance [rad^2/s^2], shape (9,), or None."""
         return _copy(self._angular_velocity_covariance)
 
     def get_linear_acceleration(self) -> list[float] | None:
@@ -90,7 +90,7 @@ class ImuSensorHandle(ResourceHandle):
         return _copy(self._linear_acceleration)
 
     def get_linear_acceleration_covariance(self) -> list[float] | None:
-        """Return its covariance [m^2/s^4], shape (9,), or None."""
+        """Return the covariance of the acceleration [m^2/s^4], shape (9,), or None."""
         return _copy(self._linear_acceleration_covariance)
 
 

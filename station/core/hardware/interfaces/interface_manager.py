@@ -16,15 +16,15 @@ T = TypeVar("T")
 def interface_type_name(interface_type: type) -> str:
     """Return the name of an interface type on the wire.
 
-    `hardware_interface::…` for those of ros_control, the qualified Python name for a
-    class that declares no `type_name`.
+    It is the `type_name` of the class, such as `hardware_interface::…` for those of
+    ros_control, or the qualified Python name of a class without `type_name`.
     """
     declared = getattr(interface_type, "type_name", "")
     return str(declared) or f"{interface_type.__module__}.{interface_type.__qualname__}"
 
 
 class InterfaceManager:
-    """Holds one object per interface type; several managers can be combined.
+    """Hold one object per interface type; several managers can be combined.
 
     Any object can be an interface, also the robot itself
     (`self.register_interface(self, MyInterface)`).
@@ -38,24 +38,25 @@ class InterfaceManager:
     def register_interface(
         self, interface: object, interface_type: type | None = None
     ) -> None:
-        """Register `interface` under its type; an earlier one is replaced (CM-101).
+        """Register `interface` under its type, replacing an earlier one (CM-101).
 
         Args:
             interface: The interface.
-            interface_type: The type to register it under; its own class if left out.
+            interface_type: The type to register it under; None takes its own class.
         """
         self._interfaces[interface_type or type(interface)] = interface
 
     def register_interface_manager(self, manager: "InterfaceManager") -> None:
-        """Let `get` also find what `manager` provides, now and later."""
+        """Let `get` also find the present and later interfaces of `manager`."""
         self._managers.append(manager)
 
     def get(self, interface_type: type[T]) -> T | None:
-        """Return the interface of that type, or None when there is none.
+        """Return the interface of a type, or None if there is none.
 
-        With several providers the result is a new object that holds all their
-        handles, kept until the number of providers changes (CM-107). None when they
-        are not all resource managers and so cannot be combined (CM-108).
+        With several providers, the result is a new object that holds all their handles.
+        It is kept until the number of providers changes (CM-107). The result is None if
+        a provider is not a resource manager, because then it cannot be combined
+        (CM-108).
         """
         providers = self._providers(interface_type)
         if not providers:
@@ -100,8 +101,8 @@ class InterfaceManager:
     def get_interface_resources(self, type_name: str) -> list[str]:
         """Return the resource names of the interface type named `type_name`.
 
-        Those of all providers in order; empty when the type is unknown or its
-        interface holds no resources.
+        The names of all providers come in order. There are none if the type is unknown
+        or its interface holds no resources.
         """
         names: list[str] = []
         for interface_type in self.interface_types():

@@ -2,7 +2,7 @@
 
 Source: ros_control@0.20.0 hardware_interface/joint_state_interface.h,
 joint_command_interface.h; differs: a "pointer" is a list of floats and an index, so
-that a group of joints can be read and written in one go (`joint_group.py`).
+that a group of joints can be read and written in one operation (`joint_group.py`).
 """
 
 from typing import ClassVar
@@ -17,11 +17,11 @@ from station.core.hardware.interfaces.resource_manager import (
 )
 
 POSITION_START_JUMP = 0.01
-"""Largest first position command away from rest [rad or m]."""
+"""Largest distance of a first position command from rest [rad or m]."""
 VELOCITY_START_JUMP = 0.05
-"""Largest first velocity command away from rest [rad/s or m/s]."""
+"""Largest distance of a first velocity command from rest [rad/s or m/s]."""
 EFFORT_START_JUMP = 5.0
-"""Largest first effort command away from rest [Nm or N]."""
+"""Largest distance of a first effort command from rest [Nm or N]."""
 
 
 class JointStateHandle(ResourceHandle):
@@ -78,11 +78,11 @@ class JointStateHandle(ResourceHandle):
         return self.effort_storage[self.index]
 
     def has_absolute_position(self) -> bool:
-        """Say whether the joint has an absolute encoder."""
+        """Return whether the joint has an absolute encoder."""
         return self.absolute_position_storage is not None
 
     def has_torque_sensor(self) -> bool:
-        """Say whether the joint has a torque sensor."""
+        """Return whether the joint has a torque sensor."""
         return self.torque_sensor_storage is not None
 
     def get_absolute_position(self) -> float:
@@ -92,11 +92,7 @@ class JointStateHandle(ResourceHandle):
             HardwareInterfaceError: The joint has no absolute encoder.
         """
         if self.absolute_position_storage is None:
-            raise HardwareInterfaceError(
-                f"Joint '{self.name}' has no absolute encoder.",
-                remedy="Ask has_absolute_position() first.",
-                details={"resource": self.name},
-            )
+            raise self._missing("absolute encoder", "has_absolute_position")
         return self.absolute_position_storage[self.index]
 
     def get_torque_sensor(self) -> float:
@@ -106,20 +102,23 @@ class JointStateHandle(ResourceHandle):
             HardwareInterfaceError: The joint has no torque sensor.
         """
         if self.torque_sensor_storage is None:
-            raise HardwareInterfaceError(
-                f"Joint '{self.name}' has no torque sensor.",
-                remedy="Ask has_torque_sensor() first.",
-                details={"resource": self.name},
-            )
+            raise self._missing("torque sensor", "has_torque_sensor")
         return self.torque_sensor_storage[self.index]
+
+    def _missing(self, sensor: str, question: str) -> HardwareInterfaceError:
+        return HardwareInterfaceError(
+            f"Joint '{self.name}' has no {sensor}.",
+            remedy=f"Ask {question}() first.",
+            details={"resource": self.name},
+        )
 
 
 class CommandedJointHandle(JointStateHandle):
-    """What all handles share that command a joint: its state, and a slot for commands.
+    """The state of a joint and its slot for commands, for handles that command it.
 
     Args:
         state: State handle of the joint.
-        index: The joint's slot in the lists of commands; the state's when left out.
+        index: The joint's slot in the lists of commands; None takes that of the state.
 
     Attributes:
         command_index: The joint's slot in the lists of commands.
@@ -144,7 +143,7 @@ class JointHandle(CommandedJointHandle):
     Args:
         state: State handle of the joint.
         command: The robot's commands of one kind.
-        index: The joint's slot in `command`; the state's slot when left out.
+        index: The joint's slot in `command`; None takes that of the state.
 
     Raises:
         HardwareInterfaceError: `command` is None or has no slot `index`.
@@ -166,7 +165,7 @@ class JointHandle(CommandedJointHandle):
         return self.command_storage[self.command_index]
 
     def set_command(self, command: float) -> None:
-        """Command `command`, in the unit of the interface."""
+        """Set the command, in the unit of the interface."""
         self.command_storage[self.command_index] = command
 
     @override
@@ -211,7 +210,7 @@ class VelocityJointInterface(JointCommandInterface):
 
 
 class PositionJointInterface(JointCommandInterface):
-    """Position commands [rad or m]; a joint rests at its (desired) position."""
+    """Position commands [rad or m]; a joint rests at its present position."""
 
     type_name: ClassVar[str] = "hardware_interface::PositionJointInterface"
     start_jump: ClassVar[float] = POSITION_START_JUMP

@@ -1,8 +1,8 @@
-"""Many joints in one call: the fast way to read and write a group of handles.
+"""Read and write a group of joints in one call, which is faster than joint by joint.
 
-A robot usually keeps its joints in consecutive slots of the same lists. A group over
-such handles reads with one slice and writes with one slice assignment; any other
-group falls back to one access per joint. Both give the same values.
+A robot usually keeps its joints in consecutive slots of the same lists. A group of such
+handles reads with one slice and writes with one slice assignment. Any other group
+accesses the joints one by one, with the same result.
 """
 
 from collections.abc import Sequence
@@ -83,11 +83,16 @@ class JointGroup(JointStateGroup):
         return self._command.read()
 
     def set_commands(self, commands: list[float]) -> None:
-        """Command all joints; `commands` in the unit of the interface, shape (n,).
+        """Command all joints.
+
+        Args:
+            commands: Commands in the unit of the interface, shape (n,).
 
         Raises:
             ValueError: `commands` has another length than the group.
         """
         if len(commands) != self._size:
-            raise ValueError(f"{len(commands)} commands for {self._size} joints")
+            raise ValueError(
+                f"There are {len(commands)} commands for {self._size} joints."
+            )
         self._command.write(commands)

@@ -64,7 +64,7 @@ class JointModeHandle(ResourceHandle):
         self._index = index
 
     def set_mode(self, mode: JointCommandMode) -> None:
-        """Ask for another mode."""
+        """Request the mode `mode`."""
         self._modes[self._index] = mode
 
     def get_mode(self) -> JointCommandMode:
@@ -72,7 +72,7 @@ class JointModeHandle(ResourceHandle):
         return self._modes[self._index]
 
     def get_mode_name(self, mode: JointCommandMode) -> str:
-        """Return the name of `mode` for people, e.g. `position`."""
+        """Return the name of `mode`, such as `position`."""
         return _NAMES.get(mode, "unknown")
 
 

@@ -23,7 +23,7 @@ from station.core.hardware.interfaces.resource_manager import (
 )
 
 ACCELERATION_START_JUMP = 1.0
-"""Largest first acceleration command away from rest [rad/s^2 or m/s^2]."""
+"""Largest distance of a first acceleration command from rest [rad/s^2 or m/s^2]."""
 
 
 class PosVelJointHandle(CommandedJointHandle):
@@ -33,7 +33,7 @@ class PosVelJointHandle(CommandedJointHandle):
         state: State handle of the joint.
         position: The robot's position commands [rad or m].
         velocity: The robot's velocity commands [rad/s or m/s].
-        index: The joint's slot in all command lists; the state's when left out.
+        index: The joint's slot in all command lists; None takes that of the state.
 
     Raises:
         HardwareInterfaceError: A list is None or has no slot `index`.
@@ -49,14 +49,15 @@ class PosVelJointHandle(CommandedJointHandle):
         super().__init__(state, index)
         self.command_storages: list[list[float]] = []
         self.add_command("Command position", position)
-        self.add_command("Command velocity ", velocity)  # the original has two spaces
+        # The original's message has two spaces here.
+        self.add_command("Command velocity ", velocity)
 
     def add_command(self, what: str, storage: list[float] | None) -> None:
-        """Let the handle command one value more; for constructors.
+        """Add a quantity to those that the handle commands; for constructors.
 
         Args:
-            what: The value in an error message, as the original spells it.
-            storage: The robot's commands of this value.
+            what: Name of the quantity in an error message, as the original spells it.
+            storage: The robot's commands of this quantity.
 
         Raises:
             HardwareInterfaceError: `storage` is None or has no slot for the joint.
@@ -100,7 +101,7 @@ class PosVelAccJointHandle(PosVelJointHandle):
         position: The robot's position commands [rad or m].
         velocity: The robot's velocity commands [rad/s or m/s].
         acceleration: The robot's acceleration commands [rad/s^2 or m/s^2].
-        index: The joint's slot in all command lists; the state's when left out.
+        index: The joint's slot in all command lists; None takes that of the state.
 
     Raises:
         HardwareInterfaceError: A list is None or has no slot `index`.
@@ -144,7 +145,7 @@ class PositionVelocityTorqueGainsJointHandle(PosVelJointHandle):
         effort: The robot's feed-forward efforts [Nm or N].
         kp: The robot's position gains [Nm/rad or N/m].
         kd: The robot's velocity gains [Nm s/rad or N s/m].
-        index: The joint's slot in all command lists; the state's when left out.
+        index: The joint's slot in all command lists; None takes that of the state.
 
     Raises:
         HardwareInterfaceError: A list is None or has no slot `index`.
@@ -204,7 +205,14 @@ PosVelH = TypeVar("PosVelH", bound=PosVelJointHandle)
 
 
 class PosVelFamilyInterface(HardwareResourceManager[PosVelH]):
-    """What the interfaces below share: a claimed joint rests at its position."""
+    """Base of interfaces with several commands per joint: position, velocity, others.
+
+    Asking for a handle claims the joint, which rests at its present position.
+
+    Attributes:
+        further_jumps: Largest distances from rest of the first commands after position
+            and velocity.
+    """
 
     claims_resources: ClassVar[bool] = True
     further_jumps: ClassVar[tuple[float, ...]] = ()
@@ -243,7 +251,7 @@ class PositionVelocityTorqueGainsJointInterface(
 ):
     """Position, velocity, feed-forward effort and gain commands.
 
-    A joint at rest keeps the gains commanded last, so that it does not give way.
+    A joint at rest keeps the gains commanded last; without gains it would give way.
     """
 
     type_name: ClassVar[str] = (

@@ -1,4 +1,4 @@
-"""Named handles, the managers that hold them, and the two claim policies.
+"""Named handles, the managers that hold them, and the claims of controllers.
 
 Source: ros_control@0.20.0 hardware_interface/internal/resource_manager.h,
 hardware_resource_manager.h, hardware_interface.h.
@@ -16,8 +16,8 @@ from station.core.errors import HardwareInterfaceError, ResourceNotFoundError
 class ResourceHandle:
     """A named view on a resource of the robot.
 
-    Handles live in the control thread: they read and write the robot's own lists
-    of floats without a lock or a copy.
+    Handles belong to the control thread: they read and write the robot's own lists of
+    floats without a lock or a copy.
 
     Attributes:
         name: Name of the resource, unique within its interface.
@@ -27,10 +27,10 @@ class ResourceHandle:
         self.name = name
 
     def command_slots(self) -> list[tuple[list[float], int]]:
-        """Return the places this handle commands, as (storage, index) pairs.
+        """Return the places that this handle commands, as (storage, index) pairs.
 
-        The controller manager watches them: a value that is not finite stops the
-        controller that wrote it. Handles that only read return an empty list.
+        The controller manager checks them in every cycle: a value that is not finite
+        stops the controller that wrote it. A handle that only reads has none.
         """
         return []
 
@@ -42,14 +42,14 @@ def check_storage(
     index: int,
     kind: str = "data pointer",
 ) -> list[float]:
-    """Return `storage` when it is a list that has the slot `index`.
+    """Return `storage` if it is a list that has the slot `index`.
 
     Args:
         name: Name of the resource.
-        what: What the storage holds, as the error message says it.
+        what: Name of the stored quantity in the error message.
         storage: The storage.
         index: The slot.
-        kind: What the original calls the storage in its message.
+        kind: The word of the original's message for the storage.
 
     Raises:
         HardwareInterfaceError: The storage is None, or `index` is outside of it.
@@ -86,7 +86,7 @@ class ResourceManager(Generic[H]):
         self._handles: dict[str, H] = {}
 
     def register_handle(self, handle: H) -> None:
-        """Add `handle`; one of the same name is replaced (CM-102)."""
+        """Add `handle`, replacing one of the same name (CM-102)."""
         self._handles[handle.name] = handle
 
     def get_handle(self, name: str) -> H:
@@ -131,10 +131,10 @@ class _Claims(threading.local):
 
 
 class HardwareResourceManager(ResourceManager[H]):
-    """An interface between controllers and hardware: handles plus claims.
+    """An interface between controllers and hardware: handles and claims.
 
-    Subclasses choose the claim policy: with `claims_resources = True` asking for a
-    handle claims its resource for the controller under initialisation.
+    Subclasses choose the claim policy: with `claims_resources = True`, a controller
+    that asks for a handle in its initialisation claims the resource.
 
     Attributes:
         claims_resources: Whether `get_handle` claims the resource.
@@ -149,7 +149,7 @@ class HardwareResourceManager(ResourceManager[H]):
 
     @override
     def get_handle(self, name: str) -> H:
-        """Return the handle called `name`, claiming it if the policy says so.
+        """Return the handle called `name`, and claim it if `claims_resources` is set.
 
         Raises:
             ResourceNotFoundError: No handle of that name is registered.
@@ -168,15 +168,15 @@ class HardwareResourceManager(ResourceManager[H]):
                     self._origins[name] = manager.origin(name)
 
     def origin(self, name: str) -> "HardwareResourceManager[H]":
-        """Return the manager in which `name` was registered at first.
+        """Return the manager in which `name` was first registered.
 
-        Another one only for an interface that combines those of several robots: the
-        robot's own interface knows how its resources rest.
+        An interface that combines those of several robots returns the robot's own one,
+        because only that knows the commands at which its resources rest.
         """
         return self._origins.get(name, self)
 
     def claim(self, name: str) -> None:
-        """Claim the resource `name` without asking for its handle."""
+        """Claim the resource `name` without returning its handle."""
         self._claims.names.add(name)
 
     def get_claims(self) -> list[str]:
@@ -188,25 +188,26 @@ class HardwareResourceManager(ResourceManager[H]):
         self._claims.names.clear()
 
     def rest_commands(self, name: str) -> list[float]:
-        """Return the commands that let the resource `name` rest where it is.
+        """Return the commands that let the resource `name` rest at its present place.
 
-        One value per slot of the handle's `command_slots`. They are written for a
-        controller that fails, and a started controller's first command is compared
-        with them. Called in the control thread.
+        There is one value per slot of the handle's `command_slots`. The manager writes
+        them when a controller fails, and compares the first command of a started
+        controller with them. Called in the control thread.
         """
         return [0.0 for _ in super().get_handle(name).command_slots()]
 
     def present_commands(self, name: str) -> list[float]:
-        """Return the commands that let the resource `name` go on as it does.
+        """Return the commands that continue the present motion of the resource `name`.
 
-        One value per slot; rest unless the resource may be in motion. What lies
-        between rest and these is no jump.
+        There is one value per slot. A first command between rest and these values is
+        not a jump. They equal `rest_commands` unless the resource may be in motion.
         """
         return self.rest_commands(name)
 
     def start_jump_limits(self, name: str) -> list[float]:
-        """Return how far a first command may be from rest, one per command slot.
+        """Return the largest distances of a first command from rest, one per slot.
 
-        In the unit of the command; infinite where any first command is allowed.
+        They are in the unit of the command, and infinite if any first command is
+        allowed.
         """
         return [float("inf") for _ in super().get_handle(name).command_slots()]

@@ -1,4 +1,4 @@
-"""Joint limits: what a joint may do, and the handles that see to it.
+"""Joint limits, and the handles that enforce them.
 
 The handles act in `RobotHW.write`, after the controllers. Formulas and sources stand in
 `position_joint_limits`, `velocity_joint_limits` and `effort_joint_limits`.
@@ -28,9 +28,13 @@ from station.core.hardware.limits.joint_limits_interface import (
     VelocityJointSoftLimitsInterface,
 )
 from station.core.hardware.limits.limit_mode import LimitMode, make_limits_handle
-from station.core.hardware.limits.parameters import (
+from station.core.hardware.limits.limits_from_parameters import (
     joint_limits_from_parameters,
     soft_joint_limits_from_parameters,
+)
+from station.core.hardware.limits.limits_from_urdf import (
+    joint_limits_from_urdf,
+    soft_joint_limits_from_urdf,
 )
 from station.core.hardware.limits.position_joint_limits import (
     PositionJointSaturationHandle,
@@ -41,10 +45,6 @@ from station.core.hardware.limits.rate_joint_limits import (
     PositionJointRateLimitsInterface,
     VelocityJointRateLimitsHandle,
     VelocityJointRateLimitsInterface,
-)
-from station.core.hardware.limits.urdf import (
-    joint_limits_from_urdf,
-    soft_joint_limits_from_urdf,
 )
 from station.core.hardware.limits.velocity_joint_limits import (
     VelocityJointSaturationHandle,

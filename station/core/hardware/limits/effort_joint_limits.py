@@ -29,7 +29,7 @@ from station.core.hardware.limits.saturate import saturate, soft_velocity_bound
 
 
 class EffortJointSaturationHandle(JointLimitsHandle):
-    """Clip an effort command, and let it only point back where a limit is passed."""
+    """Clip an effort command; beyond a limit, admit only an effort that points back."""
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
         """Read the limits once.
@@ -146,7 +146,7 @@ class EffortJointSoftLimitsHandle(JointLimitsHandle):
     def _reason_for(
         self, asked: float, given: float, velocity_bound: float
     ) -> ClampReason:
-        # A brake at full effort points away from what was asked for.
+        # Braking at full effort points away from the effort that was asked for.
         if abs(given) == self._max_effort and (given > 0.0) == (asked > 0.0):
             return ClampReason.EFFORT
         if abs(velocity_bound) < self._max_velocity:

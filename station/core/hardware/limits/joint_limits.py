@@ -1,4 +1,4 @@
-"""Describe what a joint may do: hard limits, and the soft limits before them."""
+"""The hard limits of a joint, and the soft limits that slow it down before them."""
 
 from dataclasses import dataclass
 from math import isfinite, isnan
@@ -7,7 +7,7 @@ from station.core.errors import HardwareInterfaceError
 
 
 class JointLimitsError(HardwareInterfaceError, ValueError):
-    """A joint's limits are missing, contradictory or not numbers.
+    """A joint's limits are missing, contradict each other or are not numbers.
 
     Source:
         ros_control@633c374 joint_limits_interface_exception.h,
@@ -19,7 +19,7 @@ class JointLimitsError(HardwareInterfaceError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class JointLimits:
-    """Hold the hard limits of one joint; `None` means that there is no such limit.
+    """The hard limits of one joint; `None` means that there is no such limit.
 
     Attributes:
         min_position: Lower bound [rad or m]; absent together with `max_position`.
@@ -45,14 +45,15 @@ class JointLimits:
 
     @property
     def has_position_limits(self) -> bool:
-        """Tell whether both position bounds are given."""
+        """Whether both position bounds are given."""
         return self.min_position is not None and self.max_position is not None
 
     def validate(self, joint: str) -> None:
         """Refuse limits that no command could satisfy.
 
-        The loaders return what a file says, as the original does; a robot calls this
-        before it enforces anything, and so does every limit handle.
+        The readers of limits return the numbers of a file unchecked, as the original
+        does. A robot validates limits before it enforces them, and every limit handle
+        does so when it is built.
 
         Args:
             joint: Name of the joint, for the message.
@@ -85,7 +86,7 @@ class JointLimits:
 
 @dataclass(frozen=True, slots=True)
 class SoftJointLimits:
-    """Hold the range in which a joint is slowed down before its hard limits.
+    """The range beyond which a joint is slowed down before its hard limits.
 
     Attributes:
         min_position: Lower bound [rad or m].

@@ -1,4 +1,4 @@
-"""Enforce the limits of one joint, and keep count of what was cut off."""
+"""Enforce the limits of one joint, and count the commands that were changed."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from station.core.hardware.limits.joint_limits import JointLimitsError
 
 
 class ClampReason(Enum):
-    """Name the limit that cut a command off."""
+    """The limit that changed a command."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -22,13 +22,13 @@ class ClampReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Clamp:
-    """Tell what a controller asked for and what the joint got instead.
+    """A command that was changed: the controller's and the one the joint got instead.
 
     Attributes:
         joint: Name of the joint.
         asked: Command before the limits, in the unit of the joint's command.
         given: Command after the limits, in the same unit.
-        reason: The limit that was active.
+        reason: The limit that changed the command.
     """
 
     joint: str
@@ -44,8 +44,7 @@ class JointLimitsHandle(ResourceHandle, ABC):
     this cycle's state and command in the joint's slots; it allocates nothing unless it
     clamps. `reset` is called on a mode switch, an emergency stop or a recovery. The
     clamp figures may be read by any thread. A NaN command passes through unchanged and
-    is not counted, as in the original: to refuse it is the robot's and the manager's
-    task.
+    is not counted, as in the original: the robot and the manager refuse it.
 
     Attributes:
         clamp_count: Number of cycles in which the command was changed, since
@@ -60,7 +59,7 @@ class JointLimitsHandle(ResourceHandle, ABC):
 
     @property
     def last_clamp(self) -> Clamp | None:
-        """Return the latest change of a command, or None if there was none."""
+        """The latest change of a command, or None if there was none. Any thread."""
         last = self._last_clamp
         if last is None:
             return None
@@ -78,12 +77,13 @@ class JointLimitsHandle(ResourceHandle, ABC):
         """Forget the previous command; the next cycle starts from the joint's state."""
 
     def _count_clamp(self, asked: float, given: float, reason: ClampReason) -> None:
-        self._last_clamp = (asked, given, reason)  # one reference: readers see it whole
+        # Readers in other threads exchange one reference, so they see whole tuples.
+        self._last_clamp = (asked, given, reason)
         self.clamp_count += 1
 
 
 def require_limit(joint: str, kind: str, value: float | None) -> float:
-    """Return a limit that a handle cannot work without.
+    """Return a limit that a handle needs.
 
     Args:
         joint: Name of the joint, for the message.
@@ -94,7 +94,7 @@ def require_limit(joint: str, kind: str, value: float | None) -> float:
         The limit itself.
 
     Raises:
-        JointLimitsError: The limit is absent.
+        JointLimitsError: The joint has no such limit.
     """
     if value is None:
         raise JointLimitsError(

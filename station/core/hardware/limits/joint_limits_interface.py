@@ -5,7 +5,7 @@ interfaces derived from it; differs: every interface can be reset, and an unknow
 raises `ResourceNotFoundError` as in every other interface.
 """
 
-from typing import ClassVar, TypeVar
+from typing import TypeVar
 
 from typing_extensions import override
 
@@ -30,11 +30,15 @@ L = TypeVar("L", bound=JointLimitsHandle)
 class JointLimitsInterface(ResourceManager[L]):
     """Hold the limit handles of a robot, filled at start and enforced in `write`."""
 
-    type_name: ClassVar[str] = "joint_limits_interface::JointLimitsInterface"
-
     def __init__(self) -> None:
         super().__init__()
         self._enforced: list[L] = []
+
+    @override
+    def __init_subclass__(cls) -> None:
+        """Name the interface as ros_control does."""
+        super().__init_subclass__()
+        cls.type_name = f"joint_limits_interface::{cls.__name__}"
 
     @override
     def register_handle(self, handle: L) -> None:
@@ -57,7 +61,7 @@ class JointLimitsInterface(ResourceManager[L]):
 
     @property
     def clamp_count(self) -> int:
-        """Return how many commands were changed, over all joints. Any thread."""
+        """The number of commands that were changed, over all joints. Any thread."""
         return sum(handle.clamp_count for handle in self._enforced)
 
     def last_clamps(self) -> list[Clamp]:
@@ -71,19 +75,11 @@ class PositionJointSaturationInterface(
 ):
     """Limits of position-controlled joints without soft limits."""
 
-    type_name: ClassVar[str] = (
-        "joint_limits_interface::PositionJointSaturationInterface"
-    )
-
 
 class PositionJointSoftLimitsInterface(
     JointLimitsInterface[PositionJointSoftLimitsHandle]
 ):
     """Limits of position-controlled joints with soft limits."""
-
-    type_name: ClassVar[str] = (
-        "joint_limits_interface::PositionJointSoftLimitsInterface"
-    )
 
 
 class VelocityJointSaturationInterface(
@@ -91,28 +87,16 @@ class VelocityJointSaturationInterface(
 ):
     """Limits of velocity-controlled joints without soft limits."""
 
-    type_name: ClassVar[str] = (
-        "joint_limits_interface::VelocityJointSaturationInterface"
-    )
-
 
 class VelocityJointSoftLimitsInterface(
     JointLimitsInterface[VelocityJointSoftLimitsHandle]
 ):
     """Limits of velocity-controlled joints with soft limits."""
 
-    type_name: ClassVar[str] = (
-        "joint_limits_interface::VelocityJointSoftLimitsInterface"
-    )
-
 
 class EffortJointSaturationInterface(JointLimitsInterface[EffortJointSaturationHandle]):
     """Limits of effort-controlled joints without soft limits."""
 
-    type_name: ClassVar[str] = "joint_limits_interface::EffortJointSaturationInterface"
-
 
 class EffortJointSoftLimitsInterface(JointLimitsInterface[EffortJointSoftLimitsHandle]):
     """Limits of effort-controlled joints with soft limits."""
-
-    type_name: ClassVar[str] = "joint_limits_interface::EffortJointSoftLimitsInterface"

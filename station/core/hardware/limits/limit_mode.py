@@ -1,5 +1,6 @@
 """Choose the handles that enforce a joint's limits."""
 
+from collections.abc import Callable, Mapping
 from enum import Enum
 
 from station.core.errors import ParameterError
@@ -25,15 +26,34 @@ from station.core.hardware.limits.velocity_joint_limits import (
 from station.core.parameters import Parameters
 
 _KEY = "limit_mode"
+_MakeHandle = Callable[[JointHandle, JointLimits], JointLimitsHandle]
+_SATURATION: Mapping[str, _MakeHandle] = {
+    "position": PositionJointSaturationHandle,
+    "velocity": VelocityJointSaturationHandle,
+    "effort": EffortJointSaturationHandle,
+}
+_SOFT: Mapping[
+    str, Callable[[JointHandle, JointLimits, SoftJointLimits], JointLimitsHandle]
+] = {
+    "position": PositionJointSoftLimitsHandle,
+    "velocity": VelocityJointSoftLimitsHandle,
+    "effort": EffortJointSoftLimitsHandle,
+}
+_RATE: Mapping[str, _MakeHandle] = {
+    "position": PositionJointRateLimitsHandle,
+    "velocity": VelocityJointRateLimitsHandle,
+    "effort": EffortJointSaturationHandle,
+}
 
 
 class LimitMode(Enum):
     """How commands are limited.
 
     Attributes:
-        ROS_CONTROL: Soft limits where there are some, saturation elsewhere.
-        RATE: Against the command before, acceleration and jerk included; see
-            `rate_joint_limits`. Efforts have no rate: they are saturated.
+        ROS_CONTROL: By the soft limits of a joint that has them, otherwise by
+            saturation at its hard limits.
+        RATE: Against the command of the last cycle, acceleration and jerk included;
+            see `rate_joint_limits`. Efforts have no rate and are saturated.
     """
 
     ROS_CONTROL = "ros_control"
@@ -41,13 +61,13 @@ class LimitMode(Enum):
 
     @classmethod
     def from_parameters(cls, params: Parameters) -> "LimitMode":
-        """Return a robot's `limit_mode`, `ros_control` when absent.
+        """Return a robot's `limit_mode`, which is `ros_control` when absent.
 
         Args:
             params: The robot's namespace.
 
         Raises:
-            ParameterError: It is something else.
+            ParameterError: The parameter has another value than the modes' names.
         """
         value = params.get_str(_KEY, cls.ROS_CONTROL.value)
         modes = {mode.value: mode for mode in cls}
@@ -68,31 +88,21 @@ def make_limits_handle(
     limits: JointLimits,
     soft_limits: SoftJointLimits | None,
 ) -> JointLimitsHandle:
-    """Return what enforces the limits of one kind of command of a joint.
+    """Return the handle that enforces the limits of one kind of command of a joint.
 
     Args:
         mode: How commands are limited.
         quantity: "position", "velocity" or "effort".
         joint: The joint's state and command.
-        limits: Its limits.
-        soft_limits: Its soft limits; None where it has none.
+        limits: The joint's limits.
+        soft_limits: The joint's soft limits; None if it has none.
 
     Raises:
-        JointLimitsError: The limits are contradictory, or one is missing without which
-            the commands cannot be limited.
+        JointLimitsError: The limits contradict each other, or a limit that the handle
+            needs is missing.
     """
-    if mode is LimitMode.RATE and quantity == "position":
-        return PositionJointRateLimitsHandle(joint, limits)
-    if mode is LimitMode.RATE and quantity == "velocity":
-        return VelocityJointRateLimitsHandle(joint, limits)
-    if soft_limits is None or mode is LimitMode.RATE:
-        if quantity == "position":
-            return PositionJointSaturationHandle(joint, limits)
-        if quantity == "velocity":
-            return VelocityJointSaturationHandle(joint, limits)
-        return EffortJointSaturationHandle(joint, limits)
-    if quantity == "position":
-        return PositionJointSoftLimitsHandle(joint, limits, soft_limits)
-    if quantity == "velocity":
-        return VelocityJointSoftLimitsHandle(joint, limits, soft_limits)
-    return EffortJointSoftLimitsHandle(joint, limits, soft_limits)
+    if mode is LimitMode.RATE:
+        return _RATE[quantity](joint, limits)
+    if soft_limits is None:
+        return _SATURATION[quantity](joint, limits)
+    return _SOFT[quantity](joint, limits, soft_limits)

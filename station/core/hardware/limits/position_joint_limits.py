@@ -9,7 +9,7 @@ after `reset`), `clip(x, a, b) = min(max(x, a), b)`:
 | soft       | `max(prev + clip(-k_p*(prev-soft_min), -v_max, v_max)*period, p_min)`  |
 
 and the same with `+v_max`, `p_max`, `soft_max` and `min` for the highest one. Without
-position limits `p_min`, `p_max` and the soft bounds play no part.
+position limits, `p_min`, `p_max` and the soft bounds are not used.
 
 Source: ros_control@633c374 joint_limits_interface.h, PositionJointSaturationHandle and
 PositionJointSoftLimitsHandle; differs: clamps are counted, invalid limits are refused.
@@ -55,7 +55,7 @@ class PositionJointSaturationHandle(JointLimitsHandle):
     def enforce_limits(self, period: float) -> None:
         joint = self._joint
         previous = self._previous
-        if previous != previous:  # NaN: no command yet
+        if previous != previous:  # NaN stands for no command yet
             previous = joint.get_position()
         low = self._min_position
         high = self._max_position
@@ -91,8 +91,8 @@ class PositionJointSaturationHandle(JointLimitsHandle):
 class PositionJointSoftLimitsHandle(JointLimitsHandle):
     """Slow a position command down towards the soft limits, and stop it there.
 
-    The velocity bound is open loop: it compares with the last command and not with the
-    measured position, which lags. So it does not hold while the joint recovers from a
+    The velocity bound compares with the last command, not with the measured position,
+    which lags behind. It does not hold, therefore, while the joint recovers from a
     large tracking error. `k_velocity` is not used.
     """
 
@@ -124,7 +124,7 @@ class PositionJointSoftLimitsHandle(JointLimitsHandle):
     def enforce_limits(self, period: float) -> None:
         joint = self._joint
         previous = self._previous
-        if previous != previous:  # NaN: no command yet
+        if previous != previous:  # NaN stands for no command yet
             previous = joint.get_position()
         max_velocity = self._max_velocity
         low_velocity = -max_velocity

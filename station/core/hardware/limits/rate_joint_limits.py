@@ -1,14 +1,13 @@
-"""Limit position and velocity commands against the command before.
+"""Limit position and velocity commands against the command of the last cycle.
 
-A choice beside the saturation and soft limit handles: acceleration and jerk are limited
-too, and a joint that is outside its range is not pulled back, but may only come back.
-The rules are those of `velocity_profile`. Effort commands have no rate to limit: their
-counterpart in this mode is `EffortJointSaturationHandle`, which lets effort only point
-back outside the range.
+These handles can be used instead of the saturation and soft limit handles. They limit
+acceleration and jerk, too, and a joint outside its range is not pulled back, but may
+only move towards the range. The rules are those of `velocity_profile`. Effort commands
+have no rate to limit; `EffortJointSaturationHandle` serves them in this mode. Outside
+the range it admits only an effort that points back.
 """
 
 from math import inf
-from typing import ClassVar
 
 from typing_extensions import override
 
@@ -20,7 +19,7 @@ from station.core.hardware.limits.velocity_profile import VelocityProfile
 
 
 class _RateLimitsHandle(JointLimitsHandle):
-    """Hold what both kinds of command need."""
+    """Hold the range and the velocity profile, which both kinds of command need."""
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
         super().__init__(joint)
@@ -64,7 +63,8 @@ class PositionJointRateLimitsHandle(_RateLimitsHandle):
     def enforce_limits(self, period: float) -> None:
         joint = self._joint
         asked = joint.get_command()
-        if asked != asked:  # NaN is for others to refuse; begin anew after it
+        # The manager refuses NaN; the profile starts afresh after one.
+        if asked != asked:
             self._is_started = False
             return
         if not self._is_started:
@@ -82,9 +82,9 @@ class PositionJointRateLimitsHandle(_RateLimitsHandle):
         if self._profile.reason is not None:
             given = previous + velocity * period
             if down >= 0.0 and given < self._min_position:
-                given = self._min_position  # rounding
+                given = self._min_position  # against rounding
             if up >= 0.0 and given > self._max_position:
-                given = self._max_position  # rounding
+                given = self._max_position  # against rounding
         joint.set_command(given)
         self._previous = given
         self._note(asked, given)
@@ -102,7 +102,8 @@ class VelocityJointRateLimitsHandle(_RateLimitsHandle):
     def enforce_limits(self, period: float) -> None:
         joint = self._joint
         asked = joint.get_command()
-        if asked != asked:  # NaN is for others to refuse; begin anew after it
+        # The manager refuses NaN; the profile starts afresh after one.
+        if asked != asked:
             self._is_started = False
             return
         if not self._is_started:
@@ -122,18 +123,10 @@ class VelocityJointRateLimitsHandle(_RateLimitsHandle):
 class PositionJointRateLimitsInterface(
     JointLimitsInterface[PositionJointRateLimitsHandle]
 ):
-    """Limits of position-controlled joints against the command before."""
-
-    type_name: ClassVar[str] = (
-        "joint_limits_interface::PositionJointRateLimitsInterface"
-    )
+    """Limits of position-controlled joints against the command of the last cycle."""
 
 
 class VelocityJointRateLimitsInterface(
     JointLimitsInterface[VelocityJointRateLimitsHandle]
 ):
-    """Limits of velocity-controlled joints against the command before."""
-
-    type_name: ClassVar[str] = (
-        "joint_limits_interface::VelocityJointRateLimitsInterface"
-    )
+    """Limits of velocity-controlled joints against the command of the last cycle."""

@@ -1,4 +1,4 @@
-"""Clip one number, and the velocity in front of a bound, as the original does."""
+"""Clip a number, and compute the velocity that a soft bound allows."""
 
 
 def saturate(value: float, low: float, high: float) -> float:
@@ -7,7 +7,7 @@ def saturate(value: float, low: float, high: float) -> float:
     Args:
         value: Any number; NaN is returned as it is.
         low: Lower bound, in the unit of `value`.
-        high: Upper bound, in the unit of `value`; it wins where it is below `low`.
+        high: Upper bound, in the unit of `value`; it wins if it is below `low`.
 
     Returns:
         `min(max(value, low), high)`.
@@ -28,10 +28,11 @@ def soft_velocity_bound(
 ) -> float:
     """Return the velocity that a soft bound allows at a position.
 
-    It falls in proportion to the distance, is 0 at the bound and points back beyond it.
+    The velocity falls in proportion to the distance from the bound, is 0 at the bound
+    and points back beyond it.
 
     Args:
-        position: Where the joint is [rad or m].
+        position: Position of the joint [rad or m].
         bound: The soft bound [rad or m].
         k_position: Velocity per distance, >= 0 [1/s].
         max_velocity: Largest magnitude, >= 0 [rad/s or m/s].

@@ -8,9 +8,10 @@ measured position `p` and velocity `v`, `clip(x, a, b) = min(max(x, a), b)`:
 | saturation | `max(prev - a_max*period, -v_max)`, without acceleration limit `-v_max`|
 | soft       | `max(v - a_max*period, clip(-k_p*(p - soft_min), -v_max, v_max))`      |
 
-and the same mirrored for the highest one. The soft handle leaves out the first term
-without acceleration limits, takes `-v_max` for the second one without position limits,
-and the largest float for `v_max` without velocity limits. `k_velocity` is not used.
+and the same mirrored for the highest one. In the soft handle, a joint without
+acceleration limits has no first term, a joint without position limits has `-v_max` as
+the second one, and a joint without velocity limits has the largest float as `v_max`.
+`k_velocity` is not used.
 
 Source: ros_control@633c374 joint_limits_interface.h, VelocityJointSaturationHandle and
 VelocityJointSoftLimitsHandle; differs: clamps are counted, invalid limits are refused,

@@ -1,20 +1,21 @@
 """Shape a velocity so that jerk, acceleration, velocity and range limits hold.
 
-The limits act against the velocity and acceleration of the last cycle, the later ones
-in this list win:
+The limits act against the velocity and acceleration of the last cycle. They are applied
+in this order, so that the later ones win:
 
 1. jerk: the acceleration changes by at most `j_max * period`;
 2. acceleration: at most `a_max`, and less towards `v_max` so that jerk can hold there;
 3. velocity: at most `v_max`;
 4. range: the joint can still stop at the bound with `a_max`; outside its range it may
-   only come back.
+   only move back towards it.
 
 `approach` gives the largest rate from which a value stops within a distance D when the
-rate may fall by `r * period` in each cycle: `r * (sqrt(2*D/r) - period/2)`. It is kept:
-one cycle later, the rate less `r * period` is within the new value of `approach`. So
+rate may fall by `r * period` in each cycle: `r * (sqrt(2*D/r) - period/2)`. One cycle
+later, the rate minus `r * period` is again within the value of `approach`. Therefore
 range and acceleration never contradict each other, nor do velocity and jerk. With both
-acceleration and jerk limits braking begins earlier, by the way that its onset takes, so
-that the range seldom asks for more jerk than allowed; where it does, the range wins.
+acceleration and jerk limits, braking begins earlier, by the distance that the rise of
+the deceleration takes. The range then seldom requires more jerk than allowed; if it
+does, the range wins.
 """
 
 from math import inf, sqrt
@@ -28,8 +29,8 @@ def approach(distance: float, rate_limit: float, period: float) -> float:
     """Return the largest rate from which a value can stop within a distance.
 
     Args:
-        distance: Way to the bound, in the unit of the value; at most 0 beyond it.
-        rate_limit: How fast the rate may fall, > 0; inf if it may fall at once.
+        distance: Distance to the bound, in the unit of the value; <= 0 beyond it.
+        rate_limit: Fastest fall of the rate, > 0; inf if it may fall at once.
         period: Time between two changes of the rate [s], > 0.
 
     Returns:
@@ -69,7 +70,7 @@ class VelocityProfile:
         """Begin at a velocity, without acceleration.
 
         Args:
-            velocity: Where the next cycle starts from [rad/s or m/s].
+            velocity: Velocity before the next cycle [rad/s or m/s].
         """
         self.velocity = velocity
         self.acceleration = 0.0
@@ -79,8 +80,10 @@ class VelocityProfile:
 
         Args:
             asked: Velocity [rad/s or m/s].
-            down: Way to the lower bound [rad or m]; negative beyond it, inf without.
-            up: Way to the upper bound [rad or m]; negative beyond it, inf without.
+            down: Distance to the lower bound [rad or m]; negative beyond it, inf if
+                there is none.
+            up: Distance to the upper bound [rad or m]; negative beyond it, inf if there
+                is none.
             period: Time since the last cycle [s], > 0.
 
         Returns:
@@ -119,8 +122,8 @@ class VelocityProfile:
     def _stoppable(
         self, distance: float, velocity: float, acceleration: float, period: float
     ) -> float:
-        # Acceleration must fall to 0 first, which takes a^2/(2 j) of speed and the way
-        # v a / j + a^3 / (3 j^2). An s-shaped stop then takes v^2/(2 a) + v a/(2 j).
+        # First the acceleration must fall to 0, which adds a^2/(2 j) of speed and takes
+        # the distance v a/j + a^3/(3 j^2). The stop takes v^2/(2 a) + v a/(2 j).
         rate = self._max_acceleration
         jerk = self._max_jerk
         speed = 0.0

@@ -14,8 +14,8 @@ With actuator reductions a1, a2, joint reductions j1, j2 and offsets o1, o2:
 | velocity            | `(V1*j1 + V2*j2) * a1`             | `(V1*j1 - V2*j2) * a2`  |
 | position            | as velocity, with `x - o` for V    | the same                |
 
-Where the absolute encoders sit on the joints themselves and the transmission is to be
-ignored for them, the first joint's is the second one in the actuators' order.
+If the absolute encoders sit on the joints, the transmission is ignored for them. The
+first joint's encoder is then the second one in the order of the actuators.
 
 Source: ros_control@633c374 differential_transmission.h, DifferentialTransmission.
 """
@@ -24,25 +24,20 @@ from collections.abc import Sequence
 
 from typing_extensions import override
 
-from station.core.hardware.transmissions.transmission import (
-    Transmission,
-    check_two_by_two,
+from station.core.hardware.transmissions.two_by_two_transmission import (
+    TwoByTwoTransmission,
 )
 
 
-class DifferentialTransmission(Transmission):
+class DifferentialTransmission(TwoByTwoTransmission):
     """Add and subtract the motions of two actuators.
 
     Attributes:
-        actuator_reduction: Reductions on the actuator side, shape (2,).
-        joint_reduction: Reductions on the joint side, shape (2,).
-        joint_offset: Joint positions at actuator positions 0 [rad or m], shape (2,).
         ignore_transmission_for_absolute_encoders: Whether the absolute encoders sit on
             the joints.
     """
 
-    num_actuators = 2
-    num_joints = 2
+    kind = "differential"
 
     def __init__(
         self,
@@ -52,25 +47,16 @@ class DifferentialTransmission(Transmission):
         *,
         ignore_transmission_for_absolute_encoders: bool = False,
     ) -> None:
-        """Keep the parameters.
+        """Check and store the parameters.
 
         Args:
-            actuator_reduction: Reductions on the actuator side, shape (2,), not 0.
-            joint_reduction: Reductions on the joint side, shape (2,), not 0.
-            joint_offset: Joint positions at actuator positions 0 [rad or m], shape
-                (2,).
+            actuator_reduction: See `TwoByTwoTransmission`.
+            joint_reduction: See `TwoByTwoTransmission`.
+            joint_offset: See `TwoByTwoTransmission`.
             ignore_transmission_for_absolute_encoders: Whether the absolute encoders
                 sit on the joints.
-
-        Raises:
-            TransmissionInterfaceError: A list has not two values, or a reduction is 0.
         """
-        check_two_by_two(
-            "differential", actuator_reduction, joint_reduction, joint_offset
-        )
-        self.actuator_reduction: list[float] = list(actuator_reduction)
-        self.joint_reduction: list[float] = list(joint_reduction)
-        self.joint_offset: list[float] = list(joint_offset)
+        super().__init__(actuator_reduction, joint_reduction, joint_offset)
         self.ignore_transmission_for_absolute_encoders: bool = (
             ignore_transmission_for_absolute_encoders
         )
@@ -90,11 +76,6 @@ class DifferentialTransmission(Transmission):
             (velocity[0] / a[0] + velocity[1] / a[1]) / (2.0 * j[0]),
             (velocity[0] / a[0] - velocity[1] / a[1]) / (2.0 * j[1]),
         ]
-
-    @override
-    def actuator_to_joint_position(self, position: list[float]) -> list[float]:
-        joint = self.actuator_to_joint_velocity(position)
-        return [joint[0] + self.joint_offset[0], joint[1] + self.joint_offset[1]]
 
     @override
     def actuator_to_joint_absolute_position(self, position: list[float]) -> list[float]:
@@ -117,8 +98,3 @@ class DifferentialTransmission(Transmission):
             (velocity[0] * j[0] + velocity[1] * j[1]) * a[0],
             (velocity[0] * j[0] - velocity[1] * j[1]) * a[1],
         ]
-
-    @override
-    def joint_to_actuator_position(self, position: list[float]) -> list[float]:
-        o = self.joint_offset
-        return self.joint_to_actuator_velocity([position[0] - o[0], position[1] - o[1]])

@@ -21,51 +21,17 @@ the actuators' by `F1*V1 - F2*V1*a2/(j1*a1) - F1*V2*j1*a1/a2`.
 Source: ros_control@633c374 four_bar_linkage_transmission.h, FourBarLinkageTransmission.
 """
 
-from collections.abc import Sequence
-
 from typing_extensions import override
 
-from station.core.hardware.transmissions.transmission import (
-    Transmission,
-    check_two_by_two,
+from station.core.hardware.transmissions.two_by_two_transmission import (
+    TwoByTwoTransmission,
 )
 
 
-class FourBarLinkageTransmission(Transmission):
-    """Let the second joint's motion be what the second actuator does beyond the first.
+class FourBarLinkageTransmission(TwoByTwoTransmission):
+    """Move the second joint by the second actuator relative to the first joint."""
 
-    Attributes:
-        actuator_reduction: Reductions on the actuator side, shape (2,).
-        joint_reduction: Reductions on the joint side, shape (2,).
-        joint_offset: Joint positions at actuator positions 0 [rad or m], shape (2,).
-    """
-
-    num_actuators = 2
-    num_joints = 2
-
-    def __init__(
-        self,
-        actuator_reduction: Sequence[float],
-        joint_reduction: Sequence[float],
-        joint_offset: Sequence[float] = (0.0, 0.0),
-    ) -> None:
-        """Keep the parameters.
-
-        Args:
-            actuator_reduction: Reductions on the actuator side, shape (2,), not 0.
-            joint_reduction: Reductions on the joint side, shape (2,), not 0.
-            joint_offset: Joint positions at actuator positions 0 [rad or m], shape
-                (2,).
-
-        Raises:
-            TransmissionInterfaceError: A list has not two values, or a reduction is 0.
-        """
-        check_two_by_two(
-            "four-bar linkage", actuator_reduction, joint_reduction, joint_offset
-        )
-        self.actuator_reduction: list[float] = list(actuator_reduction)
-        self.joint_reduction: list[float] = list(joint_reduction)
-        self.joint_offset: list[float] = list(joint_offset)
+    kind = "four-bar linkage"
 
     @override
     def actuator_to_joint_effort(self, effort: list[float]) -> list[float]:
@@ -82,11 +48,6 @@ class FourBarLinkageTransmission(Transmission):
         return [first, (velocity[1] / a[1] - first) / j[1]]
 
     @override
-    def actuator_to_joint_position(self, position: list[float]) -> list[float]:
-        joint = self.actuator_to_joint_velocity(position)
-        return [joint[0] + self.joint_offset[0], joint[1] + self.joint_offset[1]]
-
-    @override
     def joint_to_actuator_effort(self, effort: list[float]) -> list[float]:
         a, j = self.actuator_reduction, self.joint_reduction
         return [effort[0] / (a[0] * j[0]), (effort[0] + effort[1] / j[1]) / a[1]]
@@ -95,8 +56,3 @@ class FourBarLinkageTransmission(Transmission):
     def joint_to_actuator_velocity(self, velocity: list[float]) -> list[float]:
         a, j = self.actuator_reduction, self.joint_reduction
         return [velocity[0] * j[0] * a[0], (velocity[0] + velocity[1] * j[1]) * a[1]]
-
-    @override
-    def joint_to_actuator_position(self, position: list[float]) -> list[float]:
-        o = self.joint_offset
-        return self.joint_to_actuator_velocity([position[0] - o[0], position[1] - o[1]])

@@ -4,7 +4,7 @@ Source: ros_control@633c374 transmission_interface/ros_control_plugins.xml and t
 providers of joint interfaces that it lists.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -21,39 +21,17 @@ from station.core.hardware.interfaces.joint import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from station.core.hardware.transmissions.transmission import Transmission
-from station.core.hardware.transmissions.transmission_handle import (
-    ActuatorData,
-    ActuatorToJointEffortHandle,
-    ActuatorToJointPositionHandle,
-    ActuatorToJointStateHandle,
-    ActuatorToJointVelocityHandle,
-    JointData,
-    JointToActuatorEffortHandle,
-    JointToActuatorPositionHandle,
-    JointToActuatorStateHandle,
-    JointToActuatorVelocityHandle,
-    TransmissionHandle,
-)
 from station.core.hardware.transmissions.transmission_interface import (
     ActuatorToJointEffortInterface,
     ActuatorToJointPositionInterface,
-    ActuatorToJointStateInterface,
     ActuatorToJointVelocityInterface,
     JointToActuatorEffortInterface,
     JointToActuatorPositionInterface,
-    JointToActuatorStateInterface,
     JointToActuatorVelocityInterface,
-    RobotTransmissions,
     TransmissionInterface,
 )
 
 _Interface = TypeVar("_Interface")
-_Handle = TypeVar("_Handle", bound=TransmissionHandle)
-Connector = Callable[
-    [RobotTransmissions, str, Transmission, ActuatorData, JointData], None
-]
-"""Builds a handle and registers it, with its interface where that is missing."""
 
 
 def interface_of(
@@ -75,69 +53,45 @@ def interface_of(
     return interface
 
 
-def _connector(
-    interface_type: type[TransmissionInterface[_Handle]], handle_type: type[_Handle]
-) -> Connector:
-    def connect(
-        transmissions: RobotTransmissions,
-        name: str,
-        transmission: Transmission,
-        actuator: ActuatorData,
-        joint: JointData,
-    ) -> None:
-        handle = handle_type(name, transmission, actuator, joint)
-        interface_of(transmissions, interface_type).register_handle(handle)
-
-    return connect
-
-
-connect_actuator_to_joint_state = _connector(
-    ActuatorToJointStateInterface, ActuatorToJointStateHandle
-)
-connect_joint_to_actuator_state = _connector(
-    JointToActuatorStateInterface, JointToActuatorStateHandle
-)
-
-
 @dataclass(frozen=True, slots=True)
 class CommandKind:
-    """Tell what belongs to one kind of command.
+    """The interfaces that belong to one kind of command.
 
     Attributes:
         quantity: "position", "velocity" or "effort".
-        joint_interface: Where controllers command joints.
-        actuator_interface: Where the robot offers its actuators.
-        connect_to_actuator: Connects joint commands to actuator commands.
-        connect_to_joint: Connects actuator commands back to joint commands.
+        joint_interface: The interface through which controllers command joints.
+        actuator_interface: The interface through which the robot offers its actuators.
+        to_actuator: Carries joint commands to actuator commands.
+        to_joint: Carries actuator commands back to joint commands.
     """
 
     quantity: str
     joint_interface: type[JointCommandInterface]
     actuator_interface: type[ActuatorCommandInterface]
-    connect_to_actuator: Connector
-    connect_to_joint: Connector
+    to_actuator: type[TransmissionInterface]
+    to_joint: type[TransmissionInterface]
 
 
 _POSITION = CommandKind(
     "position",
     PositionJointInterface,
     PositionActuatorInterface,
-    _connector(JointToActuatorPositionInterface, JointToActuatorPositionHandle),
-    _connector(ActuatorToJointPositionInterface, ActuatorToJointPositionHandle),
+    JointToActuatorPositionInterface,
+    ActuatorToJointPositionInterface,
 )
 _VELOCITY = CommandKind(
     "velocity",
     VelocityJointInterface,
     VelocityActuatorInterface,
-    _connector(JointToActuatorVelocityInterface, JointToActuatorVelocityHandle),
-    _connector(ActuatorToJointVelocityInterface, ActuatorToJointVelocityHandle),
+    JointToActuatorVelocityInterface,
+    ActuatorToJointVelocityInterface,
 )
 _EFFORT = CommandKind(
     "effort",
     EffortJointInterface,
     EffortActuatorInterface,
-    _connector(JointToActuatorEffortInterface, JointToActuatorEffortHandle),
-    _connector(ActuatorToJointEffortInterface, ActuatorToJointEffortHandle),
+    JointToActuatorEffortInterface,
+    ActuatorToJointEffortInterface,
 )
 
 HARDWARE_INTERFACES: Mapping[str, tuple[CommandKind | None, bool]] = {

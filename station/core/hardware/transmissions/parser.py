@@ -1,8 +1,8 @@
-"""Read the `<transmission>` elements of a robot description.
+"""Find and check the `<transmission>` elements of a robot description.
 
 Source: ros_control@633c374 transmission_parser.cpp, TransmissionParser; differs: the
-reasons for skipped transmissions are kept and not only logged, and a document without
-a root element is refused instead of crashing.
+reasons for skipped transmissions are kept, not only logged, and a document without a
+root element is refused instead of crashing the program.
 """
 
 from dataclasses import dataclass, field
@@ -14,14 +14,14 @@ from station.core.errors import RobotDescriptionError
 
 @dataclass(frozen=True, slots=True)
 class JointInfo:
-    """Describe a joint of a transmission.
+    """A joint of a transmission.
 
     Attributes:
         name: Name of the joint.
         role: Its role, such as "joint1"; empty if there is none.
-        hardware_interfaces: Interfaces it is commanded through, at least one, such as
-            "hardware_interface/EffortJointInterface".
-        element: The XML element, for what only some types of transmission need.
+        hardware_interfaces: Names of the interfaces through which it is commanded, at
+            least one, such as "hardware_interface/EffortJointInterface".
+        element: The XML element, which holds the parameters of the type.
     """
 
     name: str
@@ -32,12 +32,13 @@ class JointInfo:
 
 @dataclass(frozen=True, slots=True)
 class ActuatorInfo:
-    """Describe an actuator of a transmission.
+    """An actuator of a transmission.
 
     Attributes:
         name: Name of the actuator.
-        hardware_interfaces: Interfaces it is said to have; may be empty.
-        element: The XML element, for what only some types of transmission need.
+        hardware_interfaces: Names of the interfaces that the document gives it; may be
+            empty.
+        element: The XML element, which holds the parameters of the type.
     """
 
     name: str
@@ -47,7 +48,7 @@ class ActuatorInfo:
 
 @dataclass(frozen=True, slots=True)
 class TransmissionInfo:
-    """Describe a transmission.
+    """The description of a transmission.
 
     Attributes:
         name: Name of the transmission.
@@ -69,7 +70,7 @@ class TransmissionParser:
     the next one.
 
     Attributes:
-        problems: What was wrong with the elements skipped in the last `parse`.
+        problems: The reasons for the elements skipped in the last `parse`.
     """
 
     def __init__(self) -> None:
@@ -82,7 +83,7 @@ class TransmissionParser:
             urdf: The robot description.
 
         Returns:
-            The transmissions; empty if there is none. `problems` says what was skipped.
+            The transmissions; `problems` has the reasons for those that were skipped.
 
         Raises:
             RobotDescriptionError: The description is not XML.

@@ -1,4 +1,4 @@
-"""Keep the joint side of a robot whose hardware has actuators only."""
+"""The joints of a robot whose hardware has actuators only."""
 
 from math import nan
 
@@ -37,9 +37,21 @@ class RawJointData:
         self.position_command: list[float] = []
         self.velocity_command: list[float] = []
         self.effort_command: list[float] = []
+        self._states = {
+            "position": self.position,
+            "velocity": self.velocity,
+            "effort": self.effort,
+            "absolute_position": self.absolute_position,
+            "torque_sensor": self.torque_sensor,
+        }
+        self._commands = {
+            "position": self.position_command,
+            "velocity": self.velocity_command,
+            "effort": self.effort_command,
+        }
 
     def add(self, name: str) -> int:
-        """Return the slot of a joint, a new one if it has none.
+        """Return the slot of a joint; a joint without a slot gets a new one.
 
         Args:
             name: Name of the joint.
@@ -50,16 +62,7 @@ class RawJointData:
         if name in self.names:
             return self.names.index(name)
         self.names.append(name)
-        for values in (
-            self.position,
-            self.velocity,
-            self.effort,
-            self.absolute_position,
-            self.torque_sensor,
-            self.position_command,
-            self.velocity_command,
-            self.effort_command,
-        ):
+        for values in (*self._states.values(), *self._commands.values()):
             values.append(nan)
         return len(self.names) - 1
 
@@ -72,13 +75,10 @@ class RawJointData:
         Returns:
             The places, in the same order.
         """
-        return JointData(
-            position=self._slots(self.position, names),
-            velocity=self._slots(self.velocity, names),
-            effort=self._slots(self.effort, names),
-            absolute_position=self._slots(self.absolute_position, names),
-            torque_sensor=self._slots(self.torque_sensor, names),
-        )
+        data = JointData()
+        for quantity, values in self._states.items():
+            data.set_quantity(quantity, self._slots(values, names))
+        return data
 
     def command_data(self, names: list[str], quantity: str) -> JointData:
         """Return the places of one kind of command of some joints.
@@ -103,11 +103,7 @@ class RawJointData:
         Returns:
             The list itself, one slot per joint.
         """
-        return {
-            "position": self.position_command,
-            "velocity": self.velocity_command,
-            "effort": self.effort_command,
-        }[quantity]
+        return self._commands[quantity]
 
     def _slots(self, values: list[float], names: list[str]) -> list[Slot | None]:
         return [(values, self.names.index(name)) for name in names]

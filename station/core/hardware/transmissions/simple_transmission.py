@@ -28,7 +28,7 @@ class SimpleTransmission(Transmission):
     """
 
     def __init__(self, reduction: float, joint_offset: float = 0.0) -> None:
-        """Keep the parameters.
+        """Store the parameters.
 
         Args:
             reduction: Actuator turns per joint turn, not 0.

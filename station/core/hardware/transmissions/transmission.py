@@ -1,7 +1,6 @@
 """Map between actuator space and joint space."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 
 from station.core.errors import HardwareInterfaceError
 
@@ -20,14 +19,14 @@ class TransmissionInterfaceError(HardwareInterfaceError, ValueError):
 class Transmission(ABC):
     """Map positions, velocities and efforts of some actuators to those of some joints.
 
-    Contract: the maps are pure, take one value per actuator (or joint) in a fixed order
-    and return a new list with one value per joint (or actuator). Maps of the same
-    quantity in both directions are inverses. Those of an ideal transmission preserve
-    power: the products of effort and velocity, summed, are equal on both sides. Called
-    by the control thread every cycle.
+    Contract: the maps are pure functions. They take one value per actuator (or joint)
+    in a fixed order and return a new list with one value per joint (or actuator). The
+    maps of a quantity in both directions are inverse to each other. An ideal
+    transmission preserves power: the sum of the products of effort and velocity is
+    equal on both sides. The control thread calls the maps every cycle.
 
-    Absolute encoders and torque sensors sit on the actuator side. Without an override
-    they are mapped like position and effort.
+    Absolute encoders and torque sensors sit on the actuator side. By default they are
+    mapped like position and effort.
 
     Attributes:
         num_actuators: Dimension of the actuator space.
@@ -73,36 +72,3 @@ class Transmission(ABC):
     @abstractmethod
     def joint_to_actuator_position(self, position: list[float]) -> list[float]:
         """Return actuator positions [rad or m] for joint positions."""
-
-
-def check_two_by_two(
-    kind: str,
-    actuator_reduction: Sequence[float],
-    joint_reduction: Sequence[float],
-    joint_offset: Sequence[float],
-) -> None:
-    """Refuse parameters that a transmission of two actuators and joints cannot have.
-
-    Args:
-        kind: Name of the transmission in the message.
-        actuator_reduction: Reductions on the actuator side, shape (2,), not 0.
-        joint_reduction: Reductions on the joint side, shape (2,), not 0.
-        joint_offset: Joint positions at actuator position 0 [rad or m], shape (2,).
-
-    Raises:
-        TransmissionInterfaceError: A list has not two values, or a reduction is 0.
-    """
-    if not len(actuator_reduction) == len(joint_reduction) == len(joint_offset) == 2:
-        raise TransmissionInterfaceError(
-            f"Reduction and offset vectors of a {kind} transmission must have size 2.",
-            remedy="Give one value per actuator and per joint; there are "
-            f"{len(actuator_reduction)} actuator reductions, {len(joint_reduction)} "
-            f"joint reductions and {len(joint_offset)} joint offsets.",
-        )
-    reductions = [*actuator_reduction, *joint_reduction]
-    if 0.0 in reductions:
-        raise TransmissionInterfaceError(
-            "Transmission reduction ratios cannot be zero.",
-            remedy="Correct the <mechanicalReduction> elements: actuators "
-            f"{list(actuator_reduction)}, joints {list(joint_reduction)}.",
-        )

@@ -1,16 +1,15 @@
 """Connect a transmission to the places where actuator and joint values are kept.
 
 Source: ros_control@633c374 transmission_interface.h, TransmissionHandle and the handles
-derived from it; differs: a "pointer" is a list of floats and an index, a quantity that
-is missing on one side is left out instead of being undefined, and the sizes of torque
-sensor data are checked too.
+derived from it; differs: one handle with a direction and quantities in place of one
+class for each combination, a "pointer" is a list of floats and an index, a quantity
+that is missing on one side is left out instead of being undefined, and the sizes of
+torque sensor data are checked too.
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass, field
-
-from typing_extensions import override
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields
+from enum import Enum
 
 from station.core.hardware.interfaces.resource_manager import ResourceHandle
 from station.core.hardware.transmissions.transmission import (
@@ -20,6 +19,18 @@ from station.core.hardware.transmissions.transmission import (
 
 Slot = tuple[list[float], int]
 """A place for one value: the list that holds it, and the index in that list."""
+
+STATE = ("position", "velocity", "effort")
+"""The quantities that both sides of a transmission have."""
+SENSORS = ("absolute_position", "torque_sensor")
+"""Quantities that are measured on the actuator side alone."""
+
+
+class Direction(Enum):
+    """The way that values take through a transmission."""
+
+    ACTUATOR_TO_JOINT = "actuator_to_joint"
+    JOINT_TO_ACTUATOR = "joint_to_actuator"
 
 
 @dataclass(slots=True)
@@ -43,29 +54,23 @@ class TransmissionData:
     absolute_position: list[Slot | None] = field(default_factory=list)
     torque_sensor: list[Slot | None] = field(default_factory=list)
 
+    def slots(self, quantity: str) -> list[Slot | None]:
+        """Return the places of one quantity.
+
+        Args:
+            quantity: Name of an attribute.
+        """
+        found: list[Slot | None] = getattr(self, quantity)
+        return found
+
     def set_quantity(self, quantity: str, slots: list[Slot | None]) -> None:
         """Set the places of one quantity.
 
         Args:
-            quantity: "position", "velocity" or "effort".
+            quantity: Name of an attribute.
             slots: One place per joint or actuator.
         """
-        if quantity == "position":
-            self.position = slots
-        elif quantity == "velocity":
-            self.velocity = slots
-        else:
-            self.effort = slots
-
-    def quantities(self) -> list[tuple[str, list[Slot | None]]]:
-        """Return the name in messages and the places of every quantity."""
-        return [
-            ("position", self.position),
-            ("velocity", self.velocity),
-            ("effort", self.effort),
-            ("absolute position", self.absolute_position),
-            ("torque sensor", self.torque_sensor),
-        ]
+        setattr(self, quantity, slots)
 
 
 class ActuatorData(TransmissionData):
@@ -95,7 +100,7 @@ class _Map:
             storage[index] = values[number]
 
 
-class TransmissionHandle(ResourceHandle, ABC):
+class TransmissionHandle(ResourceHandle):
     """Carry values from one side of a transmission to the other.
 
     Contract: built at start; `propagate` is called by the control thread every cycle
@@ -108,6 +113,9 @@ class TransmissionHandle(ResourceHandle, ABC):
         transmission: Transmission | None,
         actuator_data: ActuatorData,
         joint_data: JointData,
+        *,
+        direction: Direction,
+        quantities: Sequence[str],
     ) -> None:
         """Check that the transmission and the data fit.
 
@@ -116,6 +124,9 @@ class TransmissionHandle(ResourceHandle, ABC):
             transmission: The maps.
             actuator_data: Places on the actuator side.
             joint_data: Places on the joint side.
+            direction: The way that the values take.
+            quantities: The quantities to carry, attributes of `TransmissionData`; one
+                that has no places on one of the sides is left out.
 
         Raises:
             TransmissionInterfaceError: There is no transmission, no data at all, a
@@ -127,151 +138,36 @@ class TransmissionHandle(ResourceHandle, ABC):
                 "Unspecified transmission.",
                 remedy=f"Give the transmission of handle '{name}'.",
             )
-        self.transmission: Transmission = transmission
-        self.actuator_data: ActuatorData = actuator_data
-        self.joint_data: JointData = joint_data
-        self._maps: list[_Map] = []
         _check_not_empty(name, actuator_data, joint_data)
         _check_sizes(name, "Actuator", actuator_data, transmission.num_actuators)
         _check_sizes(name, "Joint", joint_data, transmission.num_joints)
         _check_places(name, "Actuator", actuator_data)
         _check_places(name, "Joint", joint_data)
-        self._connect(transmission, actuator_data, joint_data)
+        source, target = (
+            (actuator_data, joint_data)
+            if direction is Direction.ACTUATOR_TO_JOINT
+            else (joint_data, actuator_data)
+        )
+        self._maps = [
+            _Map(
+                getattr(transmission, f"{direction.value}_{quantity}"),
+                source.slots(quantity),
+                target.slots(quantity),
+            )
+            for quantity in quantities
+            if source.slots(quantity) and target.slots(quantity)
+        ]
 
     def propagate(self) -> None:
         """Carry the values of this cycle over. Control thread."""
         for quantity in self._maps:
             quantity.run()
 
-    @abstractmethod
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        """Add the maps that this kind of handle carries out."""
-
-    def _add_map(
-        self,
-        function: Callable[[list[float]], list[float]],
-        source: list[Slot | None],
-        target: list[Slot | None],
-    ) -> None:
-        if source and target:
-            self._maps.append(_Map(function, source, target))
-
-
-class ActuatorToJointStateHandle(TransmissionHandle):
-    """Carry actuator state, encoders and torque sensors to the joints."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(
-            maps.actuator_to_joint_position, actuator.position, joint.position
-        )
-        self._add_map(
-            maps.actuator_to_joint_velocity, actuator.velocity, joint.velocity
-        )
-        self._add_map(maps.actuator_to_joint_effort, actuator.effort, joint.effort)
-        self._add_map(
-            maps.actuator_to_joint_absolute_position,
-            actuator.absolute_position,
-            joint.absolute_position,
-        )
-        self._add_map(
-            maps.actuator_to_joint_torque_sensor,
-            actuator.torque_sensor,
-            joint.torque_sensor,
-        )
-
-
-class ActuatorToJointPositionHandle(TransmissionHandle):
-    """Carry actuator positions to joint positions."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(
-            maps.actuator_to_joint_position, actuator.position, joint.position
-        )
-
-
-class ActuatorToJointVelocityHandle(TransmissionHandle):
-    """Carry actuator velocities to joint velocities."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(
-            maps.actuator_to_joint_velocity, actuator.velocity, joint.velocity
-        )
-
-
-class ActuatorToJointEffortHandle(TransmissionHandle):
-    """Carry actuator efforts to joint efforts."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(maps.actuator_to_joint_effort, actuator.effort, joint.effort)
-
-
-class JointToActuatorStateHandle(TransmissionHandle):
-    """Carry joint state to the actuators."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(
-            maps.joint_to_actuator_position, joint.position, actuator.position
-        )
-        self._add_map(
-            maps.joint_to_actuator_velocity, joint.velocity, actuator.velocity
-        )
-        self._add_map(maps.joint_to_actuator_effort, joint.effort, actuator.effort)
-
-
-class JointToActuatorPositionHandle(TransmissionHandle):
-    """Carry joint positions to actuator positions."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(
-            maps.joint_to_actuator_position, joint.position, actuator.position
-        )
-
-
-class JointToActuatorVelocityHandle(TransmissionHandle):
-    """Carry joint velocities to actuator velocities."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(
-            maps.joint_to_actuator_velocity, joint.velocity, actuator.velocity
-        )
-
-
-class JointToActuatorEffortHandle(TransmissionHandle):
-    """Carry joint efforts to actuator efforts."""
-
-    @override
-    def _connect(
-        self, maps: Transmission, actuator: ActuatorData, joint: JointData
-    ) -> None:
-        self._add_map(maps.joint_to_actuator_effort, joint.effort, actuator.effort)
-
 
 def _check_not_empty(name: str, actuator: ActuatorData, joint: JointData) -> None:
-    main = (actuator.position, actuator.velocity, actuator.effort)
-    if not any((*main, joint.position, joint.velocity, joint.effort)):
+    if not any(
+        data.slots(quantity) for data in (actuator, joint) for quantity in STATE
+    ):
         raise TransmissionInterfaceError(
             "All data vectors are empty. Transmission instance can't do anything!.",
             remedy=f"Give handle '{name}' positions, velocities or efforts.",
@@ -279,7 +175,7 @@ def _check_not_empty(name: str, actuator: ActuatorData, joint: JointData) -> Non
 
 
 def _check_sizes(name: str, side: str, data: TransmissionData, size: int) -> None:
-    for quantity, slots in data.quantities():
+    for quantity, slots in _quantities(data):
         if slots and len(slots) != size:
             raise TransmissionInterfaceError(
                 f"{side} {quantity} data size does not match transmission.",
@@ -288,9 +184,15 @@ def _check_sizes(name: str, side: str, data: TransmissionData, size: int) -> Non
 
 
 def _check_places(name: str, side: str, data: TransmissionData) -> None:
-    for quantity, slots in data.quantities():
+    for quantity, slots in _quantities(data):
         if None in slots:
             raise TransmissionInterfaceError(
                 f"{side} {quantity} data contains null pointers.",
                 remedy=f"Give handle '{name}' a list and an index for every place.",
             )
+
+
+def _quantities(data: TransmissionData) -> list[tuple[str, list[Slot | None]]]:
+    """Return the name in messages and the places of every quantity."""
+    names = [attribute.name for attribute in fields(data)]
+    return [(name.replace("_", " "), data.slots(name)) for name in names]

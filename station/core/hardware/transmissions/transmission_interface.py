@@ -5,44 +5,82 @@ interfaces derived from it; robot_transmissions.h; differs: an unknown transmiss
 raises `ResourceNotFoundError` as in every other interface.
 """
 
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 from typing_extensions import override
 
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.interfaces.resource_manager import ResourceManager
+from station.core.hardware.transmissions.transmission import Transmission
 from station.core.hardware.transmissions.transmission_handle import (
-    ActuatorToJointEffortHandle,
-    ActuatorToJointPositionHandle,
-    ActuatorToJointStateHandle,
-    ActuatorToJointVelocityHandle,
-    JointToActuatorEffortHandle,
-    JointToActuatorPositionHandle,
-    JointToActuatorStateHandle,
-    JointToActuatorVelocityHandle,
+    SENSORS,
+    STATE,
+    ActuatorData,
+    Direction,
+    JointData,
     TransmissionHandle,
 )
-
-T = TypeVar("T", bound=TransmissionHandle)
 
 
 class RobotTransmissions(InterfaceManager):
     """Hold one transmission interface of each kind that the robot needs."""
 
 
-class TransmissionInterface(ResourceManager[T]):
-    """Hold the handles of one kind, filled at start."""
+class TransmissionInterface(ResourceManager[TransmissionHandle]):
+    """Hold the handles of one direction and some quantities, filled at start.
 
-    type_name: ClassVar[str] = "transmission_interface::TransmissionInterface"
+    Attributes:
+        direction: The way that the values take through every transmission.
+        quantities: The quantities that are carried.
+    """
+
+    direction: ClassVar[Direction]
+    quantities: ClassVar[tuple[str, ...]]
 
     def __init__(self) -> None:
         super().__init__()
-        self._propagated: list[T] = []
+        self._propagated: list[TransmissionHandle] = []
 
     @override
-    def register_handle(self, handle: T) -> None:
+    def __init_subclass__(cls) -> None:
+        """Name the interface as ros_control does."""
+        super().__init_subclass__()
+        cls.type_name = f"transmission_interface::{cls.__name__}"
+
+    @override
+    def register_handle(self, handle: TransmissionHandle) -> None:
         super().register_handle(handle)
         self._propagated = self.handles()
+
+    def connect(
+        self,
+        name: str,
+        transmission: Transmission | None,
+        actuator_data: ActuatorData,
+        joint_data: JointData,
+    ) -> None:
+        """Register a handle that carries this interface's quantities.
+
+        Args:
+            name: Name of the transmission.
+            transmission: The maps.
+            actuator_data: Places on the actuator side.
+            joint_data: Places on the joint side.
+
+        Raises:
+            TransmissionInterfaceError: The transmission and the data do not fit; see
+                `TransmissionHandle`.
+        """
+        self.register_handle(
+            TransmissionHandle(
+                name,
+                transmission,
+                actuator_data,
+                joint_data,
+                direction=self.direction,
+                quantities=self.quantities,
+            )
+        )
 
     def propagate(self) -> None:
         """Carry the values of this cycle through all transmissions. Control thread."""
@@ -50,69 +88,57 @@ class TransmissionInterface(ResourceManager[T]):
             handle.propagate()
 
 
-class ActuatorToJointStateInterface(TransmissionInterface[ActuatorToJointStateHandle]):
-    """Carry actuator state to the joints."""
+class ActuatorToJointStateInterface(TransmissionInterface):
+    """Carry actuator state, encoders and torque sensors to the joints."""
 
-    type_name: ClassVar[str] = "transmission_interface::ActuatorToJointStateInterface"
+    direction = Direction.ACTUATOR_TO_JOINT
+    quantities = STATE + SENSORS
 
 
-class ActuatorToJointPositionInterface(
-    TransmissionInterface[ActuatorToJointPositionHandle]
-):
+class ActuatorToJointPositionInterface(TransmissionInterface):
     """Carry actuator positions to the joints."""
 
-    type_name: ClassVar[str] = (
-        "transmission_interface::ActuatorToJointPositionInterface"
-    )
+    direction = Direction.ACTUATOR_TO_JOINT
+    quantities = ("position",)
 
 
-class ActuatorToJointVelocityInterface(
-    TransmissionInterface[ActuatorToJointVelocityHandle]
-):
+class ActuatorToJointVelocityInterface(TransmissionInterface):
     """Carry actuator velocities to the joints."""
 
-    type_name: ClassVar[str] = (
-        "transmission_interface::ActuatorToJointVelocityInterface"
-    )
+    direction = Direction.ACTUATOR_TO_JOINT
+    quantities = ("velocity",)
 
 
-class ActuatorToJointEffortInterface(
-    TransmissionInterface[ActuatorToJointEffortHandle]
-):
+class ActuatorToJointEffortInterface(TransmissionInterface):
     """Carry actuator efforts to the joints."""
 
-    type_name: ClassVar[str] = "transmission_interface::ActuatorToJointEffortInterface"
+    direction = Direction.ACTUATOR_TO_JOINT
+    quantities = ("effort",)
 
 
-class JointToActuatorStateInterface(TransmissionInterface[JointToActuatorStateHandle]):
+class JointToActuatorStateInterface(TransmissionInterface):
     """Carry joint state to the actuators."""
 
-    type_name: ClassVar[str] = "transmission_interface::JointToActuatorStateInterface"
+    direction = Direction.JOINT_TO_ACTUATOR
+    quantities = STATE
 
 
-class JointToActuatorPositionInterface(
-    TransmissionInterface[JointToActuatorPositionHandle]
-):
+class JointToActuatorPositionInterface(TransmissionInterface):
     """Carry joint positions to the actuators."""
 
-    type_name: ClassVar[str] = (
-        "transmission_interface::JointToActuatorPositionInterface"
-    )
+    direction = Direction.JOINT_TO_ACTUATOR
+    quantities = ("position",)
 
 
-class JointToActuatorVelocityInterface(
-    TransmissionInterface[JointToActuatorVelocityHandle]
-):
+class JointToActuatorVelocityInterface(TransmissionInterface):
     """Carry joint velocities to the actuators."""
 
-    type_name: ClassVar[str] = (
-        "transmission_interface::JointToActuatorVelocityInterface"
-    )
+    direction = Direction.JOINT_TO_ACTUATOR
+    quantities = ("velocity",)
 
 
-class JointToActuatorEffortInterface(
-    TransmissionInterface[JointToActuatorEffortHandle]
-):
+class JointToActuatorEffortInterface(TransmissionInterface):
     """Carry joint efforts to the actuators."""
 
-    type_name: ClassVar[str] = "transmission_interface::JointToActuatorEffortInterface"
+    direction = Direction.JOINT_TO_ACTUATOR
+    quantities = ("effort",)

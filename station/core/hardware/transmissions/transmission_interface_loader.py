@@ -1,12 +1,12 @@
-"""Give a robot that registers actuators its joints, through its transmissions.
+"""Give a robot that has actuators its joint interfaces, through transmissions.
 
 Source: ros_control@633c374 transmission_interface_loader.cpp and the providers of joint
 interfaces beside it; differs: failures raise, and a joint has an absolute position and
 a torque sensor only if all actuators of its transmission have one.
 
-As in the original, roles order the parameters of a transmission, while joints and
-actuators themselves stay in the order of the document: list them in the order of
-their roles.
+As in the original, roles determine the order of a transmission's parameters, but its
+joints and actuators stay in the order of the document. They must therefore be listed in
+the order of their roles.
 """
 
 from collections.abc import Mapping
@@ -32,8 +32,6 @@ from station.core.hardware.interfaces.resource_manager import (
 from station.core.hardware.transmissions.hardware_interface_kind import (
     HARDWARE_INTERFACES,
     CommandKind,
-    connect_actuator_to_joint_state,
-    connect_joint_to_actuator_state,
     interface_of,
 )
 from station.core.hardware.transmissions.parser import (
@@ -64,10 +62,10 @@ _Handle = TypeVar("_Handle", bound=ResourceHandle)
 
 @dataclass(frozen=True, slots=True)
 class LoadedTransmission:
-    """Tell through which interface a transmission was connected.
+    """A transmission that was connected through a joint interface.
 
     Attributes:
-        info: Its description.
+        info: The description of the transmission.
         hardware_interface: Name of the joint interface in the description.
         transmission: The maps.
     """
@@ -80,15 +78,15 @@ class LoadedTransmission:
 class TransmissionInterfaceLoader:
     """Connect transmissions: joint interfaces on one side, actuators on the other.
 
-    Used in a robot's `init`, after it has registered its actuator interfaces. Joint
-    interfaces that the robot lacks are registered on it, and so are the transmission
-    interfaces on its `RobotTransmissions`. The robot then propagates: actuator to joint
-    state in `read`, the joint to actuator interface of the active commands in `write`.
+    A robot uses the loader in `init`, after it has registered its actuator interfaces.
+    The loader registers missing joint interfaces on the robot and missing transmission
+    interfaces on its `RobotTransmissions`. Afterwards the robot propagates the actuator
+    state to the joints in `read`, and the active commands to the actuators in `write`.
 
     Attributes:
-        raw_joint_data: State and commands of all joints loaded.
+        raw_joint_data: State and commands of all loaded joints.
         loaded: One entry per transmission and joint interface, in the order of loading.
-        problems: What was skipped without making a load fail, as sentences.
+        problems: One sentence for each part that was skipped while the rest was loaded.
     """
 
     def __init__(
@@ -100,9 +98,9 @@ class TransmissionInterfaceLoader:
         """Start with nothing loaded.
 
         Args:
-            robot_hw: The robot, whose actuators are used and which gets the joints.
-            robot_transmissions: Where the transmission interfaces go.
-            transmission_types: Own types of transmissions by the name in `<type>`.
+            robot_hw: The robot that has the actuators and gets the joints.
+            robot_transmissions: The manager that gets the transmission interfaces.
+            transmission_types: Further types of transmissions, by the name in `<type>`.
         """
         self._robot_hw = robot_hw
         self._robot_transmissions = robot_transmissions
@@ -119,8 +117,8 @@ class TransmissionInterfaceLoader:
 
         Raises:
             RobotDescriptionError: The description is not XML.
-            TransmissionInterfaceError: It has no readable transmission, or one that
-                cannot be loaded; those before it stay loaded.
+            TransmissionInterfaceError: The description has no readable transmission, or
+                one that cannot be loaded; transmissions before it stay loaded.
         """
         parser = TransmissionParser()
         infos = parser.parse(urdf)
@@ -138,10 +136,10 @@ class TransmissionInterfaceLoader:
         """Load a transmission for all joint interfaces that its description names.
 
         Args:
-            info: Its description.
+            info: The description of the transmission.
 
         Raises:
-            TransmissionInterfaceError: Its type or parameters are wrong, its joints
+            TransmissionInterfaceError: The type or a parameter is wrong, the joints
                 name different interfaces, or none of the interfaces can be connected.
         """
         transmission = load_transmission(info, self._transmission_types)
@@ -192,16 +190,13 @@ class TransmissionInterfaceLoader:
         self._register_joint_commands(info, kind)
         actuator = _actuator_command_data(commands, kind.quantity)
         joint = self.raw_joint_data.command_data(_joint_names(info), kind.quantity)
-        arguments = (
-            self._robot_transmissions,
-            info.name,
-            transmission,
-            actuator,
-            joint,
-        )
-        kind.connect_to_actuator(*arguments)
-        if is_bidirectional:
-            kind.connect_to_joint(*arguments)
+        for interface_type, is_used in (
+            (kind.to_actuator, True),
+            (kind.to_joint, is_bidirectional),
+        ):
+            if is_used:
+                interface = interface_of(self._robot_transmissions, interface_type)
+                interface.connect(info.name, transmission, actuator, joint)
 
     def _find_actuators(
         self, info: TransmissionInfo, interface_type: type[ResourceManager[_Handle]]
@@ -277,17 +272,18 @@ class TransmissionInterfaceLoader:
         *,
         both_ways: bool,
     ) -> None:
-        transmissions = self._robot_transmissions
         actuator = _actuator_state_data(actuators)
         joint = self.raw_joint_data.state_data(_joint_names(info))
-        arguments = (transmissions, info.name, transmission, actuator, joint)
-        forward = interface_of(transmissions, ActuatorToJointStateInterface)
-        if info.name not in forward.get_names():
-            connect_actuator_to_joint_state(*arguments)
-        if both_ways:
-            inverse = interface_of(transmissions, JointToActuatorStateInterface)
-            if info.name not in inverse.get_names():
-                connect_joint_to_actuator_state(*arguments)
+        for interface_type, is_used in (
+            (ActuatorToJointStateInterface, True),
+            (JointToActuatorStateInterface, both_ways),
+        ):
+            if not is_used:
+                continue
+            interface = interface_of(self._robot_transmissions, interface_type)
+            # A transmission with several joint interfaces carries its state once.
+            if info.name not in interface.get_names():
+                interface.connect(info.name, transmission, actuator, joint)
 
 
 def _joint_names(info: TransmissionInfo) -> list[str]:

@@ -35,13 +35,14 @@ def load_simple_transmission(info: TransmissionInfo) -> SimpleTransmission:
     """Build a transmission from one actuator's reduction and one joint's offset.
 
     Args:
-        info: Its description.
+        info: The description of the transmission.
 
     Returns:
         The transmission.
 
     Raises:
-        TransmissionInterfaceError: The description lacks something, or has too much.
+        TransmissionInterfaceError: An element is missing or wrong, or there are too
+            many joints or actuators.
     """
     _check_dimension(info, 1)
     reduction = _read_required(info, "Actuator", info.actuators[0])
@@ -54,13 +55,14 @@ def load_differential_transmission(info: TransmissionInfo) -> DifferentialTransm
     """Build a differential transmission from reductions and offsets by role.
 
     Args:
-        info: Its description.
+        info: The description of the transmission.
 
     Returns:
         The transmission.
 
     Raises:
-        TransmissionInterfaceError: The description lacks something, or has too much.
+        TransmissionInterfaceError: An element is missing or wrong, or there are too
+            many joints or actuators.
     """
     reductions, joint_reductions, offsets = _read_two_by_two(info)
     ignored = [j.element.find("ignoreTransmissionAbsoluteEncoder") for j in info.joints]
@@ -79,13 +81,14 @@ def load_four_bar_linkage_transmission(
     """Build a four-bar linkage transmission from reductions and offsets by role.
 
     Args:
-        info: Its description.
+        info: The description of the transmission.
 
     Returns:
         The transmission.
 
     Raises:
-        TransmissionInterfaceError: The description lacks something, or has too much.
+        TransmissionInterfaceError: An element is missing or wrong, or there are too
+            many joints or actuators.
     """
     parameters = _read_two_by_two(info)
     with _naming(info):
@@ -99,11 +102,11 @@ TRANSMISSION_TYPES: Mapping[str, TransmissionFactory] = {
         load_four_bar_linkage_transmission
     ),
 }
-"""The types every robot knows."""
+"""The types that every robot knows."""
 
 ENTRY_POINT_GROUP = "station.transmissions"
-"""Installed packages add types under this group: the type is the entry's name, its
-object takes a `TransmissionInfo` and returns a `Transmission`."""
+"""Group of entry points through which installed packages add types. An entry's name is
+the type; its object takes a `TransmissionInfo` and returns a `Transmission`."""
 
 
 def load_transmission(
@@ -112,7 +115,7 @@ def load_transmission(
     """Build the transmission of a description.
 
     Args:
-        info: Its description.
+        info: The description of the transmission.
         types: More types, tried before those of this module and of entry points.
 
     Returns:
@@ -156,7 +159,7 @@ def _read_two_by_two(
 
 @contextmanager
 def _naming(info: TransmissionInfo) -> Iterator[None]:
-    # Put the name of the transmission before what its constructor says.
+    # The constructor does not know the name of the transmission.
     try:
         yield
     except TransmissionInterfaceError as exc:

@@ -1,4 +1,4 @@
-"""Passing data between the control thread and others without making it wait."""
+"""Pass data between the control thread and others without making it wait."""
 
 from station.core.toolbox.realtime.realtime_box import RealtimeBox
 from station.core.toolbox.realtime.realtime_buffer import RealtimeBuffer

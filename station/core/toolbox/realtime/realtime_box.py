@@ -10,10 +10,10 @@ T = TypeVar("T")
 
 
 class RealtimeBox(Generic[T]):
-    """Holds the newest value. All methods for any thread, none ever waits.
+    """Hold the newest value. Any thread may call the methods; none of them waits.
 
-    What is in the box belongs to all who look into it: put in a value that nobody
-    changes afterwards, such as a tuple or a frozen dataclass.
+    All readers share the value, so it must not be changed after `set`: use a tuple or a
+    frozen dataclass.
 
     Args:
         initial: The first value.

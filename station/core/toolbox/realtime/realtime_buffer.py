@@ -10,9 +10,9 @@ T = TypeVar("T")
 
 
 class RealtimeBuffer(Generic[T]):
-    """Hands the newest value to the control thread and tells whether it is new.
+    """Hand the newest value to the control thread, and know whether it is new.
 
-    Put in values that nobody changes afterwards.
+    Values must not be changed after they were written.
 
     Args:
         initial: The first value; it does not count as new.
@@ -36,9 +36,9 @@ class RealtimeBuffer(Generic[T]):
         return self._seen
 
     def has_new(self) -> bool:
-        """Say whether a value was written since `read_from_rt`; control thread."""
+        """Return whether a value was written since `read_from_rt`; control thread."""
         return self._newest is not self._seen
 
     def init_rt(self, value: T) -> None:
-        """Set the value from the control thread, e.g. in `starting`; it is not new."""
+        """Set a value that does not count as new; control thread, as in `starting`."""
         self._newest = self._seen = value

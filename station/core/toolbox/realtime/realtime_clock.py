@@ -1,18 +1,18 @@
-"""Estimating system time in the control thread without asking for it.
+"""Estimate the system's time in the control thread without a system call.
 
-Source: realtime_tools@noetic-devel src/realtime_clock.cpp; differs: it has no thread of
-its own, whoever owns it calls `measure`.
+Source: realtime_tools@noetic-devel src/realtime_clock.cpp; differs: the clock has no
+thread of its own; its owner calls `measure`.
 """
 
 KEPT = 0.9999
-"""Share of the old estimate that a new measurement leaves."""
+"""Weight of the old estimate when a new measurement arrives, 0 to 1."""
 
 
 class RealtimeClock:
-    """Turns the control thread's time into system time, with jitter filtered out.
+    """Convert the control thread's time into system time, with jitter filtered out.
 
-    Another thread calls `measure` with the system's time from time to time. The control
-    thread calls `get_system_time` every cycle; it never waits.
+    Another thread calls `measure` with the system's time now and then. The control
+    thread calls `get_system_time` in every cycle and never waits.
     """
 
     def __init__(self) -> None:
@@ -21,14 +21,14 @@ class RealtimeClock:
         self._last: float | None = None
 
     def measure(self, system_time: float) -> None:
-        """Note the system's time [s]; any thread but the control thread."""
+        """Record the system's time [s]; any thread but the control thread."""
         self._measured = system_time
 
     def get_system_time(self, realtime_time: float) -> float:
         """Return the estimated system time [s]; control thread only.
 
-        A measurement falls somewhere into the last cycle, on average into its middle,
-        so half a cycle is added to it.
+        A measurement was taken at some time in the last cycle, on average in its
+        middle, so half a cycle is added to it.
 
         Args:
             realtime_time: The control thread's time of this cycle [s].

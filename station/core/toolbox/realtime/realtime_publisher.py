@@ -1,7 +1,7 @@
-"""Publishing out of the control thread by a thread that does the slow part.
+"""Publish messages of the control thread in another thread, which may be slow.
 
-Source: realtime_tools@noetic-devel realtime_publisher.h; differs: messages that are
-dropped and calls that failed are counted.
+Source: realtime_tools@noetic-devel realtime_publisher.h; differs: dropped messages and
+failed calls are counted.
 """
 
 import threading
@@ -15,39 +15,40 @@ T = TypeVar("T")
 
 
 class RealtimePublisher(Generic[T]):
-    """Calls `publish` with messages of the control thread, in a thread of its own.
+    """Call `publish` with messages of the control thread, in a thread of its own.
 
-    Takes one message at a time: while one waits to be picked up, further ones are
-    dropped. The thread runs from `start` to `stop`; a context manager does both.
+    The publisher takes one message at a time and drops further ones until that one is
+    picked up. The thread runs from `start` to `stop`; the context manager calls both.
 
     Args:
-        publish: What to do with a message; may be slow.
+        publish: Publishes a message; may be slow.
         name: Name of the thread.
 
     Attributes:
         dropped: Number of messages dropped so far.
-        failed: Number of calls of `publish` that raised.
-        failure: Traceback of the last of them; empty if none did.
+        failed: Number of calls of `publish` that raised an exception.
+        failure: Traceback of the last such call; None if there was none.
     """
 
     def __init__(self, publish: Callable[[T], None], name: str = "publisher") -> None:
         self._publish = publish
         self._name = name
-        # Its `put` never waits; `_free` keeps it from holding more than one message.
+        # `SimpleQueue.put` never waits; `_free` keeps the queue at one message at most.
         self._queue: SimpleQueue[T | None] = SimpleQueue()
         self._free = True
         self._thread: threading.Thread | None = None
         self.dropped = 0
         self.failed = 0
-        self.failure = ""
+        self.failure: str | None = None
 
     def try_publish(self, message: T) -> bool:
-        """Hand over `message`, which nobody changes afterwards; never waits.
+        """Hand over a message without waiting. Control thread only.
 
-        Control thread only.
+        Args:
+            message: The message, which must not be changed afterwards.
 
         Returns:
-            Whether it was taken; False when it was dropped.
+            Whether the message was taken; False if it was dropped.
         """
         if not self._free:
             self.dropped += 1
@@ -57,7 +58,7 @@ class RealtimePublisher(Generic[T]):
         return True
 
     def start(self) -> None:
-        """Begin to publish; does nothing when it has begun."""
+        """Start the thread, unless it runs already."""
         if self._thread is None:
             self._thread = threading.Thread(
                 target=self._run, name=self._name, daemon=True
@@ -65,7 +66,7 @@ class RealtimePublisher(Generic[T]):
             self._thread.start()
 
     def stop(self) -> None:
-        """Publish what was handed over and end; waits for a slow `publish`."""
+        """Publish the last message and end the thread; wait for a slow `publish`."""
         thread = self._thread
         if thread is not None:
             self._queue.put(None)
@@ -80,7 +81,7 @@ class RealtimePublisher(Generic[T]):
             self._free = True
             try:
                 self._publish(message)
-            except Exception:  # noqa: BLE001 - counted and kept for who looks
+            except Exception:  # noqa: BLE001 - counted, and kept in `failure`
                 self.failed += 1
                 self.failure = traceback.format_exc()
 

@@ -12,13 +12,13 @@ FeedbackT = TypeVar("FeedbackT")
 
 
 class RealtimeServerGoalHandle(Generic[FeedbackT]):
-    """Takes the outcome from the control thread; `run_non_realtime` carries it out.
+    """Take the outcome from the control thread; `run_non_realtime` reports it.
 
-    The first outcome counts. A goal is canceled only when somebody asked for it.
+    The first outcome counts. A goal is canceled only if its cancellation was requested.
 
     Args:
         goal: The goal.
-        publish_feedback: Gets the newest feedback while the goal is active.
+        publish_feedback: Called with the newest feedback while the goal is active.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class RealtimeServerGoalHandle(Generic[FeedbackT]):
         self._end(GoalStatus.ABORTED, result)
 
     def set_canceled(self, result: GoalResult) -> None:
-        """End the goal as somebody wished; control thread."""
+        """End the goal because its cancellation was requested; control thread."""
         self._end(GoalStatus.PREEMPTED, result)
 
     def set_succeeded(self, result: GoalResult) -> None:
@@ -46,7 +46,7 @@ class RealtimeServerGoalHandle(Generic[FeedbackT]):
         self._feedback = feedback
 
     def run_non_realtime(self) -> None:
-        """Publish feedback and carry out the outcome; not in the control thread."""
+        """Report the outcome and publish feedback; not in the control thread."""
         goal, outcome = self.goal, self._outcome
         if goal.status is not GoalStatus.ACTIVE:
             return

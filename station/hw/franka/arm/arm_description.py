@@ -11,14 +11,14 @@ common/inertial.yaml, common/utils.xacro.
 from dataclasses import replace
 from xml.etree import ElementTree
 
+from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.hw.franka.arm.arm_limits import ArmLimits, UrdfLimits
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
-from station.hw.robot_description import RobotDescription, load_robot_description
 
 _PANDA = "panda_"
 
 
-def load_arm_description(reference: str, limits: ArmLimits) -> RobotDescription:
+def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """Find and read the URDF of an arm.
 
     A Panda's URDF, by the names in it, gets the limits of the kind of arm that it is to
@@ -31,14 +31,14 @@ def load_arm_description(reference: str, limits: ArmLimits) -> RobotDescription:
     Raises:
         RobotDescriptionError: It cannot be found or read, or is no Franka arm.
     """
-    description = load_robot_description(reference)
+    description = load_robot_files(reference)
     prefix = find_prefix(description)
     if limits.urdf is None or prefix != _PANDA:
         return description
     return _with_limits(description, limits.urdf)
 
 
-def _with_limits(description: RobotDescription, limits: UrdfLimits) -> RobotDescription:
+def _with_limits(description: RobotFiles, limits: UrdfLimits) -> RobotFiles:
     root = ElementTree.fromstring(description.xml)
     for i, name in enumerate(joint_names("panda")):
         lower, upper = repr(limits.lower[i]), repr(limits.upper[i])

@@ -1,8 +1,8 @@
 """Names of an arm's joints, and how to find them in a URDF."""
 
+from station.core.description.robot_files import RobotFiles
 from station.core.errors import RobotDescriptionError
-from station.hw.robot_description import RobotDescription
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 
 def joint_names(arm_id: str) -> list[str]:
@@ -10,13 +10,13 @@ def joint_names(arm_id: str) -> list[str]:
     return [f"{arm_id}_joint{number}" for number in range(1, 8)]
 
 
-def find_prefix(description: RobotDescription) -> str:
+def find_prefix(description: RobotFiles) -> str:
     """Return what the names in the URDF of a Franka arm begin with, e.g. `panda_`.
 
     Raises:
         RobotDescriptionError: The URDF has no 7 joints that are named like an arm's.
     """
-    joints = parse_urdf(description).joints
+    joints = load_urdf(description).joints
     for name in joints:
         prefix = name.removesuffix("joint1")
         names = [f"{prefix}joint{number}" for number in range(1, 8)]

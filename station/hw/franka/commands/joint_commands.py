@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, isfinite
 
+from station.core.description.urdf import Joint
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -29,7 +30,6 @@ from station.core.hardware.robot_report import (
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.rate_limiter import RateLimits
-from station.hw.urdf import Joint
 
 _DOF = 7
 # How far before the ends of its range a joint stops that is limited by rate [rad]: the

@@ -6,7 +6,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::checkJointLimi
 from collections.abc import Sequence
 from math import degrees
 
-from station.hw.urdf import Joint
+from station.core.description.urdf import Joint
 
 
 def joint_limit_warnings(

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
+from station.core.description.robot_files import RobotFiles
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.robot_description import RobotDescription
 
 _NO_LOAD = Load()
 
@@ -22,7 +22,7 @@ class ArmLoad:
 
     def __init__(
         self,
-        description: RobotDescription,
+        description: RobotFiles,
         gravity: Sequence[float] = GRAVITY_EARTH,
     ) -> None:
         # Two models: changing the load of one costs more than evaluating it.

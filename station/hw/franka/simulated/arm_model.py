@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 from typing_extensions import override
 
+from station.core.description.robot_files import RobotFiles
 from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
 from station.hw.franka.arm import franka_kinematics as kinematics
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.robot_description import RobotDescription
 
 
 class ArmModel(FrankaModel):
@@ -22,7 +22,7 @@ class ArmModel(FrankaModel):
         RobotDescriptionError: It is no Franka arm.
     """
 
-    def __init__(self, description: RobotDescription) -> None:
+    def __init__(self, description: RobotFiles) -> None:
         self._dynamics = FrankaDynamics(description)
 
     @override

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from station.hw.franka.arm.arm_names import find_prefix
 from station.hw.franka.simulated.franka_world import ArmPlacement
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 WORLD_LINK = "world"
 
@@ -33,7 +33,7 @@ def combine_descriptions(placements: Sequence[ArmPlacement]) -> str:
                     continue
                 materials.add(name)
             combined.append(element)
-        _stand(combined, placement, parse_urdf(description).root)
+        _stand(combined, placement, load_urdf(description).root)
     return ET.tostring(combined, encoding="unicode")
 
 

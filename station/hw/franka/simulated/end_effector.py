@@ -1,9 +1,9 @@
 """What a URDF mounts at the flange: its mass properties and its nominal frame."""
 
+from station.core.description.urdf import Inertial, JointType, Pose, Urdf
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.load import Load
 from station.hw.mujoco.inertia import combine
-from station.hw.urdf import Inertial, JointType, Pose, Urdf
 
 _FLANGE = "link8"
 _TIP = "hand_tcp"

@@ -11,6 +11,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from station.core.description.robot_files import RobotFiles
+from station.core.description.urdf import Urdf
 from station.hw.franka.arm.arm_names import find_prefix
 from station.hw.franka.arm.load import Load
 from station.hw.mujoco.model_builder import (
@@ -20,9 +22,7 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.stepper import direct_function
-from station.hw.robot_description import RobotDescription
-from station.hw.urdf import Urdf
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 _DOF = 7
 _EARTH = (0.0, 0.0, -9.81)
@@ -49,10 +49,10 @@ class FrankaDynamics:
         RobotDescriptionError: It is no Franka arm or cannot be simulated.
     """
 
-    def __init__(self, description: RobotDescription) -> None:
+    def __init__(self, description: RobotFiles) -> None:
         prefix = find_prefix(description)
         spec = new_world(0.001, floor=False)
-        urdf = _arm_alone(parse_urdf(description), prefix)
+        urdf = _arm_alone(load_urdf(description), prefix)
         add_robot(spec, urdf, RobotOptions(armature=0.0, gravity_compensation=False))
         spec.option.disableflags |= int(_DISABLED)
         load = spec.body(f"{prefix}link7").add_body(name=_LOAD_BODY, pos=_FLANGE_OFFSET)

@@ -5,6 +5,9 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 
+from station.core.description.robot_files import RobotFiles, replace_prefix
+from station.core.description.srdf import disabled_collisions
+from station.core.description.urdf import Pose, Urdf
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
@@ -26,10 +29,7 @@ from station.hw.mujoco.model_builder import (
 from station.hw.mujoco.scene import SceneObject, add_object
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
-from station.hw.robot_description import RobotDescription, replace_prefix
-from station.hw.srdf import disabled_collisions
-from station.hw.urdf import Pose, Urdf
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 _HARD_CONSTRAINT_STEPS = 2.0
 _HARD_IMPEDANCE = 0.99
@@ -59,7 +59,7 @@ class ArmPlacement:
     """
 
     arm_id: str
-    description: RobotDescription
+    description: RobotFiles
     base: Pose = field(default_factory=Pose)
     positions: tuple[float, ...] = INITIAL_POSITIONS
     limits: ArmLimits = PANDA_LIMITS
@@ -116,7 +116,7 @@ def simulate(
         old, new = find_prefix(placement.description), f"{placement.arm_id}_"
         urdf = _stopped_at(
             placement.limits,
-            parse_urdf(placement.description.with_prefix(old, new)),
+            load_urdf(placement.description.with_prefix(old, new)),
             new,
         )
         pairs = [

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from typing_extensions import override
 
+from station.core.description.robot_files import RobotFiles
 from station.core.errors import ArmCommandError
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
@@ -32,7 +33,6 @@ from station.hw.franka.simulated.motion_follower import MotionFollower
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
-from station.hw.robot_description import RobotDescription
 
 _ZEROS = [0.0] * 7
 _INTERNAL_CONTROLLERS = (
@@ -75,7 +75,7 @@ class SimulatedArm(RobotArm):
         world: World,
         joint_names: Sequence[str],
         *,
-        description: RobotDescription,
+        description: RobotFiles,
         limits: ArmLimits = PANDA_LIMITS,
         thresholds: SupervisorLimits | None = None,
         hand: str = "",

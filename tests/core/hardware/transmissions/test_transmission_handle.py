@@ -10,10 +10,10 @@ import pytest
 from station.core.hardware import transmissions
 from station.core.hardware.transmissions import (
     ActuatorData,
-    ActuatorToJointStateHandle,
+    ActuatorToJointStateInterface,
     DifferentialTransmission,
     JointData,
-    JointToActuatorStateHandle,
+    JointToActuatorStateInterface,
     SimpleTransmission,
     TransmissionInterfaceError,
 )
@@ -35,8 +35,15 @@ def fill(data, size, *, slot=True):
     return data
 
 
+def connect(interface_type, maps, actuator, joint):
+    """Return a new interface with one handle, `t`."""
+    interface = interface_type()
+    interface.connect("t", maps, actuator, joint)
+    return interface
+
+
 def build(case):
-    """Build the handle that the text of a recorded case describes."""
+    """Build the interface whose handle the text of a recorded case describes."""
     name, what = case.split(": ")
     size = 2 if "differential" in what else 1
     maps = SimpleTransmission(2.0)
@@ -52,8 +59,9 @@ def build(case):
             sizes[side] = 1
     actuator = fill(ActuatorData(), sizes["actuator"], slot="null actuator" not in what)
     joint = fill(JointData(), sizes["joint"], slot="null joint" not in what)
-    handle = getattr(transmissions, name)
-    return handle("t", None if "null transmission" in what else maps, actuator, joint)
+    interface_type = getattr(transmissions, name.replace("Handle", "Interface"))
+    maps = None if "null transmission" in what else maps
+    return connect(interface_type, maps, actuator, joint)
 
 
 def test_handles_are_refused_and_accepted_as_recorded(cases):
@@ -81,7 +89,9 @@ def test_sensor_places_must_fit_too(side, quantity):
     ):
         setattr(data[side], quantity, places)
         with pytest.raises(TransmissionInterfaceError, match=reason):
-            ActuatorToJointStateHandle("t", SimpleTransmission(2.0), *data.values())
+            connect(
+                ActuatorToJointStateInterface, SimpleTransmission(2.0), *data.values()
+            )
 
 
 def places(*storages):
@@ -91,24 +101,24 @@ def places(*storages):
 def test_state_is_carried_with_encoder_and_torque_sensor():
     actuator = [[8.0], [6.0], [4.0], [2.0], [1.0]]
     joint = [[0.0] for _ in actuator]
-    handle = ActuatorToJointStateHandle(
-        "t",
+    interface = connect(
+        ActuatorToJointStateInterface,
         SimpleTransmission(2.0, 0.5),
         ActuatorData(*places(*actuator)),
         JointData(*places(*joint)),
     )
-    handle.propagate()
+    interface.propagate()
     assert joint == [[4.5], [3.0], [8.0], [1.5], [2.0]]
 
 
 def test_joint_state_is_carried_back_without_sensors():
     actuator = [[0.0] for _ in range(5)]
     joint = [[4.5], [3.0], [8.0], [1.5], [2.0]]
-    handle = JointToActuatorStateHandle(
-        "t",
+    interface = connect(
+        JointToActuatorStateInterface,
         SimpleTransmission(2.0, 0.5),
         ActuatorData(*places(*actuator)),
         JointData(*places(*joint)),
     )
-    handle.propagate()
+    interface.propagate()
     assert actuator == [[8.0], [6.0], [4.0], [0.0], [0.0]]

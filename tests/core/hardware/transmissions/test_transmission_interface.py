@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from station.core.errors import ResourceNotFoundError
+from station.core.hardware import transmissions
 from station.core.hardware.transmissions import (
     ActuatorData,
-    ActuatorToJointEffortHandle,
     ActuatorToJointEffortInterface,
     ActuatorToJointStateInterface,
     JointData,
@@ -38,7 +38,19 @@ def test_interface_propagates_every_handle_and_slots_follow_their_index():
         actuator = ActuatorData(effort=[(effort, index)])
         joint = JointData(effort=[(torque, 1 - index)])
         maps = SimpleTransmission(10.0)
-        handle = ActuatorToJointEffortHandle(name, maps, actuator, joint)
-        interface.register_handle(handle)
+        interface.connect(name, maps, actuator, joint)
     interface.propagate()
     assert torque == [20.0, 10.0]
+
+
+@pytest.mark.parametrize("side", ["ActuatorToJoint", "JointToActuator"])
+@pytest.mark.parametrize("quantity", ["State", "Position", "Velocity", "Effort"])
+def test_interfaces_have_the_names_of_the_original(side, quantity):
+    name = f"{side}{quantity}Interface"
+    interface_type = getattr(transmissions, name)
+    assert interface_type.type_name == f"transmission_interface::{name}"
+    carried = ("position", "velocity", "effort")
+    if quantity != "State":
+        assert interface_type.quantities == (quantity.lower(),)
+    else:
+        assert interface_type.quantities[:3] == carried

@@ -1,7 +1,7 @@
 """Names of an arm's joints."""
 
+from station.core.description.robot_files import load_robot_files
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
-from station.hw.robot_description import load_robot_description
 
 
 def test_joints_are_counted_from_the_base():
@@ -10,4 +10,4 @@ def test_joints_are_counted_from_the_base():
 
 
 def test_prefix_is_found():
-    assert find_prefix(load_robot_description("example-robot-data:panda")) == "panda_"
+    assert find_prefix(load_robot_files("example-robot-data:panda")) == "panda_"

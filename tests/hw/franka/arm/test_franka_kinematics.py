@@ -5,6 +5,7 @@ from math import cos, pi, sin
 import numpy as np
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.franka_kinematics import (
     IDENTITY,
@@ -19,7 +20,6 @@ from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
 )
-from station.hw.robot_description import load_robot_description
 
 # Test configuration of franka_hw and the answers for the flange, printed to 6 digits.
 Q = [
@@ -136,7 +136,7 @@ def test_body_jacobian_is_the_zero_jacobian_in_own_axes(frame: Frame) -> None:
 
 
 def test_poses_agree_with_the_simulation() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     simulation = simulate([ArmPlacement("panda", description, positions=tuple(Q))])
     data = simulation.world.data
     for frame in list(Frame)[:7]:

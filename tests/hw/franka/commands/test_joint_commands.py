@@ -4,11 +4,17 @@ from math import nan
 
 import pytest
 
+from station.core.description.urdf import (
+    Joint,
+    JointLimit,
+    JointType,
+    Pose,
+    SafetyController,
+)
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS
-from station.hw.urdf import Joint, JointLimit, JointType, Pose, SafetyController
 
 NAMES = [f"a_joint{number}" for number in range(1, 8)]
 

@@ -1,12 +1,12 @@
 """Joints close to a limit are named."""
 
+from station.core.description.robot_files import load_robot_files
 from station.hw.franka.commands.joint_limit_warnings import joint_limit_warnings
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 
 def test_joint_close_to_a_limit_is_named():
-    urdf = parse_urdf(load_robot_description("example-robot-data:panda"))
+    urdf = load_urdf(load_robot_files("example-robot-data:panda"))
     joint = urdf.joints["panda_joint1"]
 
     assert joint_limit_warnings([joint], [0.0], 0.1) == []

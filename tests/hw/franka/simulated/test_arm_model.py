@@ -2,17 +2,17 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.robot_description import load_robot_description
 
 Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 INERTIA = [0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017]
 
 
 def test_load_is_passed_on():
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     model, dynamics = ArmModel(description), FrankaDynamics(description)
     load = Load(0.73, (-0.01, 0.0, 0.03), tuple(INERTIA))
     arguments = (INERTIA, 0.73, [-0.01, 0.0, 0.03])

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
@@ -15,9 +16,8 @@ from station.hw.franka.simulated.franka_world import (
     simulate,
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.robot_description import load_robot_description
 
-DESCRIPTION = load_robot_description("example-robot-data:panda")
+DESCRIPTION = load_robot_files("example-robot-data:panda")
 IMPEDANCE = ControllerMode.JOINT_IMPEDANCE
 VELOCITY = MotionGeneratorMode.JOINT_VELOCITY
 HIT = SimulatedFault(FaultKind.COLLISION, 30)

@@ -2,13 +2,13 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
-from station.hw.robot_description import load_robot_description
 
 
 def test_cartesian_impedance_sets_the_deflection_under_load():
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
     arm.set_cartesian_impedance([1000.0] * 3 + [300.0] * 3)
     arm.start_motion(

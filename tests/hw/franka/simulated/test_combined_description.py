@@ -2,14 +2,14 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import Pose
 from station.hw.franka.simulated.combined_description import combine_descriptions
 from station.hw.franka.simulated.franka_world import ArmPlacement
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf import Pose
 
 
 def test_every_arm_stands_where_it_is_placed():
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     base = Pose.from_rpy((0.1, 0.2, 0.3), (0.0, 0.0, 0.5))
     text = combine_descriptions([
         ArmPlacement("left", description, base),

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import Pose
 from station.core.franka import RobotMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
@@ -13,8 +15,6 @@ from station.hw.franka.simulated.franka_world import (
     simulate,
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf import Pose
 
 NONE = [0.0, 0.0, 0.0]
 
@@ -24,7 +24,7 @@ def simulation() -> FrankaWorld:
     # High above the floor, so that no pose touches it.
     placement = ArmPlacement(
         "panda",
-        load_robot_description("example-robot-data:panda"),
+        load_robot_files("example-robot-data:panda"),
         Pose((0.0, 0.0, 2.0)),
     )
     return simulate([placement])

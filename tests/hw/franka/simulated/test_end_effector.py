@@ -4,16 +4,16 @@ from math import cos, pi
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.hw.franka.simulated.end_effector import end_effector_of, nominal_frame_of
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 HALF = cos(pi / 4)
 
 
 @pytest.fixture(scope="module")
 def urdf():
-    return parse_urdf(load_robot_description("example-robot-data:panda"))
+    return load_urdf(load_robot_files("example-robot-data:panda"))
 
 
 def test_hand_and_fingers_are_one_body(urdf):

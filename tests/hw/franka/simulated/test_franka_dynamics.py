@@ -5,14 +5,14 @@ from math import pi
 import numpy as np
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import RobotDescriptionError
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.load import Load
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf_parser import parse_urdf
+from station.hw.urdf_loader import load_urdf
 
 STRETCHED = [0.0] * 7
 START = list(INITIAL_POSITIONS)
@@ -32,7 +32,7 @@ HAND = Load(0.73, (-0.01, 0.0, 0.03), (0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017))
 
 @pytest.fixture(scope="module")
 def dynamics() -> FrankaDynamics:
-    return FrankaDynamics(load_robot_description("example-robot-data:panda"))
+    return FrankaDynamics(load_robot_files("example-robot-data:panda"))
 
 
 # From the published identified inertias (Gaz et al.), printed to 5 digits.
@@ -70,7 +70,7 @@ def test_gravity_is_close_to_a_real_arms(
 
 
 def test_links_have_the_published_masses() -> None:
-    links = parse_urdf(load_robot_description("example-robot-data:panda")).links
+    links = load_urdf(load_robot_files("example-robot-data:panda")).links
     masses = [links[f"panda_link{number}"].inertial.mass for number in range(8)]
     assert sum(masses) == pytest.approx(16.692, abs=5e-4)
 
@@ -134,11 +134,11 @@ def test_load_can_be_changed_back(dynamics: FrankaDynamics) -> None:
 
 
 def test_names_of_the_arm_do_not_matter() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     left = FrankaDynamics(description.with_prefix("panda_", "left_"))
     assert left.gravity([0.0, pi / 2, 0, 0, 0, 0, 0])[1] < -20.0
 
 
 def test_other_robot_is_refused() -> None:
     with pytest.raises(RobotDescriptionError, match="no Franka arm"):
-        FrankaDynamics(load_robot_description("example-robot-data:ur5"))
+        FrankaDynamics(load_robot_files("example-robot-data:ur5"))

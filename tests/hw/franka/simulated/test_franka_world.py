@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.errors import RobotDescriptionError
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_world import (
@@ -12,7 +13,6 @@ from station.hw.franka.simulated.franka_world import (
     joint_names,
     simulate,
 )
-from station.hw.robot_description import RobotDescription, load_robot_description
 
 
 def test_joints_are_named_after_the_arm() -> None:
@@ -21,7 +21,7 @@ def test_joints_are_named_after_the_arm() -> None:
 
 @pytest.mark.parametrize("arm_id", ["panda", "left"])
 def test_arm_starts_at_the_asked_pose_with_open_hand(arm_id: str) -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     positions = (0.1, *INITIAL_POSITIONS[1:])
     placement = ArmPlacement(arm_id, description, positions=positions)
     simulation = simulate([placement], timestep=0.002)
@@ -31,20 +31,20 @@ def test_arm_starts_at_the_asked_pose_with_open_hand(arm_id: str) -> None:
 
 
 def test_prefix_is_that_of_the_seven_joints() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     assert find_prefix(description) == "panda_"
     assert find_prefix(description.with_prefix("panda_", "")) == ""
 
 
 def test_other_robot_is_refused() -> None:
     with pytest.raises(RobotDescriptionError, match="is no Franka arm"):
-        find_prefix(load_robot_description("example-robot-data:ur5"))
+        find_prefix(load_robot_files("example-robot-data:ur5"))
 
 
 def test_arm_without_hand_has_no_gripper() -> None:
-    full = load_robot_description("example-robot-data:panda")
+    full = load_robot_files("example-robot-data:panda")
     xml = full.xml[: full.xml.index('<joint name="panda_hand_joint"')] + "</robot>"
-    bare = RobotDescription("bare", Path(full.urdf_path), xml, full.srdf_path)
+    bare = RobotFiles("bare", Path(full.urdf_path), xml, full.srdf_path)
     simulation = simulate([ArmPlacement("panda", bare)])
     assert simulation.grippers == {}
     assert simulation.world.model.nq == 7

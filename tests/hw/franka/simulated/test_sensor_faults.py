@@ -2,18 +2,18 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import HardwareInterfaceError
 from station.core.franka import FaultKind, RobotState
 from station.core.franka.arm_simulation import SimulatedFault
 from station.hw.franka.arm.arm_names import joint_names
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.franka.simulated.sensor_faults import SensorFaults
-from station.hw.robot_description import load_robot_description
 
 
 @pytest.fixture(scope="module")
 def world():
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     return simulate([ArmPlacement("panda", description)]).world
 
 

@@ -2,13 +2,13 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError
 from station.core.franka import RobotState
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
-from station.hw.robot_description import load_robot_description
 
 SETTINGS = [
     ("set_joint_impedance", [100.0] * 7),
@@ -22,7 +22,7 @@ SETTINGS = [
 
 @pytest.mark.parametrize(("name", "value"), SETTINGS)
 def test_setting_is_taken_at_rest_and_refused_in_motion(name, value):
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
     getattr(arm, name)(value)
     arm.start_motion(ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.NONE)

@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import Pose
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
@@ -16,8 +18,6 @@ from station.hw.franka.simulated.franka_world import (
     simulate,
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf import Pose
 
 IMPEDANCE = ControllerMode.JOINT_IMPEDANCE
 EXTERNAL = ControllerMode.EXTERNAL_CONTROLLER
@@ -37,7 +37,7 @@ MODES = {
 
 @pytest.fixture
 def simulation() -> FrankaWorld:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     return simulate([ArmPlacement("panda", description)])
 
 
@@ -347,7 +347,7 @@ def test_diverged_simulation_ends_the_motion_until_it_is_reset(
 
 
 def test_two_arms_in_one_world_stay_in_lockstep() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     simulation = simulate([
         ArmPlacement("left", description, Pose((0.0, 0.5, 0.0))),
         ArmPlacement("right", description, Pose((0.0, -0.5, 0.0))),

@@ -2,14 +2,14 @@
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
-from station.hw.robot_description import load_robot_description
 
 
 @pytest.mark.parametrize("width", [0.08, 0.04, 0.0])
 def test_fingers_go_to_the_width_and_stay(width: float) -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     simulation = simulate([ArmPlacement("panda", description)])
     world = simulation.world
     # It acts after the one that holds the hand open and so has the last word.
@@ -23,7 +23,7 @@ def test_fingers_go_to_the_width_and_stay(width: float) -> None:
 
 
 def test_pressing_lets_the_width_go_and_holding_stops_it() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     simulation = simulate([ArmPlacement("panda", description)])
     world, gripper = simulation.world, simulation.grippers["panda"]
     gripper.press(-0.5)
@@ -45,7 +45,7 @@ def test_pressing_lets_the_width_go_and_holding_stops_it() -> None:
 
 
 def test_a_blocked_hold_presses_with_its_force_and_no_more() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     simulation = simulate([ArmPlacement("panda", description)])
     world, gripper = simulation.world, simulation.grippers["panda"]
     gripper.hold(-1.0, speed=0.4, force=30.0)

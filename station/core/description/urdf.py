@@ -1,8 +1,10 @@
-"""A robot as its URDF describes it: links, joints and their tree, as typed values.
+"""The model of a robot that a URDF describes: links, joints and their tree.
 
-Only what a simulation of rigid bodies needs is kept: inertia and collision shapes of
-links; origin, axis, limits, friction and mimic of joints. Visual shapes are left to
-the browser. `station.hw.urdf_parser` reads the files.
+Kept are the inertia and the collision shapes of links, and the origin, axis, limits,
+soft limits, friction and mimic rule of joints. Visual shapes are left to the program
+that draws the robot, `<transmission>` elements to
+`station.core.hardware.transmissions`. `station.core.description.urdf_parser` reads a
+document into this model.
 """
 
 from collections.abc import Mapping
@@ -12,21 +14,35 @@ from math import asin, atan2, cos, sin
 from pathlib import Path
 
 Vector3 = tuple[float, float, float]
+"""Three components along x, y and z."""
 Quaternion = tuple[float, float, float, float]
+"""Rotation as a quaternion of unit length, wxyz."""
 
 
 class JointType(Enum):
-    """The kinds of URDF joint that can be simulated."""
+    """How a joint of a URDF moves."""
 
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
     PRISMATIC = "prismatic"
     FIXED = "fixed"
+    FLOATING = "floating"
+    PLANAR = "planar"
+
+    @property
+    def has_position_limits(self) -> bool:
+        """Whether URDF's position limits count for joints of this type."""
+        return self is JointType.REVOLUTE or self is JointType.PRISMATIC
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether a joint of this type turns about its axis."""
+        return self is JointType.REVOLUTE or self is JointType.CONTINUOUS
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where a child frame stands in its parent frame.
+    """Position and orientation of a child frame in its parent frame, T_parent_child.
 
     Attributes:
         xyz: Translation [m].
@@ -48,7 +64,7 @@ class Pose:
         x = (cos(roll), sin(roll), 0.0, 0.0)
         y = (cos(pitch), 0.0, sin(pitch), 0.0)
         z = (cos(yaw), 0.0, 0.0, sin(yaw))
-        return cls(xyz, _multiply(z, _multiply(y, x)))
+        return cls(xyz, multiply(z, multiply(y, x)))
 
     def rpy(self) -> Vector3:
         """Return the angles [rad] about the fixed x, then y, then z axis."""
@@ -60,19 +76,20 @@ class Pose:
         )
 
     def compose(self, inner: "Pose") -> "Pose":
-        """Return T_a_c of this pose T_a_b and `inner`, T_b_c."""
+        """Return T_a_c, given this pose T_a_b and `inner`, T_b_c."""
         w, x, y, z = self.quaternion
         conjugate = (w, -x, -y, -z)
-        turned = _multiply(_multiply(self.quaternion, (0.0, *inner.xyz)), conjugate)
+        turned = multiply(multiply(self.quaternion, (0.0, *inner.xyz)), conjugate)
         xyz = (
             self.xyz[0] + turned[1],
             self.xyz[1] + turned[2],
             self.xyz[2] + turned[3],
         )
-        return Pose(xyz, _multiply(self.quaternion, inner.quaternion))
+        return Pose(xyz, multiply(self.quaternion, inner.quaternion))
 
 
-def _multiply(a: Quaternion, b: Quaternion) -> Quaternion:
+def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
+    """Return the quaternion of the rotation `b` followed by the rotation `a`."""
     aw, ax, ay, az = a
     bw, bx, by, bz = b
     return (
@@ -108,7 +125,7 @@ class Shape:
         origin: The shape's frame in the link frame.
         size: Box: edge lengths [m]; sphere: (radius,) [m]; cylinder: (radius, length)
             [m]; mesh: scale factors.
-        mesh: The mesh file, or None for a primitive.
+        mesh: The mesh file, or None for the other kinds.
     """
 
     kind: str
@@ -119,7 +136,13 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid body; massless and without shapes it is but a frame."""
+    """A rigid body of the robot.
+
+    Attributes:
+        name: Unique among the links.
+        inertial: Its mass properties; None for a link without mass.
+        collisions: Its collision shapes, in the order of the document.
+    """
 
     name: str
     inertial: Inertial | None
@@ -127,13 +150,19 @@ class Link:
 
     @property
     def is_frame_only(self) -> bool:
-        """The link has neither mass nor a collision shape."""
+        """Whether the link has neither mass nor a collision shape."""
         return self.inertial is None and not self.collisions
 
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """position = multiplier * position of `joint` + offset."""
+    """The rule by which a joint follows another: q = multiplier * q_joint + offset.
+
+    Attributes:
+        joint: Name of the joint that is followed.
+        multiplier: Factor of that joint's position.
+        offset: Added to the product [rad] or [m].
+    """
 
     joint: str
     multiplier: float
@@ -142,13 +171,14 @@ class Mimic:
 
 @dataclass(frozen=True, slots=True)
 class JointLimit:
-    """The `<limit>` of a joint.
+    """The numbers of a joint's `<limit>` element, as they are written there.
 
     Attributes:
-        lower: [rad] or [m]; None for a continuous joint.
-        upper: [rad] or [m]; None for a continuous joint.
-        velocity: > 0 [rad/s] or [m/s].
-        effort: >= 0 [Nm] or [N].
+        lower: Lowest position [rad] or [m]; None unless the joint is revolute or
+            prismatic.
+        upper: Highest position [rad] or [m]; None together with `lower`.
+        velocity: Highest speed [rad/s] or [m/s].
+        effort: Highest effort [N*m] or [N].
     """
 
     lower: float | None
@@ -159,13 +189,13 @@ class JointLimit:
 
 @dataclass(frozen=True, slots=True)
 class SafetyController:
-    """The `<safety_controller>` of a joint: its soft limits.
+    """The numbers of a joint's `<safety_controller>` element: its soft limits.
 
     Attributes:
-        soft_lower_limit: [rad] or [m].
-        soft_upper_limit: [rad] or [m].
+        soft_lower_limit: Where the joint is slowed down on its way down [rad] or [m].
+        soft_upper_limit: Where the joint is slowed down on its way up [rad] or [m].
         k_position: Velocity bound per distance to a soft limit [1/s].
-        k_velocity: Effort bound per excess of velocity [Nm s/rad or N s/m].
+        k_velocity: Effort bound per excess of velocity [N*m*s/rad or N*s/m].
     """
 
     soft_lower_limit: float
@@ -180,16 +210,17 @@ class Joint:
 
     Attributes:
         name: Unique among the joints.
-        type: Its kind.
-        parent: Link on the base's side.
-        child: Link on the tool's side.
+        type: How it moves.
+        parent: Name of the link on the base's side.
+        child: Name of the link on the tool's side.
         origin: Child frame in the parent frame at position zero.
         axis: Unit vector in the child frame.
-        limit: None if the URDF states none (continuous and fixed joints only).
+        limit: Its limits; None if it has no `<limit>`, which revolute and prismatic
+            joints always have.
         damping: [Nm s/rad] or [N s/m], >= 0.
         friction: [Nm] or [N], >= 0.
-        mimic: The joint that it follows, or None.
-        safety: Its soft limits, or None.
+        mimic: The rule by which it follows another joint, or None.
+        safety: Its soft limits, or None if it has no `<safety_controller>`.
     """
 
     name: str
@@ -207,13 +238,13 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Urdf:
-    """A robot's links and joints, in the order of the file.
+    """A robot's links and joints, in the order of the document.
 
     Attributes:
-        name: The robot's name in the file.
-        links: By name.
-        joints: By name.
-        root: The one link that is no joint's child.
+        name: The robot's name.
+        links: The links by name.
+        joints: The joints by name.
+        root: Name of the one link that is no joint's child.
     """
 
     name: str
@@ -232,9 +263,27 @@ class Urdf:
         object.__setattr__(self, "_above", above)
 
     def joints_below(self, link: str) -> list[Joint]:
-        """Return the joints whose parent is `link`, in the order of the file."""
+        """Return the joints whose parent is `link`, in the order of the document."""
         return list(self._below.get(link, ()))
 
     def joint_above(self, link: str) -> Joint | None:
         """Return the joint whose child is `link`; None for the root."""
         return self._above.get(link)
+
+    def fixed_root(self, link: str) -> tuple[str, Pose]:
+        """Return the last link that fixed joints lead back to, and the pose in it.
+
+        Args:
+            link: Name of a link.
+
+        Returns:
+            The name of that link, which is `link` itself below a joint that moves, and
+            the pose of `link` in its frame.
+        """
+        pose = Pose()
+        joint = self.joint_above(link)
+        while joint is not None and joint.type is JointType.FIXED:
+            pose = joint.origin.compose(pose)
+            link = joint.parent
+            joint = self.joint_above(link)
+        return link, pose

@@ -1,4 +1,4 @@
-"""Read joint limits from parameters, in the form that MoveIt uses too.
+"""Read joint limits from parameters, in the form that MoveIt also uses.
 
 ```yaml
 joint_limits:
@@ -15,12 +15,12 @@ joint_limits:
     k_velocity: 20.0
 ```
 
-and in the same way `max_acceleration`, `max_jerk` and `max_effort`, each with its
-`has_…_limits`. A value counts only with its flag. `angle_wraparound` counts for a joint
-with `has_position_limits: false`.
+`max_acceleration`, `max_jerk` and `max_effort` are written in the same way, each with
+its `has_…_limits`. A value counts only if its flag is true. `angle_wraparound` counts
+for a joint with `has_position_limits: false`.
 
-Source: ros_control@633c374 joint_limits_rosparam.h; ROS parameters are typed: a flag
-that is not true or false, or a value that is not a number, is as good as absent.
+Source: ros_control@633c374 joint_limits_rosparam.h. ROS parameters are typed, so a flag
+that is not true or false, and a value that is not a number, count as absent.
 """
 
 from dataclasses import replace
@@ -36,14 +36,14 @@ def joint_limits_from_parameters(
 ) -> JointLimits | None:
     """Return a joint's limits from `joint_limits/<joint>`.
 
-    A flag that is false removes an earlier limit; a flag that is true with all its
-    values replaces it; everything else leaves it as it is. Called after the URDF's, so
-    that parameters win.
+    A flag that is false removes an earlier limit, and a flag that is true with all its
+    values replaces it; otherwise the earlier limit stays. Limits of the URDF are passed
+    as the earlier ones, so that parameters win.
 
     Args:
         joint: Name of the joint.
         params: The namespace that holds `joint_limits`.
-        limits: Earlier limits to be completed; none when absent.
+        limits: Earlier limits to be completed; None if there are none.
 
     Returns:
         The limits, or None if there is no entry for the joint.
@@ -69,12 +69,12 @@ def soft_joint_limits_from_parameters(
     Args:
         joint: Name of the joint.
         params: The namespace that holds `joint_limits`.
-        soft_limits: Earlier soft limits; their value stands where the parameter is not
-            a number.
+        soft_limits: Earlier soft limits, whose values take the place of parameters
+            that are not numbers.
 
     Returns:
         The soft limits, or None unless `has_soft_limits` is true and all four values
-        are there.
+        are present.
     """
     entry = params.namespace(f"joint_limits/{joint}")
     if entry.get("has_soft_limits") is not True:

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import load_robot_files
+from station.core.description.srdf import disabled_collisions
 from station.core.errors import RobotDescriptionError
-from station.hw.robot_description import load_robot_description
-from station.hw.srdf import disabled_collisions
 
 
 def test_pairs_of_the_panda_are_read() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     pairs = disabled_collisions(description.srdf_path)
     assert ("panda_link5", "panda_link7") in pairs
 
@@ -22,7 +22,7 @@ def test_robot_without_srdf_has_no_pairs() -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("<robot", "cannot read the SRDF"),
+        ("<robot", "SRDF .* cannot be read: The robot description is not XML"),
         ('<robot><disable_collisions link1="a"/></robot>', "link1 and link2"),
     ],
 )

@@ -4,9 +4,9 @@ from math import pi, sqrt
 
 import pytest
 
-from station.hw.robot_description import load_robot_description
-from station.hw.urdf import Link, Pose
-from station.hw.urdf_parser import parse_urdf
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import Link, Pose
+from station.core.description.urdf_parser import parse_urdf
 
 
 def test_pose_of_a_quarter_turn_about_z() -> None:
@@ -24,7 +24,7 @@ def test_composed_pose_turns_the_inner_translation() -> None:
 
 
 def test_joints_below_a_link_are_its_own() -> None:
-    urdf = parse_urdf(load_robot_description("example-robot-data:panda"))
+    urdf = parse_urdf(load_robot_files("example-robot-data:panda").xml)
     below = [joint.name for joint in urdf.joints_below("panda_hand")]
     assert below == [
         "panda_hand_tcp_joint",
@@ -36,3 +36,12 @@ def test_joints_below_a_link_are_its_own() -> None:
 
 def test_link_without_mass_and_shape_is_a_frame() -> None:
     assert Link("frame", None, ()).is_frame_only
+
+
+def test_fixed_root_ends_at_the_first_joint_that_moves() -> None:
+    urdf = parse_urdf(load_robot_files("example-robot-data:panda").xml)
+    root, pose = urdf.fixed_root("panda_hand_tcp")
+    assert root == "panda_link7"
+    # The flange is 0.107 m, the tip of the fingers 0.1034 m from the last joint.
+    assert pose.xyz == pytest.approx((0.0, 0.0, 0.107 + 0.1034))
+    assert urdf.fixed_root("panda_link7") == ("panda_link7", Pose())

@@ -1,7 +1,7 @@
 """Find a robot's URDF, its SRDF and the mesh files that the URDF names.
 
-Only the standard library is used here, so that whoever needs a robot's files (the
-simulation, a tool) gets the same answer from the same place.
+The simulation and the dashboard both find them here, so that what is drawn is what is
+simulated.
 """
 
 import importlib.metadata
@@ -12,6 +12,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlparse
 from xml.etree import ElementTree
 
+from station.core.description.urdf_text import parse_robot
 from station.core.errors import RobotDescriptionError
 
 PACKAGE_SCHEME = "example-robot-data:"
@@ -22,14 +23,14 @@ _MAX_BYTES = 4_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class RobotDescription:
-    """A URDF that was found, read, and is well-formed XML.
+class RobotFiles:
+    """The files of one robot: a URDF that is well-formed XML, and its SRDF.
 
     Attributes:
-        reference: What was asked for, e.g. `example-robot-data:panda`.
+        reference: The reference they were found by, e.g. `example-robot-data:panda`.
         urdf_path: The URDF file, absolute.
-        xml: Its text.
-        srdf_path: The SRDF of the same robot, or None if there is none beside it.
+        xml: The text of the URDF.
+        srdf_path: The SRDF of the same robot, or None if there is none beside the URDF.
     """
 
     reference: str
@@ -37,16 +38,16 @@ class RobotDescription:
     xml: str
     srdf_path: Path | None
 
-    def with_prefix(self, old: str, new: str) -> "RobotDescription":
+    def with_prefix(self, old: str, new: str) -> "RobotFiles":
         """Return the same robot under other names of links and joints.
 
         Args:
-            old: Prefix that is replaced; names that do not begin with it stay.
-            new: What stands there afterwards.
+            old: The prefix to replace; names that do not begin with it stay.
+            new: The prefix that takes its place.
         """
         if old == new:
             return self
-        root = ElementTree.fromstring(self.xml)
+        root = parse_robot(self.xml)
         for element in root.iter():
             for key in ("link", "joint", "reference"):
                 if key in element.attrib:
@@ -76,9 +77,9 @@ class RobotDescription:
             if candidate.is_file():
                 return candidate.resolve()
         raise RobotDescriptionError(
-            f"{self.urdf_path}: the mesh {uri!r} was not found",
-            remedy="put the file there, or add its package's parent directory to "
-            "ROS_PACKAGE_PATH",
+            f"The mesh '{uri}' was not found.",
+            remedy="Put the file there, or add its package's parent directory to "
+            "ROS_PACKAGE_PATH.",
         )
 
     def _candidates(self, uri: str) -> list[Path]:
@@ -91,36 +92,35 @@ class RobotDescription:
         if parts.scheme == "":
             return [self.urdf_path.parent / uri]
         raise RobotDescriptionError(
-            f"{self.urdf_path}: the mesh {uri!r} has the unknown scheme "
-            f"{parts.scheme!r}",
-            remedy="use package://, file:// or a path",
+            f"The mesh '{uri}' has the unknown scheme '{parts.scheme}'.",
+            remedy="Use package://, file:// or a path.",
         )
 
 
-def load_robot_description(reference: str) -> RobotDescription:
-    """Find and read a robot description.
+def load_robot_files(reference: str) -> RobotFiles:
+    """Find a robot's files and read its URDF.
 
     Args:
         reference: `example-robot-data:<robot>` (see `known_robots`) or the path of a
             URDF file.
 
     Returns:
-        The description; its meshes are not looked at yet.
+        The files; whether the meshes exist is not checked.
 
     Raises:
-        RobotDescriptionError: Unknown robot, missing or unreadable file, or a file
-            that is not a URDF.
+        RobotDescriptionError: The robot is unknown, or the file is missing, cannot be
+            read or is not a URDF.
     """
     if reference.startswith(PACKAGE_SCHEME):
         path = _find_known_robot(reference.removeprefix(PACKAGE_SCHEME).strip())
     else:
         path = Path(reference).expanduser().absolute()
     xml = _read(path)
-    return RobotDescription(reference, path, xml, _find_srdf(path))
+    return RobotFiles(reference, path, xml, _find_srdf(path))
 
 
 def replace_prefix(name: str, old: str, new: str) -> str:
-    """Return `name` with `new` for the leading `old`; unchanged without that."""
+    """Return `name` with `new` in place of the leading `old`, if it begins with it."""
     return new + name.removeprefix(old) if name.startswith(old) else name
 
 
@@ -128,8 +128,8 @@ def replace_prefix(name: str, old: str, new: str) -> str:
 def known_robots() -> dict[str, Path]:
     """Return the URDF file of every robot in the installed example-robot-data.
 
-    A robot is called as its URDF file is (`panda`, `ur5_robot`, `talos_left_arm`); one
-    that ends in `_robot` goes by the short name too (`ur5`).
+    A robot has the name of its URDF file (`panda`, `ur5_robot`, `talos_left_arm`); a
+    name that ends in `_robot` may be shortened (`ur5`).
 
     Raises:
         RobotDescriptionError: The distribution is not installed or is incomplete.
@@ -149,15 +149,15 @@ def _package_directory() -> Path:
         distribution = importlib.metadata.distribution(_DISTRIBUTION)
     except importlib.metadata.PackageNotFoundError as exc:
         raise RobotDescriptionError(
-            f"the package {_DISTRIBUTION!r} is not installed",
-            remedy="run `make setup`, or give the path of a URDF",
+            f"The package {_DISTRIBUTION} is not installed.",
+            remedy="Run `make setup`, or give the path of a URDF.",
         ) from exc
     directory = Path(str(distribution.locate_file(_DATA_DIRECTORY)))
     if not (directory / "robots").is_dir():
         raise RobotDescriptionError(
             f"{_DISTRIBUTION} {distribution.version} has no directory "
-            f"{directory / 'robots'}",
-            remedy="install that package's wheel again, or give the path of a URDF",
+            f"{directory / 'robots'}.",
+            remedy="Install that package's wheel again, or give the path of a URDF.",
         )
     return directory
 
@@ -166,8 +166,8 @@ def _find_known_robot(name: str) -> Path:
     robots = known_robots()
     if name not in robots:
         raise RobotDescriptionError(
-            f"{_DISTRIBUTION} has no robot {name!r}",
-            remedy=f"choose one of {', '.join(sorted(robots))}",
+            f"{_DISTRIBUTION} has no robot '{name}'.",
+            remedy=f"Choose one of {', '.join(sorted(robots))}.",
         )
     return robots[name]
 
@@ -175,27 +175,34 @@ def _find_known_robot(name: str) -> Path:
 def _read(path: Path) -> str:
     try:
         size = path.stat().st_size
+        # Without a bound, the path of a film would be read into memory.
         if size > _MAX_BYTES:
             raise RobotDescriptionError(
-                f"{path} has {size} bytes, more than the {_MAX_BYTES} of any sane URDF",
-                remedy="give the path of a URDF file",
+                f"{path} has {size} bytes; a URDF may have {_MAX_BYTES}.",
+                remedy="Give the path of a URDF file.",
             )
         xml = path.read_text(encoding="utf-8")
-        tag = ElementTree.fromstring(xml).tag
     except OSError as exc:
         raise RobotDescriptionError(
-            f"cannot read the robot description {path}: {exc.strerror}",
-            remedy=f"give the path of a URDF, or {PACKAGE_SCHEME}<robot>",
+            f"The robot description {path} cannot be read: {exc.strerror}.",
+            remedy=f"Give the path of a URDF, or {PACKAGE_SCHEME}<robot>.",
         ) from exc
-    except (ElementTree.ParseError, UnicodeDecodeError) as exc:
+    except UnicodeDecodeError as exc:
         raise RobotDescriptionError(
-            f"{path} is not XML: {exc}", remedy="give the path of a URDF file"
+            f"{path} is not a text in UTF-8: {exc}.",
+            remedy="Give the path of a URDF file.",
         ) from exc
-    if tag != "robot" or path.suffix == ".xacro":
+    if path.suffix == ".xacro":
         raise RobotDescriptionError(
-            f"{path} is not a URDF: its root element is <{tag}>",
-            remedy="the root must be <robot>; expand a xacro file first",
+            f"{path} is a xacro file, not a URDF.",
+            remedy="Run xacro on it and give the path of the result.",
         )
+    try:
+        parse_robot(xml)
+    except RobotDescriptionError as exc:
+        raise RobotDescriptionError(
+            f"{path}: {exc.message}", remedy=exc.remedy
+        ) from exc
     return xml
 
 

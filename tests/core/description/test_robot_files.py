@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from station.core.description.robot_files import known_robots, load_robot_files
+from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
-from station.hw.robot_description import known_robots, load_robot_description
 
 SMALL = '<robot name="r"><link name="base"/></robot>'
 
@@ -17,7 +18,7 @@ def write_urdf(directory: Path, text: str, name: str = "r.urdf") -> str:
 
 
 def test_panda_is_found_with_its_srdf() -> None:
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     assert description.urdf_path.name == "panda.urdf"
     assert description.srdf_path is not None
     assert description.srdf_path.name == "panda.srdf"
@@ -29,14 +30,14 @@ def test_robots_are_known_by_their_file_and_short_names(name: str) -> None:
 
 
 def test_srdf_of_a_partial_robot_is_that_of_the_whole() -> None:
-    description = load_robot_description("example-robot-data:talos_left_arm")
+    description = load_robot_files("example-robot-data:talos_left_arm")
     assert description.srdf_path is not None
     assert description.srdf_path.name == "talos.srdf"
 
 
 def test_unknown_robot_is_refused_with_the_known_names() -> None:
     with pytest.raises(RobotDescriptionError, match="no robot 'pandaa'") as caught:
-        load_robot_description("example-robot-data:pandaa")
+        load_robot_files("example-robot-data:pandaa")
     assert "panda" in caught.value.remedy
     assert "ur5" in caught.value.remedy
 
@@ -44,8 +45,8 @@ def test_unknown_robot_is_refused_with_the_known_names() -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "is not XML"),
-        ("<robot", "is not XML"),
+        ("", "not XML"),
+        ("<robot", "not XML"),
         ("<sdf/>", "root element is <sdf>"),
         ("x" * 5_000_000, "5000000 bytes"),
     ],
@@ -54,12 +55,14 @@ def test_file_that_is_no_urdf_is_refused(
     tmp_path: Path, text: str, reason: str
 ) -> None:
     with pytest.raises(RobotDescriptionError, match=reason):
-        load_robot_description(write_urdf(tmp_path, text))
+        load_robot_files(write_urdf(tmp_path, text))
 
 
 def test_missing_file_is_refused_with_its_path(tmp_path: Path) -> None:
-    with pytest.raises(RobotDescriptionError, match=r"none\.urdf: No such file"):
-        load_robot_description(str(tmp_path / "none.urdf"))
+    with pytest.raises(
+        RobotDescriptionError, match=r"none\.urdf cannot be read: No such"
+    ):
+        load_robot_files(str(tmp_path / "none.urdf"))
 
 
 def test_mesh_of_package_uri_is_found_above_the_urdf(tmp_path: Path) -> None:
@@ -67,7 +70,7 @@ def test_mesh_of_package_uri_is_found_above_the_urdf(tmp_path: Path) -> None:
     urdf_directory.mkdir(parents=True)
     mesh = tmp_path / "my_robot" / "a mesh.stl"
     mesh.touch()
-    description = load_robot_description(write_urdf(urdf_directory, SMALL))
+    description = load_robot_files(write_urdf(urdf_directory, SMALL))
     assert description.resolve_mesh("package://my_robot/a%20mesh.stl") == mesh
     assert description.resolve_mesh("../a mesh.stl") == mesh
     assert description.resolve_mesh(f"file://{tmp_path}/my_robot/a%20mesh.stl") == mesh
@@ -80,12 +83,35 @@ def test_mesh_is_found_through_the_ros_package_path(
     (elsewhere / "pkg").mkdir(parents=True)
     (elsewhere / "pkg" / "m.stl").touch()
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{elsewhere}")
-    description = load_robot_description(write_urdf(tmp_path, SMALL))
+    description = load_robot_files(write_urdf(tmp_path, SMALL))
     assert description.resolve_mesh("package://pkg/m.stl").name == "m.stl"
 
 
 @pytest.mark.parametrize("uri", ["package://pkg/m.stl", "m.stl", "http://x/m.stl"])
-def test_missing_mesh_is_refused_with_urdf_and_uri(tmp_path: Path, uri: str) -> None:
-    description = load_robot_description(write_urdf(tmp_path, SMALL))
-    with pytest.raises(RobotDescriptionError, match=rf"r\.urdf: the mesh '{uri}'"):
+def test_missing_mesh_is_refused_with_its_uri(tmp_path: Path, uri: str) -> None:
+    description = load_robot_files(write_urdf(tmp_path, SMALL))
+    with pytest.raises(RobotDescriptionError, match=rf"The mesh '{uri}'"):
         description.resolve_mesh(uri)
+
+
+def test_xacro_file_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(RobotDescriptionError, match="is a xacro file") as caught:
+        load_robot_files(write_urdf(tmp_path, SMALL, "r.xacro"))
+    assert "Run xacro" in caught.value.remedy
+
+
+def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_bytes(b"\xff\xfe<robot/>")
+    with pytest.raises(RobotDescriptionError, match="not a text in UTF-8"):
+        load_robot_files(str(path))
+
+
+def test_prefix_is_replaced_in_every_name() -> None:
+    description = load_robot_files("example-robot-data:panda")
+    left = parse_urdf(description.with_prefix("panda_", "left_").xml)
+    assert left.root == "left_link0"
+    assert not [n for n in (*left.links, *left.joints) if not n.startswith("left_")]
+    mimic = left.joints["left_finger_joint2"].mimic
+    assert mimic is not None
+    assert mimic.joint == "left_finger_joint1"

@@ -4,14 +4,14 @@ from math import inf
 
 import pytest
 
-from station.core.errors import RobotDescriptionError
-from station.core.hardware.robot_description import (
+from station.core.description.robot_description import (
     JointDescription,
-    JointType,
     RobotDescription,
     find_robot_description,
     require_robot_description,
 )
+from station.core.description.urdf import JointType
+from station.core.errors import RobotDescriptionError
 from station.core.parameters import Parameters, ParameterTree
 
 SLIDE = "type='prismatic'"

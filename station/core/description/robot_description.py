@@ -1,36 +1,25 @@
-"""What a controller needs to know about a joint from the robot's URDF.
+"""The robot's URDF as controllers ask about it: joint by joint.
 
-Types and limits are read as `station.core.hardware.limits.urdf` reads them.
+A joint is read when a controller asks for it, so that a document may leave out what no
+controller needs.
 """
 
 from dataclasses import dataclass
-from enum import Enum
 from math import inf
 from xml.etree import ElementTree
 
-from station.core.description.urdf_text import parse_robot_description
-from station.core.errors import RobotDescriptionError
-from station.core.hardware.limits import (
-    JointLimits,
-    JointLimitsError,
-    joint_limits_from_urdf,
-    soft_joint_limits_from_urdf,
+from station.core.description.joint_elements import (
+    read_joint_limit,
+    read_joint_type,
+    read_safety_controller,
 )
+from station.core.description.urdf import JointLimit, JointType
+from station.core.description.urdf_text import parse_robot
+from station.core.errors import RobotDescriptionError
 from station.core.parameters import Parameters
 
 ROBOT_DESCRIPTION = "robot_description"
 """Name of the parameter that holds the URDF as a string."""
-
-
-class JointType(Enum):
-    """How a joint moves."""
-
-    REVOLUTE = "revolute"
-    CONTINUOUS = "continuous"
-    PRISMATIC = "prismatic"
-    FIXED = "fixed"
-    FLOATING = "floating"
-    PLANAR = "planar"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +27,8 @@ class JointDescription:
     """Type and limits of one joint.
 
     Attributes:
-        name: Its name.
-        type: How it moves.
+        name: The joint's name.
+        type: How the joint moves.
         lower: Lowest position [rad or m]; -inf where unlimited.
         upper: Highest position [rad or m]; inf where unlimited.
         velocity: Highest speed [rad/s or m/s], > 0; inf where unlimited.
@@ -54,12 +43,12 @@ class JointDescription:
     effort: float = float("inf")
 
     def is_linear(self) -> bool:
-        """Say whether the joint moves along a line."""
+        """Return whether the joint moves along a line."""
         return self.type is JointType.PRISMATIC
 
     def is_limited(self) -> bool:
-        """Say whether the joint's position has limits."""
-        return self.type is JointType.REVOLUTE or self.type is JointType.PRISMATIC
+        """Return whether the joint's position has limits."""
+        return self.type.has_position_limits
 
 
 class RobotDescription:
@@ -73,14 +62,9 @@ class RobotDescription:
     """
 
     def __init__(self, xml: str) -> None:
-        root = parse_robot_description(xml)
-        if root.tag != "robot":
-            raise RobotDescriptionError(
-                f"The robot description is a <{root.tag}> document.",
-                remedy="Give a URDF; its root element is <robot>.",
-            )
+        robot = parse_robot(xml)
         self._joints = {
-            element.get("name", ""): element for element in root.findall("joint")
+            element.get("name", ""): element for element in robot.findall("joint")
         }
 
     def joint_names(self) -> list[str]:
@@ -94,7 +78,20 @@ class RobotDescription:
             RobotDescriptionError: There is no such joint, or its type or limits are
                 missing or impossible.
         """
-        return _joint_description(name, self._find(name))
+        element = self._find(name)
+        kind, limit = read_joint_type(element), read_joint_limit(element)
+        if limit is None:
+            return JointDescription(name, kind)
+        _check_limit(name, limit)
+        return JointDescription(
+            name,
+            kind,
+            lower=-inf if limit.lower is None else limit.lower,
+            upper=inf if limit.upper is None else limit.upper,
+            # 0 in a URDF stands for a joint that nobody limited.
+            velocity=limit.velocity or inf,
+            effort=limit.effort or inf,
+        )
 
     def soft_limits(self, name: str) -> tuple[float, float]:
         """Return the soft limits of the joint `name`, lower and upper [rad or m].
@@ -103,14 +100,14 @@ class RobotDescription:
             RobotDescriptionError: There is no such joint, it has no soft limits, or a
                 number of them is wrong.
         """
-        soft = soft_joint_limits_from_urdf(self._find(name))
+        soft = read_safety_controller(self._find(name))
         if soft is None:
             raise RobotDescriptionError(
                 f"Joint '{name}' has no <safety_controller> in the robot description.",
                 remedy="Give it one with soft_lower_limit and soft_upper_limit.",
                 details={"resource": name},
             )
-        return soft.min_position, soft.max_position
+        return soft.soft_lower_limit, soft.soft_upper_limit
 
     def _find(self, name: str) -> ElementTree.Element:
         element = self._joints.get(name)
@@ -126,16 +123,16 @@ class RobotDescription:
 def find_robot_description(params: Parameters) -> RobotDescription | None:
     """Return the description in the nearest namespace around `params`.
 
-    Looked for in the namespace itself, then outwards up to the root.
+    The search begins in the namespace itself and goes outwards up to the root.
 
     Args:
         params: Where to begin, usually a controller's namespace.
 
     Returns:
-        The description, None when no namespace has one.
+        The description, or None if no namespace has one.
 
     Raises:
-        RobotDescriptionError: What is there is no URDF.
+        RobotDescriptionError: The parameter that was found is not a URDF.
     """
     parts = params.path.split("/") if params.path else []
     for count in range(len(parts), -1, -1):
@@ -147,13 +144,14 @@ def find_robot_description(params: Parameters) -> RobotDescription | None:
 
 
 def require_robot_description(params: Parameters) -> RobotDescription:
-    """Return the description around `params`.
+    """Return the description in the nearest namespace around `params`.
 
     Args:
         params: Where to begin, usually a controller's namespace.
 
     Raises:
-        RobotDescriptionError: There is none, or it is no URDF.
+        RobotDescriptionError: No namespace has a description, or the parameter that was
+            found is not a URDF.
     """
     description = find_robot_description(params)
     if description is None:
@@ -166,21 +164,23 @@ def require_robot_description(params: Parameters) -> RobotDescription:
     return description
 
 
-def _joint_description(name: str, element: ElementTree.Element) -> JointDescription:
-    limits = joint_limits_from_urdf(element) or JointLimits()
-    try:
-        limits.validate(name)
-    except JointLimitsError as error:
+def _check_limit(joint: str, limit: JointLimit) -> None:
+    if (
+        limit.lower is not None
+        and limit.upper is not None
+        and limit.lower > limit.upper
+    ):
         raise RobotDescriptionError(
-            error.message, remedy=error.remedy, details={"resource": name}
-        ) from error
-    low, high = limits.min_position, limits.max_position
-    return JointDescription(
-        name,
-        JointType(element.get("type")),
-        lower=-inf if low is None else low,
-        upper=inf if high is None else high,
-        # 0 in a URDF stands for a joint nobody limited.
-        velocity=limits.max_velocity or inf,
-        effort=limits.max_effort or inf,
-    )
+            f"Joint '{joint}' has position limits from {limit.lower} to {limit.upper}; "
+            "the lower bound must not exceed the upper one.",
+            remedy=f"Swap or correct the position limits of '{joint}'.",
+            details={"resource": joint},
+        )
+    for name, magnitude in (("velocity", limit.velocity), ("effort", limit.effort)):
+        if magnitude < 0.0:
+            raise RobotDescriptionError(
+                f"Joint '{joint}' has a {name} limit of {magnitude}; allowed are "
+                "numbers >= 0.",
+                remedy=f"Correct the {name} limit of '{joint}'.",
+                details={"resource": joint},
+            )

@@ -1,8 +1,8 @@
-"""Angles as rosparam lets one write them: `rad(pi/2)` and `deg(90)`.
+"""Angles written as expressions, as in rosparam: `rad(pi/2)` and `deg(90)`.
 
 Source: ros_comm@1.17.0 tools/rosparam/src/rosparam/__init__.py,
-construct_angle_radians, construct_angle_degrees; differs: arithmetic alone is
-understood (the original evaluates any Python), and in degrees too.
+construct_angle_radians, construct_angle_degrees; differs: only arithmetic is
+understood, in degrees too, while the original evaluates any Python.
 """
 
 import ast
@@ -16,7 +16,7 @@ _OPERATIONS: dict[type[ast.operator], Callable[[float, float], float]] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-_LONGEST = 100
+_MAX_LENGTH = 100
 
 
 def parse_angle(text: str) -> float:
@@ -26,18 +26,24 @@ def parse_angle(text: str) -> float:
         text: Numbers, `pi`, `+ - * /` and parentheses; degrees inside `deg(…)`.
 
     Raises:
-        ValueError: It is anything else, or not finite.
+        ValueError: The text is anything else, is longer than 100 characters, or is not
+            finite.
     """
     text = text.strip()
+    # Python's parser takes long for an expression of many nested parentheses.
+    if len(text) > _MAX_LENGTH:
+        raise ValueError(
+            f"it has {len(text)} characters, and an angle may have {_MAX_LENGTH}"
+        )
     degrees = text.startswith("deg(")
     if degrees or text.startswith("rad("):
         text = text[4:].removesuffix(")")
     try:
-        value = _evaluate(ast.parse(text[:_LONGEST], mode="eval").body)
-    except (SyntaxError, ZeroDivisionError) as error:
-        raise ValueError(f"{text!r} is no angle") from error
-    if not math.isfinite(value) or len(text) > _LONGEST:
-        raise ValueError(f"{text!r} is no finite angle")
+        value = _evaluate(ast.parse(text, mode="eval").body)
+    except (SyntaxError, ZeroDivisionError, OverflowError) as error:
+        raise ValueError(f"'{text}' is not arithmetic with numbers and pi") from error
+    if not math.isfinite(value):
+        raise ValueError(f"'{text}' is not finite")
     return math.radians(value) if degrees else value
 
 
@@ -53,4 +59,4 @@ def _evaluate(node: ast.expr) -> float:
             return -_evaluate(operand)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATIONS:
             return _OPERATIONS[type(op)](_evaluate(left), _evaluate(right))
-    raise ValueError(f"{ast.unparse(node)!r} is neither a number nor pi")
+    raise ValueError(f"'{ast.unparse(node)}' is neither a number nor pi")
