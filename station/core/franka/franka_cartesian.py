@@ -48,7 +48,7 @@ class FrankaCartesianHandle(FrankaStateHandle):
         self._elbow = elbow
 
     def get_command(self) -> list[float]:
-        """Return what was commanded last, a new list."""
+        """Return the last command as a new list."""
         return list(self._command)
 
     def set_command(
