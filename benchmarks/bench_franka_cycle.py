@@ -30,11 +30,11 @@ from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.hand.finger_joints import FingerJoints
-from station.hw.franka.hand.simulated_gripper import SimulatedGripper
 from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.desired_motion import DesiredMotion
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,

@@ -36,9 +36,10 @@ def simulated_world(station: Station) -> World:
         TypeError: It has none.
     """
     robot = station.loop.hw
-    if not isinstance(robot, FrankaHW) or robot.simulation is None:
+    found = robot.simulated_world() if isinstance(robot, FrankaHW) else None
+    if found is None:
         raise TypeError("the station has no simulated Franka")
-    return robot.simulation.world
+    return found.world
 
 
 def print_title(title: str) -> None:

@@ -17,7 +17,9 @@ from station.wire.base import (
 )
 
 ControllerStateName = Annotated[
-    Literal["unknown", "initialized", "running", "stopped", "waiting", "aborted"],
+    Literal[
+        "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
+    ],
     FromEnum,
 ]
 

@@ -18,6 +18,11 @@ VIOLATIONS = {
         "station/controllers/effort_controllers.py",
         "import station.controllers.position_controllers",
     ),
+    "franka-rooms": (
+        "station/hw/franka/commands/arm_services.py",
+        "import station.hw.franka.franka_parameters",
+    ),
+    "franka-seam": ("station/hw/franka/arm/robot_arm.py", "import station.hw.mujoco"),
     "core-is-ros-control-alone": ("station/core/clock.py", "import mujoco"),
     "controllers-see-core-alone": (
         "station/controllers/effort_controllers.py",
@@ -43,15 +48,23 @@ PERMITTED = {
     "station/core/clock.py": "import time, station.core.errors",
     "station/core/parameters.py": "import station.core.errors",
     "station/core/errors.py": "import enum",
+    "station/hw/franka/arm/robot_arm.py": "import station.core.clock",
+    "station/hw/franka/commands/arm_services.py": "import station.hw.franka.arm",
+    "station/hw/franka/franka_hw.py": "import station.hw.franka.simulated",
+    "station/hw/franka/franka_parameters.py": "import station.hw.franka.commands",
+    "station/hw/franka/hand/hand_services.py": "import station.core.clock",
+    "station/hw/franka/simulated/simulated_arm.py": "import mujoco, station.hw.mujoco",
     "station/hw/mock.py": "import mujoco, station.core.clock",
+    "station/hw/mujoco/world.py": "import mujoco",
     "station/ui/scene.py": "import viser, station.client.sync, station.wire",
 }
 
-# Packages that must stay light when a user imports them, and what they must not load.
+# Packages and modules that must stay light when imported, and what they must not load.
 LIGHT = {
     "station.core": {"fastapi", "mujoco", "pydantic", "uvicorn", "viser"},
     "station.controllers": {"fastapi", "mujoco", "pydantic", "uvicorn", "viser"},
     "station.client": {"fastapi", "mujoco", "uvicorn", "viser"},
+    "station.hw.franka.franka_hw": {"fastapi", "mujoco", "uvicorn", "viser"},
 }
 
 
@@ -116,6 +129,20 @@ def test_every_contract_has_a_violation_to_try():
     assert set(VIOLATIONS) == set(contract_ids())
 
 
+@pytest.mark.parametrize(
+    "line",
+    ["import mujoco", "import station.hw.mujoco", "import station.hw.franka.simulated"],
+)
+@pytest.mark.parametrize("room", ["arm", "commands", "hand"])
+def test_no_simulation_is_seen_from_before_the_seam(room, line, tmp_path):
+    newcomer = {f"station/hw/franka/{room}/newcomer.py": line}
+    write_example(tmp_path, {**PERMITTED, **newcomer})
+
+    result = check_contracts(tmp_path, only=("franka-seam",))
+
+    assert "0 kept, 1 broken" in result.stdout
+
+
 @pytest.mark.parametrize("contract", VIOLATIONS)
 def test_contract_breaks_on_a_violation(contract, tmp_path):
     name, line = VIOLATIONS[contract]
@@ -138,10 +165,6 @@ def test_layers_break_on_a_package_that_nobody_ranked(tmp_path):
 
 @pytest.mark.parametrize("package", LIGHT)
 def test_package_stays_light_when_imported(package):
-    path = ROOT / Path(*package.split(".")) / "__init__.py"
-    if not path.exists():
-        pytest.skip(f"{package} is not there")
-
     result = run_python(
         f"import sys, {package}; print(*sorted(set(sys.modules) & {LIGHT[package]!r}))",
         directory=ROOT,

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable, Sequence
 
-from station.core.clock import ManualClock
+from station.core.clock import Clock, ManualClock
 from station.core.control.controller import Controller, ControllerBase
 from station.core.control.controller_loader import TableLoader
 from station.core.control.controller_manager import ControllerManager
@@ -81,8 +81,8 @@ TYPES: dict[str, str | type[ControllerBase]] = {
 class Bench:
     """A mock robot with joints j1, j2, j3, its manager, and a loop by hand."""
 
-    def __init__(self) -> None:
-        self.clock = ManualClock()
+    def __init__(self, clock: Clock | None = None) -> None:
+        self.clock = clock or ManualClock()
         self.parameters = Parameters()
         self.robot = MockRobotHW()
         self.robot.clock = self.clock

@@ -30,9 +30,15 @@ def bench():
 
 
 @pytest.fixture
-def loop(bench):
-    """The bench's loop, running in its thread on the system's clock."""
-    bench.manager._clock = SystemClock()
+def threaded():
+    """A bench on the system's clock."""
+    return Bench(SystemClock())
+
+
+@pytest.fixture
+def loop(threaded):
+    """The loop of `threaded`, running in its thread."""
+    bench = threaded
     loop = ControlLoop(bench.robot, bench.manager, clock=SystemClock())
     loop.start()
     yield loop
@@ -58,7 +64,8 @@ def test_2_a_switch_from_the_thread_that_owns_the_loop_does_not_deadlock(bench):
     assert bench.switch(["arm"]).ok
 
 
-def test_2_a_switch_within_the_control_thread_does_not_deadlock(bench, loop):
+def test_2_a_switch_within_the_control_thread_does_not_deadlock(threaded, loop):
+    bench = threaded
     bench.load("arm", "j1")
     loop.run_in_cycle(lambda: None)
 

@@ -70,13 +70,12 @@ def hand_over(bench, seed, outcomes):
 
 
 def test_a_thousand_random_switches_keep_one_owner_per_joint_in_every_cycle():
-    bench = Bench()
+    bench = Bench(SystemClock())
     for joint in JOINTS:
         for kind in KINDS:
             bench.load(f"{joint}_{kind}", joint, kind=kind)
     bench.switch(["j3_Effort"])
     witness = Witness(bench)
-    bench.manager._clock = SystemClock()
     loop = ControlLoop(bench.robot, bench.manager, clock=SystemClock())
     outcomes = []
     threads = [

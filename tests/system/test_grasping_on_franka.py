@@ -60,7 +60,7 @@ def hand_height(bench):
 
 
 def box_height(bench):
-    return bench.station.loop.hw.simulation.world.data.body("box").xpos[2]
+    return bench.station.loop.hw.simulated_world().world.data.body("box").xpos[2]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -142,5 +142,5 @@ def test_a_stop_with_nothing_running_changes_nothing(make_bench, kind):
     bench.run(0.5)
 
     assert bench.goal(done, "gripper") == done
-    position = bench.station.loop.hw.simulation.grippers["panda"].read_position()
+    position = bench.station.loop.hw.simulated_world().grippers["panda"].read_position()
     assert position == pytest.approx(before, abs=1e-3)

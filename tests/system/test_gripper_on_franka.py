@@ -48,7 +48,7 @@ def test_it_closes_opens_and_leaves_the_arm_where_it_is(station):
 
 
 def test_something_between_the_fingers_is_told_within_half_a_second(station):
-    station.loop.hw.simulation.world.data.qfrc_applied[7] = 300.0
+    station.loop.hw.simulated_world().world.data.qfrc_applied[7] = 300.0
     goal = station.submit_goal(
         "gripper", {"command": {"position": 0.005, "max_effort": 5.0}}
     )
@@ -67,7 +67,7 @@ def test_a_stop_holds_the_fingers_and_ends_the_goal(station):
     station.loop.step(300)
 
     assert goal.status is GoalStatus.PREEMPTED
-    gripper = station.loop.hw.simulation.grippers["panda"]
+    gripper = station.loop.hw.simulated_world().grippers["panda"]
     held = gripper.read_position()
     station.loop.step(300)
     assert gripper.read_position() == pytest.approx(held, abs=1e-4)

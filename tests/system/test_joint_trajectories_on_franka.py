@@ -14,7 +14,7 @@ from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters, ParameterTree
 from station.core.ports.goal import Goal, GoalStatus
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 STIFFNESS = [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0]

@@ -40,8 +40,8 @@ def touch(station: Station) -> float:
     """Return the largest component of the force of the table on the hand [N]."""
     hw = station.loop.hw
     assert isinstance(hw, FrankaHW)
-    assert hw.simulation is not None
-    model, data = hw.simulation.world.model, hw.simulation.world.data
+    assert hw.simulated_world() is not None
+    model, data = hw.simulated_world().world.model, hw.simulated_world().world.data
     total, wrench = np.zeros(3), np.zeros(6)
     for number in range(data.ncon):
         mujoco.mj_contactForce(model, data, number, wrench)

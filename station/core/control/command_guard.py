@@ -1,14 +1,20 @@
-"""Watching what controllers command: finite, close to rest at the start, restable."""
+"""The commands of one resource: checked, remembered, compared, and put to rest."""
 
 import math
+from collections.abc import Collection
+from numbers import Real
 
+from station.core.faults import CONTAINED
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 
+MAX_TEXT = 60
+"""Longest text of a refused command in a message [characters]."""
+
 
 class CommandGuard:
-    """Watches the commands of one claimed resource.
+    """Checks, remembers and rests the commands of one resource.
 
     Args:
         interface: The robot's own interface through which it is claimed.
@@ -32,17 +38,22 @@ class CommandGuard:
         self._rest = self._last
         self._present = self._last
 
-    def write_rest(self) -> None:
+    def write_rest(self, slots: Collection[int] | None = None) -> None:
         """Command the resource to rest where it is.
 
-        A command whose rest is unknown, because a sensor reads NaN, stays as it is or
-        becomes the last good one.
+        A sensor that reads NaN leaves the rest unknown. The command then stays as it
+        is if it is a finite float, and otherwise becomes the last good command.
+
+        Args:
+            slots: Positions in `slots` that are written; None for all.
         """
         values = self.interface.rest_commands(self.name)
         for position, (storage, index) in enumerate(self.slots):
+            if slots is not None and position not in slots:
+                continue
             if math.isfinite(values[position]):
                 storage[index] = values[position]
-            elif not _is_finite(storage[index]):
+            elif not _is_finite_float(storage[index]):
                 storage[index] = self._last[position]
 
     def remember(self) -> bool:
@@ -81,12 +92,25 @@ class CommandGuard:
             steps.append(min(from_last, _distance(command, rest, present)))
         return steps
 
-    def bad_command(self) -> str:
-        """Return the first command that is no finite number as text; empty if none."""
+    def describe(self, value: object) -> str:
+        """Return a command of this resource in words, whatever the command is."""
+        return f"{_as_text(value)} for '{self.name}'"
+
+    def refused_command(self) -> str | None:
+        """Return the first command that is not a real finite number, as text.
+
+        A real number of another type (an integer, a NumPy float) is replaced by the
+        float of the same value. None when every command is a finite float.
+        """
         for storage, index in self.slots:
-            if not _is_finite(storage[index]):
-                return repr(storage[index])
-        return ""
+            value = storage[index]
+            if _is_finite_float(value):
+                continue
+            converted = _as_finite_float(value)
+            if converted is None:
+                return _as_text(value)
+            storage[index] = converted
+        return None
 
 
 def _distance(command: float, rest: float, present: float) -> float:
@@ -97,9 +121,33 @@ def _distance(command: float, rest: float, present: float) -> float:
     return max(low - command, command - high, 0.0)
 
 
-def _is_finite(value: object) -> bool:
-    """Say whether what a controller wrote is a finite number."""
-    return isinstance(value, (int, float)) and math.isfinite(value)
+def _is_finite_float(value: object) -> bool:
+    """Return whether a command is a float, of exactly that type, and finite."""
+    return type(value) is float and value - value == 0.0
+
+
+def _as_finite_float(value: object) -> float | None:
+    """Return a real number as a finite float; None for anything else.
+
+    Complex numbers, texts and decimals are not converted: a control law that computes
+    one of them has an error, and the nearest float would hide that error.
+    """
+    if not isinstance(value, Real):
+        return None
+    try:
+        converted = float(value)
+    except CONTAINED:  # 10**400 overflows, and a user's own number may raise anything
+        return None
+    return converted if math.isfinite(converted) else None
+
+
+def _as_text(value: object) -> str:
+    """Return a command as a short text, whatever it is."""
+    try:
+        text = repr(value)
+    except CONTAINED:  # e.g. an integer with more digits than Python prints
+        text = f"of type {type(value).__name__}"
+    return text if len(text) <= MAX_TEXT else f"{text[:MAX_TEXT]}..."
 
 
 def find_guards(
@@ -127,6 +175,22 @@ def find_guards(
                         slots,
                     )
                 )
+    return guards
+
+
+def all_guards(hw: RobotHW) -> list[CommandGuard]:
+    """Return a guard for every resource of the robot that takes commands.
+
+    Args:
+        hw: The robot.
+    """
+    guards: list[CommandGuard] = []
+    for interface_type in hw.interface_types():
+        interface = hw.get(interface_type)
+        if isinstance(interface, HardwareResourceManager):
+            name = interface_type_name(interface_type)
+            resources = tuple(interface.get_names())
+            guards += find_guards(hw, (InterfaceResources(name, resources),))
     return guards
 
 

@@ -33,6 +33,8 @@ class ControllerState(Enum):
     STOPPED = "stopped"
     WAITING = "waiting"
     ABORTED = "aborted"
+    LOADING = "loading"
+    """Its code is being imported and initialised; not a state of ros_control."""
 
 
 class ControllerSample(NamedTuple):

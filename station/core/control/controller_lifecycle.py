@@ -1,12 +1,14 @@
-"""One controller's way through its life in the control thread, faults contained.
+"""Starting, stopping and aborting one controller, with every fault contained.
 
 Source: ros_control@0.20.0 controller_interface/controller_base.h; differs: an exception
-or a command that is not finite takes its controller off the robot, in the same cycle
-and alone (CM-80); the first command of a started controller is checked for a jump.
+or a command that is not a real finite number takes its controller off the robot, in the
+same cycle and alone (CM-80); the first command of a started controller is checked for a
+jump; what a controller writes while it does not own its resources is put back.
 """
 
 from collections.abc import Callable, Sequence
 
+from station.core.control.command_gate import CommandGate
 from station.core.control.controller import ControllerState
 from station.core.control.loaded_controller import LoadedController
 from station.core.errors import StationError
@@ -19,6 +21,8 @@ from station.core.faults import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
 
+_RUNNING = ControllerState.RUNNING
+
 
 class ControllerLifecycle:
     """Starts, stops and aborts loaded controllers; for the control thread.
@@ -29,6 +33,7 @@ class ControllerLifecycle:
         hw: The robot.
 
     Attributes:
+        gate: Keeps the commands with their owners.
         loaded: All loaded controllers in load order; replaced as a whole.
         start_gate: Called before anything is started; raises a StationError when
             nothing may be. None when there is no such rule.
@@ -36,6 +41,7 @@ class ControllerLifecycle:
 
     def __init__(self, hw: RobotHW) -> None:
         self.hw = hw
+        self.gate = CommandGate(hw)
         self.loaded: tuple[LoadedController, ...] = ()
         self.start_gate: Callable[[], None] | None = None
 
@@ -45,8 +51,8 @@ class ControllerLifecycle:
         time: float,
         stopped: tuple[ControllerInfo, ...],
         jump: dict[str, float],
-    ) -> str:
-        """Start one controller; return why that was not possible, or nothing.
+    ) -> str | None:
+        """Start one controller; return why that was not possible.
 
         Args:
             one: The controller; it may be running already (CM-48, CM-51).
@@ -58,36 +64,47 @@ class ControllerLifecycle:
         controller = one.controller
         if controller.state is ControllerState.CONSTRUCTED:
             return "it was never initialised"
-        own = (one.info,) if controller.state is ControllerState.RUNNING else ()
-        unknown = one.prepare({
+        own = (one.info,) if controller.state is _RUNNING else ()
+        unknown = one.commands.prepare({
             claim for info in (*stopped, *own) for claim in _claims(info)
         })
-        if unknown:
-            self.fail(one, time, unknown, "")
+        if unknown is not None:
+            self.fail(one, time, unknown, None)
             return unknown
-        try:
-            controller.start_request(time)
-            bad = "" if one.is_finite() else one.bad_command()
-            problem = f"starting wrote the {bad}" if bad else one.excessive_jump()
-            trace = ""
-        except CONTAINED as error:  # contained, kept and shown
-            problem, trace = reason_of("starting", error), trace_of_fault()
-        if not problem:
-            one.fault = one.traceback = ""
-            one.watch_first_update()
-        if not trace:
-            jump.update(one.jumps())
-        if problem:
+        problem, trace = self._call_starting(one, time, jump)
+        if problem is not None:
+            one.commands.write_rest()  # what `starting` wrote must not reach the robot
             self.fail(one, time, problem, trace)
-        return problem
+            return problem
+        one.fault = one.traceback = None
+        # The robot has just entered the mode of this controller.
+        one.is_unreleased = False
+        one.late_updates = 0
+        one.watch_first_update()
+        self.gate.is_stale = True
+        return None
+
+    def _call_starting(
+        self, one: LoadedController, time: float, jump: dict[str, float]
+    ) -> tuple[str | None, str | None]:
+        """Call `starting`; return what is wrong with it, and its traceback."""
+        try:
+            one.controller.start_request(time)
+        except CONTAINED as error:  # contained, kept and shown
+            return reason_of("starting", error), trace_of_fault()
+        refused = one.commands.refused()
+        if refused is not None:
+            return f"starting wrote the {refused}", None
+        jump.update(one.commands.jumps())
+        return one.excessive_jump(), None
 
     def start_at_once(
         self,
         one: LoadedController,
         time: float,
         stopped: tuple[ControllerInfo, ...],
-    ) -> str:
-        """Start one controller if the hardware is ready; return why not, or nothing.
+    ) -> str | None:
+        """Start one controller if the hardware is ready; return why it did not start.
 
         Args:
             one: The controller.
@@ -96,11 +113,11 @@ class ControllerLifecycle:
         """
         try:
             ready = self.hw.switch_result_for(one.info) is SwitchState.DONE
-            problem = "" if ready else "the hardware was not ready at once"
+            problem = None if ready else "the hardware was not ready at once"
         except CONTAINED as error:  # kept and shown
             problem = reason_of("switch_result_for", error)
-        if problem:
-            self.fail(one, time, problem, "")
+        if problem is not None:
+            self.fail(one, time, problem, None)
             return problem
         return self.start(one, time, stopped, {})
 
@@ -110,62 +127,108 @@ class ControllerLifecycle:
         if one.got_set_point():
             return  # somebody wants it to move already
         problem = one.excessive_jump()
-        if problem:
-            self.fail(one, time, problem, "")
+        if problem is not None:
+            self.fail(one, time, problem, None)
             self.fall_back(one, time)
 
     def stop(self, one: LoadedController, time: float) -> None:
-        """Stop one controller; an exception of its `stopping` is kept as its fault."""
+        """Stop one controller; what its `stopping` does wrong is kept as its fault.
+
+        Commands that `stopping` writes are the last word of their owner, for a brake,
+        say: a successor in the same cycle goes on from them. A command that is not a
+        real finite number is replaced by the rest of its resource here, so that it is
+        not blamed on the successor.
+        """
+        self.gate.is_stale = True
+        trace: str | None = None
         try:
             one.controller.stop_request(time)
+            refused = one.commands.refused()
+            problem = None if refused is None else f"stopping wrote the {refused}"
         except CONTAINED as error:  # contained, kept and shown
+            problem, trace = reason_of("stopping", error), trace_of_fault()
+        if problem is not None:
             one.controller.state = ControllerState.STOPPED
-            one.fault = reason_of("stopping", error)
-            one.traceback = trace_of_fault()
-            one.abort_goals(f"The controller failed: {one.fault}.")
-            one.write_rest()
+            one.fault, one.traceback = problem, trace
+            one.abort_goals(f"The controller failed: {problem}.")
+            one.commands.write_rest()
 
-    def wait(self, one: LoadedController, time: float) -> str:
+    def wait(self, one: LoadedController, time: float) -> str | None:
         """Tell one controller that the hardware is switching; return what failed."""
+        self.gate.is_stale = True
+        before, trace = one.commands.values(), None
         try:
             one.controller.wait_request(time)
+            problem = None
         except CONTAINED as error:  # contained, kept and shown
-            problem = reason_of("waiting", error)
-            self.fail(one, time, problem, trace_of_fault())
-            return problem
-        return ""
+            problem, trace = reason_of("waiting", error), trace_of_fault()
+        written = one.commands.put_back(before)
+        if problem is None and written is not None:
+            # A waiting controller owns nothing yet: somebody else may, or nobody.
+            problem = f"waiting wrote the command {written}, which it does not own yet"
+        if problem is not None:
+            self.fail(one, time, problem, trace)
+        return problem
 
     def abort(self, one: LoadedController, time: float, problem: str) -> None:
-        """Mark one controller as not running, because of `problem`; it rests."""
-        one.fault, one.traceback, one.fresh = problem, "", False
-        one.write_rest()
+        """Mark one controller as not running because of `problem`.
+
+        If it was running its commands rest. Otherwise they may belong to somebody
+        else already, and stay as they are.
+        """
+        self.gate.is_stale = True
+        if one.controller.state is _RUNNING:
+            one.commands.write_rest()
+        one.fault, one.traceback, one.fresh = problem, None, False
         one.abort_goals(f"The controller failed: {problem}.")
+        before = one.commands.values()
         try:
             one.controller.abort_request(time)
         except CONTAINED as error:  # contained, kept and shown
             one.controller.state = ControllerState.ABORTED
-            one.fault += f" ({reason_of('aborting', error)})"
+            one.add_fault(reason_of("aborting", error))
             one.traceback = trace_of_fault()
+        written = one.commands.put_back(before)
+        if written is not None:
+            one.add_fault(f"aborting wrote the command {written}, which was put back")
 
     def reset(self, one: LoadedController, time: float) -> None:
         """Stop and start one controller if it runs (CM-78)."""
-        if one.controller.state is ControllerState.RUNNING:
+        if one.controller.state is _RUNNING:
             self.stop(one, time)
             self.start(one, time, (one.info,), {})
 
-    def fail(self, one: LoadedController, time: float, reason: str, trace: str) -> None:
+    def fail(
+        self, one: LoadedController, time: float, reason: str, trace: str | None
+    ) -> None:
         """Take a failed controller off the robot in this cycle; it becomes aborted."""
         self.abort(one, time, reason)
         one.traceback = trace or one.traceback
-        one.write_rest()  # again: `aborting` may have commanded something
-        self.do_switch([], [one.info])
+        self.release([one])
+
+    def release(self, stopped: Sequence[LoadedController]) -> str | None:
+        """Take stopped controllers off the hardware; return what went wrong.
+
+        When the robot cannot be told, the controllers are marked as not released:
+        they can be stopped again, and are not unloaded before that has succeeded.
+        """
+        problem = self.do_switch([], [one.info for one in stopped])
+        for one in stopped:
+            one.is_unreleased = problem is not None
+            if problem is not None:
+                one.add_fault(f"the robot may still be in its mode: {problem}")
+        return problem
 
     def fall_back(self, failed: LoadedController, time: float) -> None:
         """Start what shall take over from `failed`, in this cycle; else it rests."""
         replacements = self._replacements(failed)
         if not replacements:
             return
-        self.do_switch([one.info for one in replacements], [])
+        problem = self.do_switch([one.info for one in replacements], [])
+        if problem is not None:
+            failed.add_fault(f"no fallback: {problem}")
+            self.release(replacements)
+            return
         for one in replacements:
             self._start_replacement(one, failed, time)
 
@@ -175,14 +238,9 @@ class ControllerLifecycle:
             return []
         known = {one.info.name: one for one in self.loaded}
         wanted = [known[name] for name in failed.fallback if name in known]
-        running = [
-            one.info
-            for one in self.loaded
-            if one.controller.state is ControllerState.RUNNING
-        ]
-        start = [
-            one for one in wanted if one.controller.state is not ControllerState.RUNNING
-        ]
+        running = [one.info for one in self.loaded if one.controller.state is _RUNNING]
+        start = [one for one in wanted if one.controller.state is not _RUNNING]
+        reason: str | None = None
         try:
             if self.start_gate is not None:
                 self.start_gate()
@@ -190,15 +248,16 @@ class ControllerLifecycle:
                 *running,
                 *(one.info for one in start),
             ])
-            reason = conflicts[0].reason if conflicts else ""
+            if conflicts:
+                reason = conflicts[0].reason
         except StationError as error:
             reason = printable(error.message)
         except CONTAINED as error:  # shown with the fault
             reason = describe(error)
         if len(wanted) < len(failed.fallback):
             reason = "not all of it is loaded"
-        if reason:
-            failed.fault += f" (no fallback: {reason})"
+        if reason is not None:
+            failed.add_fault(f"no fallback: {reason}")
             return []
         return start
 
@@ -206,24 +265,26 @@ class ControllerLifecycle:
         self, one: LoadedController, failed: LoadedController, time: float
     ) -> None:
         if not one.ownership.acquire(blocking=False):
-            failed.fault += f" (fallback '{one.info.name}' is being unloaded)"
+            failed.add_fault(f"fallback '{one.info.name}' is being unloaded")
             return
         problem = self.start_at_once(one, time, (failed.info,))
         one.ownership.release()
-        if problem:
-            failed.fault += f" (fallback '{one.info.name}' did not start: {problem})"
+        if problem is not None:
+            failed.add_fault(f"fallback '{one.info.name}' did not start: {problem}")
 
     def do_switch(
         self,
         start: Sequence[ControllerInfo],
         stop: Sequence[ControllerInfo],
-    ) -> str:
-        """Tell the hardware; return what went wrong, or nothing."""
+    ) -> str | None:
+        """Tell the hardware; return what went wrong."""
+        # The robot may seed its command buffers, and owners change.
+        self.gate.is_stale = True
         try:
             self.hw.do_switch(start, stop)
         except CONTAINED as error:  # shown in the result
             return reason_of("do_switch", error)
-        return ""
+        return None
 
 
 def _claims(info: ControllerInfo) -> list[tuple[str, str]]:

@@ -3,7 +3,11 @@
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp; differs:
 a refusal raises with its reason; loading and unloading do not wait for the control
 thread and never hold it up (CM-32); a switch has a deadline in wall time and is
-withdrawn as a whole (CM-74); callers are served one after the other (CM-76).
+withdrawn as a whole (CM-74); switches are served one after the other (CM-76).
+
+No foreign code runs under a lock that others wait for: controllers are loaded in
+threads of their own (`loading.py`), and a robot that takes long to prepare a switch
+holds up other switches alone (`switch_caller.py`).
 """
 
 import threading
@@ -19,30 +23,23 @@ from station.core.control.controller_status import (
     ControllerStatus,
 )
 from station.core.control.loaded_controller import LoadedController
-from station.core.control.pending_switch import PendingSwitch, SwitchProgress
+from station.core.control.loading import LOAD_TIMEOUT, Loading
+from station.core.control.switch_caller import SwitchCaller
 from station.core.control.switching import (
-    Candidate,
+    SWITCH_BOUND,
     Strictness,
-    SwitchPlan,
     SwitchRequest,
     SwitchResult,
-    conflict_error,
-    plan_switch,
 )
 from station.core.errors import (
     ControllerExistsError,
-    ControllerNotFoundError,
     ControllerStateError,
-    SwitchRefusedError,
-    SwitchTimeoutError,
 )
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
-SWITCH_BOUND = 5.0
-"""How long a switch without a timeout may take [s wall time]."""
 SWITCH_GRACE = 1.0
 """How much later than its timeout a switch is given up [s wall time] (CM-74)."""
 WAIT_SLICE = 0.05
@@ -61,9 +58,6 @@ class ControllerManager:
         parameters: Namespace in which every controller has a namespace of its name.
         loaders: Where controllers come from; asked in this order.
         clock: Wall time.
-
-    Attributes:
-        pump: Runs one cycle; called by a waiting caller when no thread runs the loop.
     """
 
     def __init__(
@@ -73,21 +67,50 @@ class ControllerManager:
         loaders: Sequence[ControllerLoader],
         clock: Clock,
     ) -> None:
-        self.pump: Callable[[], None] | None = None
         self._hw = hw
         self._factory = ControllerFactory(hw, parameters, loaders)
         self._clock = clock
         self._runner = ControllerRunner(hw)
-        self._callers = threading.Lock()
+        self._lock = threading.Lock()
+        self._switches = SwitchCaller(hw, self._runner, clock, self._lock)
+        self._loading: dict[str, Loading] = {}
+
+    @property
+    def pump(self) -> Callable[[], None] | None:
+        """Runs one cycle; called by a waiting caller when no thread runs the loop."""
+        return self._switches.pump
+
+    @pump.setter
+    def pump(self, pump: Callable[[], None] | None) -> None:
+        self._switches.pump = pump
 
     @property
     def start_gate(self) -> Callable[[], None] | None:
         """Called before a start, in the control thread; raises when none may be."""
-        return self._runner.start_gate
+        return self._runner.lifecycle.start_gate
 
     @start_gate.setter
     def start_gate(self, gate: Callable[[], None] | None) -> None:
-        self._runner.start_gate = gate
+        self._runner.lifecycle.start_gate = gate
+
+    @property
+    def update_budget(self) -> float:
+        """How long an update of a controller may take [s wall time], > 0.
+
+        Infinite until somebody sets it: cycles that are stepped take no wall time into
+        account.
+        """
+        return self._runner.update_budget
+
+    @update_budget.setter
+    def update_budget(self, budget: float) -> None:
+        self._runner.update_budget = budget
+
+    @property
+    def command_violations(self) -> tuple[int, str | None]:
+        """How often somebody has written a command without a claim, and the last."""
+        gate = self._runner.lifecycle.gate
+        return gate.violations, gate.last_violation
 
     @property
     def cycle(self) -> int:
@@ -112,9 +135,12 @@ class ControllerManager:
         """Run one cycle: update the running controllers, then a pending switch.
 
         Args:
-            time: Station time [s].
+            time: Station time [s], >= 0.
             period: Time since the last cycle [s], >= 0.
             reset_controllers: Stop and start every running controller first (CM-78).
+
+        Raises:
+            ValueError: `time` or `period` is negative or not finite.
         """
         self._runner.update(time, period, reset_controllers=reset_controllers)
 
@@ -151,45 +177,70 @@ class ControllerManager:
 
     # Loading
 
-    def load_controller(self, name: str) -> None:
+    def load_controller(self, name: str, timeout: float = LOAD_TIMEOUT) -> None:
         """Load the controller whose type and parameters are under `name` (CM-21).
+
+        Its import, its constructor and its `init` run in a thread of their own while
+        this caller waits; `list_controllers` shows it as loading meanwhile.
 
         Args:
             name: Its name and namespace.
+            timeout: How long to wait for it [s wall time], > 0.
 
         Raises:
-            ControllerExistsError: That name is loaded already (CM-22).
+            ControllerExistsError: That name is loaded already (CM-22), or being loaded.
             ParameterError: Its type or a parameter is missing or impossible (CM-23).
             ControllerTypeNotFoundError: No loader knows its type (CM-24).
-            ControllerLoadError: It cannot be created or initialised (CM-25 … CM-29).
+            ControllerLoadError: It cannot be created or initialised (CM-25 … CM-29),
+                or not in time, or the loading was cancelled.
         """
         self._refuse_control_thread("load")
-        with self._callers:
-            if any(loaded.info.name == name for loaded in self._runner.loaded):
-                raise ControllerExistsError(
-                    f"Controller '{name}' is loaded already.",
-                    remedy="Unload it first, or choose another name.",
-                    details={"controller": name},
-                )
-            loaded = self._factory.build(name)
-            if loaded.controller.set_points is not None:
-                loaded.controller.set_points.clock = self._clock
+        loading = Loading(name, lambda: self._factory.build(name))
+        with self._lock:
+            self._refuse_duplicate(name)
+            self._loading[name] = loading
+        try:
+            loaded = loading.run(timeout)
+        finally:
+            with self._lock:
+                self._loading.pop(name, None)
+        if loaded.controller.set_points is not None:
+            loaded.controller.set_points.clock = self._clock
+        with self._lock:
+            self._refuse_duplicate(name)
             self._runner.loaded = (*self._runner.loaded, loaded)
+
+    def _refuse_duplicate(self, name: str) -> None:
+        is_loading = name in self._loading
+        if is_loading or any(one.info.name == name for one in self._runner.loaded):
+            state = "is being loaded" if is_loading else "is loaded already"
+            raise ControllerExistsError(
+                f"Controller '{name}' {state}.",
+                remedy="Unload it first, or choose another name.",
+                details={"controller": name},
+            )
 
     def unload_controller(self, name: str) -> None:
         """Unload a controller that does not run (CM-34 … CM-36).
 
+        One that is being loaded is given up: whoever loads it is told.
+
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is running, or about to be.
+            ControllerStateError: It is running, or about to be, or the robot has not
+                been told that it has stopped.
         """
         self._refuse_control_thread("unload")
-        with self._callers:
-            self._unload(self._find(name))
+        with self._lock:
+            if name in self._loading:
+                self._loading.pop(name).cancel()
+                return
+            self._unload(self._runner.find(name))
 
     def list_controllers(self) -> list[ControllerStatus]:
-        """Return all loaded controllers in load order (CM-81)."""
-        return [loaded.status() for loaded in self._runner.loaded]
+        """Return the loaded controllers in load order (CM-81), then those loading."""
+        loaded = [one.status() for one in self._runner.loaded]
+        return [*loaded, *(one.status() for one in list(self._loading.values()))]
 
     def get_controller(self, name: str) -> ControllerBase:
         """Return the controller loaded as `name`.
@@ -197,7 +248,7 @@ class ControllerManager:
         Raises:
             ControllerNotFoundError: None of that name is loaded.
         """
-        return self._find(name).controller
+        return self._runner.find(name).controller
 
     def list_controller_types(self) -> list[tuple[str, str]]:
         """Return (type, base class) of everything the loaders declare (CM-86)."""
@@ -205,7 +256,7 @@ class ControllerManager:
 
     def register_loader(self, loader: ControllerLoader) -> None:
         """Ask `loader`, too, after those that are known already."""
-        with self._callers:
+        with self._lock:
             self._factory.loaders.append(loader)
 
     def reload_controller_libraries(self, *, force_kill: bool = False) -> None:
@@ -220,7 +271,7 @@ class ControllerManager:
             SwitchTimeoutError: They could not be stopped in time.
         """
         self._refuse_control_thread("reload", waits=True)
-        with self._callers:
+        with self._switches.one_at_a_time(SWITCH_BOUND):
             names = [loaded.info.name for loaded in self._runner.loaded]
             if names and not force_kill:
                 raise ControllerStateError(
@@ -230,9 +281,12 @@ class ControllerManager:
                     details={"loaded": names},
                 )
             if names:
-                self._switch(SwitchRequest((), names, Strictness.BEST_EFFORT))
-            for name in names:
-                self._unload(self._find(name))
+                self._switches.carry_out(
+                    SwitchRequest((), names, Strictness.BEST_EFFORT)
+                )
+            with self._lock:
+                for name in names:
+                    self._unload(self._runner.find(name))
             self._factory.reload()
 
     def controller_statistics(self) -> list[ControllerStatistics]:
@@ -267,96 +321,7 @@ class ControllerManager:
                 itself.
         """
         self._refuse_control_thread("switch", waits=True)
-        with self._callers:
-            return self._switch(request)
-
-    def _switch(self, request: SwitchRequest) -> SwitchResult:
-        plan = self._plan(request)
-        if request.dry_run:
-            return SwitchResult(
-                ok=True,
-                started=tuple(info.name for info in plan.start),
-                stopped=tuple(info.name for info in plan.stop),
-                cycle=0,
-                plan=plan,
-                dry_run=True,
-            )
-        self._hw.prepare_switch(plan.start, plan.stop)
-        runner = self._runner
-        pending = PendingSwitch(
-            request,
-            plan,
-            [self._find(name) for name in plan.start_requests],
-            [self._find(name) for name in plan.stop_requests],
-            runner.time if runner.cycle else None,
-        )
-        runner.pending = pending
-        try:
-            self._wait_for(pending)
-        except BaseException:
-            self._withdraw(pending)
-            raise
-        return pending.result()
-
-    def _plan(self, request: SwitchRequest) -> SwitchPlan:
-        loaded = self._runner.loaded
-        if self._runner.pending is not None:
-            raise SwitchRefusedError(
-                "The switch before has begun and is not finished: the control loop "
-                "stands still.",
-                remedy="Let the control loop run; then look at the controllers.",
-            )
-        plan = plan_switch(
-            [Candidate(one.info, one.controller.state) for one in loaded], request
-        )
-        conflicts = self._hw.check_for_conflict(plan.running)
-        if conflicts:
-            running = [o.info.name for o in loaded if o.controller.is_running()]
-            raise conflict_error(conflicts, running)
-        return plan
-
-    def _wait_for(self, pending: PendingSwitch) -> None:
-        """Return when the control thread has finished `pending`.
-
-        Raises:
-            SwitchTimeoutError: It has not, at the deadline.
-        """
-        timeout = pending.request.timeout
-        bound = timeout + SWITCH_GRACE if timeout > 0.0 else SWITCH_BOUND
-        clock, runner = self._clock, self._runner
-        offset = clock.now() - runner.time  # pumped cycles take station time
-        deadline = clock.now() + bound
-        while pending.progress is not SwitchProgress.FINISHED:
-            now = max(clock.now(), runner.time + offset if self.pump else 0.0)
-            if now >= deadline:
-                if pending.expired or self._withdraw(pending):
-                    raise self._timed_out(pending, bound)
-                deadline = now + SWITCH_GRACE  # begun: the next cycle ends it
-            elif self.pump is not None:
-                self.pump()
-            else:
-                clock.wait_for(pending.done, min(deadline, now + WAIT_SLICE))
-
-    def _withdraw(self, pending: PendingSwitch) -> bool:
-        """Take back a switch that has not begun; let one that has end itself."""
-        if pending.claim.acquire(blocking=False):
-            self._runner.pending = None
-            return True
-        pending.expired = True
-        return False
-
-    def _timed_out(self, pending: PendingSwitch, bound: float) -> SwitchTimeoutError:
-        begun = pending.progress is not SwitchProgress.POSTED
-        if begun:
-            outcome = "It has begun; the next cycle ends it and aborts what waits."
-        else:
-            outcome = "It was withdrawn; controllers and hardware are as before."
-        return SwitchTimeoutError(
-            f"The switch was not finished within {bound} s of wall time, because the "
-            f"control loop does not run. {outcome}",
-            remedy="Start or resume the control loop, then switch again.",
-            details={"timeout": bound, "begun": begun},
-        )
+        return self._switches.switch(request)
 
     # What the above share
 
@@ -370,22 +335,19 @@ class ControllerManager:
                 remedy="Do it in another thread; a loop of your own can set `pump`.",
             )
 
-    def _find(self, name: str) -> LoadedController:
-        for loaded in self._runner.loaded:
-            if loaded.info.name == name:
-                return loaded
-        names = ", ".join(loaded.info.name for loaded in self._runner.loaded)
-        raise ControllerNotFoundError(
-            f"No controller '{name}' is loaded.",
-            remedy=f"Loaded are: {names or 'none'}.",
-            details={"controller": name},
-        )
-
     def _unload(self, loaded: LoadedController) -> None:
         name = loaded.info.name
+        if loaded.is_unreleased:
+            raise ControllerStateError(
+                f"Controller '{name}' cannot be unloaded: the robot could not be told "
+                "that it has stopped, and may still be in its mode.",
+                remedy=f"Stop '{name}' again, so that the robot is told again.",
+                details={"controller": name, "state": loaded.controller.state.value},
+            )
         # Whoever holds the ownership decides: here, or a fallback being started.
         owned = loaded.ownership.acquire(blocking=False)
-        if not owned or loaded.controller.is_running() or self._is_pending(loaded):
+        planned = name in self._switches.planned
+        if not owned or planned or loaded.controller.is_running():
             if owned:
                 loaded.ownership.release()
             raise ControllerStateError(
@@ -397,7 +359,3 @@ class ControllerManager:
         self._runner.loaded = tuple(
             one for one in self._runner.loaded if one is not loaded
         )
-
-    def _is_pending(self, loaded: LoadedController) -> bool:
-        pending = self._runner.pending
-        return pending is not None and loaded in (*pending.start, *pending.stop)

@@ -2,8 +2,9 @@
 
 import threading
 
-from station.core.control.command_guard import CommandGuard, as_pieces
+from station.core.control.command_guard import CommandGuard
 from station.core.control.controller import ControllerBase
+from station.core.control.controller_commands import ControllerCommands
 from station.core.control.controller_status import (
     ControllerStatistics,
     ControllerStatus,
@@ -19,15 +20,17 @@ class LoadedController:
     Attributes:
         controller: The controller.
         info: What the hardware is told about it.
-        guards: One per claimed resource that takes commands.
-        pieces: The same commands as few slices, for a cheap look every cycle.
+        commands: Every command that it has claimed.
         fallback: Names of the controllers that take over when it fails.
-        may_jump: Its first command may be anything (`allow_start_jump: true`).
-        fault: Why the manager stopped it; empty if it did not.
-        traceback: The traceback of that; empty if there was none.
-        fresh: Started, and not updated yet.
+        may_jump: Whether its first command may be anything (`allow_start_jump: true`).
+        fault: Why the manager stopped it; None if the manager did not.
+        traceback: Traceback of that fault; None if there was none.
+        is_unreleased: Whether the robot could not be told that the controller has
+            stopped, so that the robot may still be in the controller's mode.
+        fresh: Whether it was started and has not been updated yet.
         ownership: Held while somebody starts or unloads it; never waited for.
         durations: Durations of its updates [s].
+        late_updates: Updates in a row that took longer than the budget.
     """
 
     def __init__(
@@ -41,12 +44,12 @@ class LoadedController:
     ) -> None:
         self.controller = controller
         self.info = info
-        self.guards = guards
-        self.pieces = as_pieces([slot for guard in guards for slot in guard.slots])
+        self.commands = ControllerCommands(guards)
         self.fallback = fallback
         self.may_jump = may_jump
-        self.fault = ""
-        self.traceback = ""
+        self.fault: str | None = None
+        self.traceback: str | None = None
+        self.is_unreleased = False
         self.fresh = False
         self._last_set_point: list[float] | None = None
         self._last_goal: Goal | None = None
@@ -56,6 +59,7 @@ class LoadedController:
         self.squares = 0.0
         self.overruns = 0
         self.last_overrun = 0.0
+        self.late_updates = 0
 
     def account(self, duration: float) -> None:
         """Note how long an update took [s]."""
@@ -69,44 +73,6 @@ class LoadedController:
         self.total = self.squares = 0.0
         self.overruns = 0
         self.last_overrun = 0.0
-
-    def is_finite(self) -> bool:
-        """Say whether every command is a finite number; cheap."""
-        for storage, piece in self.pieces:
-            total = sum(storage[piece])
-            if total - total != 0.0:  # an overflow of the sum is no bad command
-                return not self.bad_command()
-        return True
-
-    def bad_command(self) -> str:
-        """Return which command is no finite number; empty if all are."""
-        for guard in self.guards:
-            value = guard.bad_command()
-            if value:
-                return f"command {value} for '{guard.name}'"
-        return ""
-
-    def write_rest(self) -> None:
-        """Command everything it claims to rest where it is."""
-        for guard in self.guards:
-            guard.write_rest()
-
-    def prepare(self, taken_over: set[tuple[str, str]]) -> str:
-        """Make the commands ready for a start; return why that is impossible.
-
-        Resources that nobody commanded until now begin at rest, so that no command of
-        long ago reaches the robot; the others go on from the last command.
-
-        Args:
-            taken_over: (hardware interface, resource) of what goes on from the last
-                command.
-        """
-        for guard in self.guards:
-            if guard.claim not in taken_over:
-                guard.write_rest()
-            if not guard.remember():
-                return f"the state of '{guard.name}' is not finite"
-        return ""
 
     def watch_first_update(self) -> None:
         """Note that it was started and has not been updated yet."""
@@ -136,22 +102,13 @@ class LoadedController:
         if self.controller.goals is not None:
             self.controller.goals.abort(reason)
 
-    def jumps(self) -> dict[str, float]:
-        """Return how far its commands are from before it was started, by resource."""
-        return {guard.name: guard.jump() for guard in self.guards}
+    def excessive_jump(self) -> str | None:
+        """Return which command is too far from the one before; None if none is."""
+        return None if self.may_jump else self.commands.excessive_jump()
 
-    def excessive_jump(self) -> str:
-        """Return which command is too far from the one before; empty if none is."""
-        if self.may_jump:
-            return ""
-        for guard in self.guards:
-            step, limit = guard.excess()
-            if step > 0.0:
-                return (
-                    f"its first command for '{guard.name}' jumps by {step:.6g}; at "
-                    f"most {limit:.6g} is allowed"
-                )
-        return ""
+    def add_fault(self, text: str) -> None:
+        """Note another thing that went wrong, after those noted before."""
+        self.fault = text if self.fault is None else f"{self.fault} ({text})"
 
     def status(self) -> ControllerStatus:
         """Return its status. Any thread."""
@@ -160,8 +117,8 @@ class LoadedController:
             self.info.type,
             self.controller.state,
             self.info.claimed_resources,
-            self.fault,
-            self.traceback,
+            self.fault or "",
+            self.traceback or "",
             self.fallback,
             self.durations.percentiles(),
         )

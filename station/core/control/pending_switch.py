@@ -4,15 +4,24 @@ import threading
 from enum import Enum
 
 from station.core.control.loaded_controller import LoadedController
-from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
+from station.core.control.switching import (
+    SwitchOutcome,
+    SwitchPlan,
+    SwitchRequest,
+    SwitchResult,
+)
 from station.core.errors import StationError, SwitchRefusedError
+
+__all__ = ["PendingSwitch", "SwitchOutcome", "SwitchProgress", "refused"]
 
 
 class SwitchProgress(Enum):
     """Where a pending switch is."""
 
     POSTED = "posted"
+    CLAIMED = "claimed"
     RUNNING = "running"
+    ROLLING_BACK = "rolling_back"
     FINISHED = "finished"
 
 
@@ -32,11 +41,13 @@ class PendingSwitch:
         time: Station time at the request [s]; None when no cycle has run yet.
 
     Attributes:
-        failed: Why a controller does not run, by name.
+        failed: Why a controller of the request is not as requested, by name.
         given_up: Names that failed by themselves and are not tried again.
+        not_restored: Why a controller that ran before does not run again, by name.
         jump: Step of the first command by resource.
         expired: Set by the caller: give up waiting for the hardware.
-        error: The switch is refused with this; None if it is not.
+        error: The switch is refused with this error; None if it is not refused.
+        outcome: How it ended.
         cycle: Cycle in which it was finished.
     """
 
@@ -56,9 +67,11 @@ class PendingSwitch:
         self.progress = SwitchProgress.POSTED
         self.failed: dict[str, str] = {}
         self.given_up: set[str] = set()
+        self.not_restored: dict[str, str] = {}
         self.jump: dict[str, float] = {}
         self.expired = False
         self.error: StationError | None = None
+        self.outcome = SwitchOutcome.COMMITTED
         self.cycle = 0
         self.claim = threading.Lock()
         self.done = threading.Lock()
@@ -70,16 +83,16 @@ class PendingSwitch:
         self.progress = SwitchProgress.FINISHED
         self.done.release()
 
-    def note_start(self, name: str, problem: str) -> None:
+    def note_start(self, name: str, problem: str | None) -> None:
         """Note that the controller `name` was started, or `problem` if it was not."""
-        if problem:
+        if problem is not None:
             self.failed[name] = problem
             self.given_up.add(name)
         else:
             self.failed.pop(name, None)
 
     def is_late(self, time: float) -> bool:
-        """Say whether the hardware has taken too long at station time `time` [s].
+        """Return whether the hardware has taken too long at station time `time` [s].
 
         Later than the timeout by more than rounding (CM-67); `expired` counts, too.
         """
@@ -89,10 +102,10 @@ class PendingSwitch:
         since = self.time
         return timeout > 0.0 and since is not None and time - since > timeout + 1e-9
 
-    def lateness(self, time: float) -> str:
-        """Return why it fails at station time `time` [s]; empty while it may go on."""
+    def lateness(self, time: float) -> str | None:
+        """Return why the switch is given up at station time `time` [s], or None."""
         if not self.is_late(time):
-            return ""
+            return None
         if time == self.time:
             return "the hardware cannot get ready while station time stands still"
         return "the hardware was not ready in time"
@@ -101,21 +114,39 @@ class PendingSwitch:
         """Return what the finished switch did.
 
         Raises:
-            StationError: It was refused in the control thread; nothing changed.
+            StationError: It was refused in the control thread.
         """
         if self.error is not None:
-            raise self.error
+            raise self._with_outcome(self.error)
         plan = self.plan
-        started = [info.name for info in plan.start if info.name not in self.failed]
+        committed = self.outcome is SwitchOutcome.COMMITTED
+        started = [i.name for i in plan.start if i.name not in self.failed]
+        stopped = [info.name for info in plan.stop]
+        if self.outcome is SwitchOutcome.ROLLED_BACK:
+            stopped = []
         return SwitchResult(
-            ok=not self.failed,
-            started=tuple(started),
-            stopped=tuple(info.name for info in plan.stop),
+            ok=not self.failed and committed,
+            started=tuple(started) if committed else (),
+            stopped=tuple(stopped),
             cycle=self.cycle,
             plan=plan,
-            failed=dict(self.failed),
+            outcome=self.outcome,
+            failed={**self.failed, **self.not_restored},
             jump=dict(self.jump),
         )
+
+    def _with_outcome(self, error: StationError) -> StationError:
+        """Say in the refusal which controllers do not run again."""
+        for name, problem in self.not_restored.items():
+            error.message += (
+                f" '{name}' could not be started again: {problem.rstrip('.')}."
+            )
+        if self.not_restored:
+            error.remedy = (
+                "Nobody commands the resources of this switch now. Look at the faults "
+                "of the controllers, correct them and switch again."
+            )
+        return error
 
 
 def refused(name: str, reason: str, pending: PendingSwitch) -> SwitchRefusedError:

@@ -31,6 +31,22 @@ class Strictness(Enum):
         return cls.STRICT if value == cls.STRICT.value else cls.BEST_EFFORT
 
 
+SWITCH_BOUND = 5.0
+"""Default of the wall time that a switch without a timeout may take [s]."""
+
+
+class SwitchOutcome(Enum):
+    """How a switch ended; see `switch_transaction.py`."""
+
+    COMMITTED = "committed"
+    """What could be done was done; `failed` says what could not."""
+    ROLLED_BACK = "rolled_back"
+    """What ran before runs again, in the modes of before."""
+    HALTED = "halted"
+    """Controllers of the switch were stopped and their resources rest, because the
+    hardware carried out neither the switch nor its reversal."""
+
+
 @dataclass(frozen=True, slots=True)
 class SwitchRequest:
     """Which controllers to start and to stop, in one cycle.
@@ -41,8 +57,10 @@ class SwitchRequest:
         strictness: What happens when only a part is possible.
         start_asap: Start each controller as soon as the hardware is ready for it,
             instead of all when it is ready for all.
-        timeout: How long the hardware may take [s station time]; 0 for the manager's
-            bound. The manager gives up in wall time, too.
+        timeout: How long the hardware may take [s station time], >= 0; 0 for as long
+            as it takes, up to `bound`.
+        bound: How long a switch without a timeout may take [s wall time], > 0. None
+            for as long as the hardware takes, as in ros_control.
         dry_run: Only say what would happen.
         zero_period: Update each started controller once with a period of zero, in the
             cycle in which it is started, as after a recovery.
@@ -53,6 +71,7 @@ class SwitchRequest:
     strictness: Strictness = Strictness.STRICT
     start_asap: bool = False
     timeout: float = 0.0
+    bound: float | None = SWITCH_BOUND
     dry_run: bool = False
     zero_period: bool = False
 
@@ -84,10 +103,13 @@ class SwitchResult:
     """What a switch did, or with `dry_run` would do.
 
     Attributes:
-        ok: Every controller of the plan runs or stopped as planned.
-        started: Names that were started, in load order.
-        stopped: Names that were stopped, in load order.
-        failed: Why a controller of the request does not run, by name.
+        ok: Whether every controller of the plan runs, or has stopped, as planned, and
+            the hardware with it.
+        started: Names that were started and run, in load order.
+        stopped: Names that were stopped and do not run, in load order.
+        outcome: How the switch ended.
+        failed: Why a controller of the request is not as requested, and why one that
+            ran before does not run again, by name.
         jump: How far the first commands are from what was commanded before, by
             resource, in the unit of the command.
         cycle: Cycle in which it was finished; 0 for a dry run.
@@ -100,6 +122,7 @@ class SwitchResult:
     stopped: tuple[str, ...]
     cycle: int
     plan: SwitchPlan
+    outcome: SwitchOutcome = SwitchOutcome.COMMITTED
     failed: dict[str, str] = field(default_factory=dict)
     jump: dict[str, float] = field(default_factory=dict)
     dry_run: bool = False
@@ -110,6 +133,8 @@ class Candidate(NamedTuple):
 
     info: ControllerInfo
     state: ControllerState
+    is_unreleased: bool = False
+    """Whether the robot could not be told that it has stopped."""
 
 
 class _Draft:
@@ -151,8 +176,8 @@ def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPl
     names = [candidate.info.name for candidate in loaded]
     stop = _known(draft, request.stop, names, "stop")
     start = _known(draft, request.start, names, "start")
-    for info, state in loaded:
-        _plan_controller(draft, info, state, info.name in start, info.name in stop)
+    for one in loaded:
+        _plan_controller(draft, one, one.info.name in start, one.info.name in stop)
     return SwitchPlan(
         tuple(start),
         tuple(stop),
@@ -181,14 +206,14 @@ def _known(
 
 def _plan_controller(
     draft: _Draft,
-    info: ControllerInfo,
-    state: ControllerState,
+    one: Candidate,
     start: bool,  # noqa: FBT001 - private, named at its only call
     stop: bool,  # noqa: FBT001
 ) -> None:
+    info, state = one.info, one.state
     name = info.name
     running = state is ControllerState.RUNNING
-    if stop and not running:
+    if stop and not running and not one.is_unreleased:
         draft.object_to(
             name,
             f"cannot stop: it is {state.value}, not running",

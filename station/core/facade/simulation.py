@@ -48,12 +48,13 @@ class Simulation:
 
     def __init__(self, loop: ControlLoop) -> None:
         self._loop = loop
+        self._world = loop.hw.simulated_world()
 
     def find(self) -> SimulationReport | None:
         """Return the simulation at a glance; None when the robot is real."""
-        time, pace = self._loop.hw.simulated_time(), self._loop.pace
-        if time is None:
+        if self._world is None:
             return None
+        time, pace = self._world.time(), self._loop.pace
         return SimulationReport(
             pace.paused, pace.real_time_factor, time, pace.steps_due
         )
@@ -66,10 +67,7 @@ class Simulation:
         """
         report = self.find()
         if report is None:
-            raise SimulationError(
-                f"The robot {type(self._loop.hw).__name__} is not simulated.",
-                remedy="Time cannot be stopped for it; POST /stop stops the robot.",
-            )
+            raise self._refusal()
         return report
 
     def change(
@@ -135,7 +133,7 @@ class Simulation:
             if not pace.paused:
                 raise SimulationError(
                     "The simulation is not paused.",
-                    remedy="Pause it first: PATCH /simulation with paused: true.",
+                    remedy="Pause the simulation first.",
                 )
             pace.steps_due += cycles
 
@@ -161,17 +159,24 @@ class Simulation:
                 nothing changed.
             LoopError: The loop died or hangs.
         """
-        self.report()
-        loop = self._loop
+        loop, world = self._loop, self._world
+        if world is None:
+            raise self._refusal()
         wanted = dict(positions or {})
         self._check_positions(wanted)
 
         def apply() -> None:
-            loop.hw.reset_simulation(wanted)
+            world.reset(wanted)
             loop.begin_anew()
 
         loop.run_in_cycle(apply)
         return self.report()
+
+    def _refusal(self) -> SimulationError:
+        return SimulationError(
+            f"The robot {type(self._loop.hw).__name__} is not simulated.",
+            remedy="Nobody can stop its time; stop the robot instead.",
+        )
 
     def _check_positions(self, positions: Mapping[str, float]) -> None:
         hw = self._loop.hw
@@ -189,7 +194,7 @@ class Simulation:
                 raise ParameterError(
                     f"Joint '{joint}' cannot be put to {position}; allowed are "
                     f"{lower:g} to {upper:g}.",
-                    remedy="GET /hardware has the limits of all joints.",
+                    remedy="The report of the hardware has the limits of all joints.",
                     details={"joint": joint, "position": position},
                 )
 
@@ -203,7 +208,8 @@ class Simulation:
         if pace.steps_due > 0:
             raise SimulationError(
                 f"{pace.steps_due} of the cycles asked for are still to be run.",
-                remedy="GET /loop says how the loop does; others may be stepping, too.",
+                remedy="The loop may be late, or another client may be stepping, too; "
+                "look at the report of the loop.",
             )
 
 

@@ -124,7 +124,8 @@ class Station(MotionCommands):
         Raises:
             LoopError: The loop died or hangs.
         """
-        return list(self.loop.run_in_cycle(self.loop.hw.scene))
+        world = self.loop.hw.simulated_world()
+        return [] if world is None else list(self.loop.run_in_cycle(world.scene))
 
     def dead(self) -> str | None:
         """Return why only a restart helps; None while the loop has not died."""

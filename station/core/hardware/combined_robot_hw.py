@@ -1,28 +1,29 @@
 """Several robots as one, each seeing only the part of a switch that concerns it.
 
 Source: ros_control@0.20.0 combined_robot_hw/src/combined_robot_hw.cpp; differs:
-`switch_result` asks the robots instead of always answering DONE (CM-114), and `init`
-raises with its reason.
+`switch_result` asks the robots instead of always answering DONE (CM-114), conflicts are
+asked of the robots, too, and `init` raises with its reason.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from math import inf
+from collections.abc import Callable, Sequence
 
 from typing_extensions import override
 
 from station.core.errors import HardwareInterfaceError, StationError
+from station.core.hardware.combined_world import CombinedWorld
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
+    ResourceConflict,
     RobotHW,
     SwitchState,
 )
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
-    SceneObjectReport,
     TransmissionReport,
 )
+from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
 
 CreateRobot = Callable[[str], RobotHW]
@@ -110,9 +111,22 @@ class CombinedRobotHW(RobotHW):
             robot.check_period(period)
 
     @override
-    def longest_period(self) -> float:
-        """Return that of the robot that waits least [s]."""
-        return max((one.longest_period() for one in self.robots.values()), default=inf)
+    def check_for_conflict(
+        self, controllers: Sequence[ControllerInfo]
+    ) -> list[ResourceConflict]:
+        """Ask every robot about its part; a robot may allow more or less than others.
+
+        Args:
+            controllers: All controllers that would be running after the switch.
+
+        Returns:
+            The conflicts of all robots, each once.
+        """
+        conflicts: dict[ResourceConflict, None] = {}
+        for robot in self.robots.values():
+            for conflict in robot.check_for_conflict(_part_of(robot, controllers)):
+                conflicts[conflict] = None
+        return list(conflicts)
 
     @override
     def prepare_switch(
@@ -134,8 +148,21 @@ class CombinedRobotHW(RobotHW):
     def do_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
+        """Tell every robot, also those after one that raises.
+
+        Raises:
+            Exception: What the first robot raised that raised anything. All robots have
+                been told by then, so that none is left in a mode that its controllers
+                have lost.
+        """
+        failure: Exception | None = None
         for robot in self.robots.values():
-            robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
+            try:
+                robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
+            except Exception as error:  # noqa: BLE001 - raised again below
+                failure = failure or error
+        if failure is not None:
+            raise failure
 
     @override
     def switch_result(self) -> SwitchState:
@@ -166,33 +193,22 @@ class CombinedRobotHW(RobotHW):
         return any(robot.is_interrupted() for robot in self.robots.values())
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         reasons = [
             robot.interruption_of(part)
             for robot in self.robots.values()
             for part in _part_of(robot, [controller])
         ]
-        return "; ".join(reason for reason in reasons if reason)
+        return "; ".join(reason for reason in reasons if reason) or None
 
     @override
-    def scene(self) -> Sequence[SceneObjectReport]:
-        """Return what any robot sees; robots in one world see the same."""
-        found = {one.name: one for hw in self.robots.values() for one in hw.scene()}
-        return list(found.values())
-
-    @override
-    def simulated_time(self) -> float | None:
-        """Return the time of the first simulated robot [s]; None if one is real."""
-        times = [robot.simulated_time() for robot in self.robots.values()]
-        return None if None in times or not times else times[0]
-
-    @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        if self.simulated_time() is None:
-            super().reset_simulation(positions)
-        for robot in self.robots.values():
-            own = robot.resources()
-            robot.reset_simulation({n: p for n, p in positions.items() if n in own})
+    def simulated_world(self) -> SimulatedWorld | None:
+        """Return the worlds of all robots as one; None if a robot is real."""
+        worlds = [(one, one.simulated_world()) for one in self.robots.values()]
+        simulated = [(one, world) for one, world in worlds if world is not None]
+        if not worlds or len(simulated) < len(worlds):
+            return None
+        return CombinedWorld(simulated)
 
     @override
     def mode(self) -> str:

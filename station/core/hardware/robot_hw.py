@@ -5,19 +5,17 @@ interface_resources.h; differs: a conflict is described instead of reported as `
 and a refused switch raises with its reason instead of returning `False`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from math import inf
 
-from station.core.errors import SimulationError
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
-    SceneObjectReport,
     TransmissionReport,
 )
+from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
 
 
@@ -153,14 +151,6 @@ class RobotHW(InterfaceManager):
             HardwareInterfaceError: The loop is too fast or too slow for the robot.
         """
 
-    def longest_period(self) -> float:
-        """Return the most time that passes for the robot in one cycle [s].
-
-        A simulated world may wait for a loop that is very late; time stands still for
-        the controllers too, then. Infinite for a robot that nothing waits for.
-        """
-        return inf
-
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
@@ -212,38 +202,19 @@ class RobotHW(InterfaceManager):
         """
         return False
 
-    def interruption_of(self, controller: ControllerInfo) -> str:  # noqa: ARG002
-        """Return why a controller's commands are not carried out; empty if they are.
+    def interruption_of(self, controller: ControllerInfo) -> str | None:  # noqa: ARG002
+        """Return why a controller's commands are not carried out; None if they are.
 
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
-        return ""
-
-    def scene(self) -> Sequence[SceneObjectReport]:
-        """Return the things around a simulated robot, now; control thread."""
-        return ()
-
-    def simulated_time(self) -> float | None:
-        """Return the time of the simulated world [s]; None for a real robot."""
         return None
 
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:  # noqa: ARG002
-        """Put the simulated world back to its start; control thread.
+    def simulated_world(self) -> SimulatedWorld | None:
+        """Return the simulated world of the robot; None for a real robot.
 
-        The loop voids all commands and restarts the running controllers after it.
-
-        Args:
-            positions: Joint name to position [rad or m]; the others go back to
-                where they began.
-
-        Raises:
-            HardwareInterfaceError: A joint is not in the world; nothing changed.
-            SimulationError: The robot is not simulated.
+        The same object from `init` on.
         """
-        raise SimulationError(
-            f"The robot {type(self).__name__} is not simulated.",
-            remedy="Move it with a controller.",
-        )
+        return None
 
     def mode(self) -> str:
         """Return the robot's mode in one word, for status displays.

@@ -71,6 +71,7 @@ class ControlLoop:
         self.time = 0.0
         self.cycle = 0
         interface = hw.get(JointStateInterface)
+        self._world = hw.simulated_world()
         self._joints = JointStateGroup(interface.handles() if interface else [])
         grippers = hw.get(GripperServicesInterface)
         self._grippers = grippers.handles() if grippers else []
@@ -298,7 +299,8 @@ class ControlLoop:
             deadline += (1 + skipped) * wall_period
 
     def _cycle(self, period: float) -> None:
-        period = min(period, self.hw.longest_period())
+        if self._world is not None:
+            period = min(period, self._world.longest_period())
         meter = self._meter
         self.time += period
         self.cycle += 1

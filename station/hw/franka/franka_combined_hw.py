@@ -6,7 +6,7 @@ controller that claims only some joints of an arm is refused; after an error of 
 the controllers of all are stopped and wait for a recovery, instead of running on.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from typing_extensions import override
 
@@ -27,7 +27,7 @@ from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import read_parameters
 from station.hw.franka.simulated.arm_placement import placement_of
 from station.hw.franka.simulated.combined_description import combine_descriptions
-from station.hw.franka.simulated.simulation import simulate
+from station.hw.franka.simulated.franka_world import FrankaWorld, simulate
 from station.hw.mujoco.scene import read_scene
 from station.hw.robot_loader import create_robot
 
@@ -111,16 +111,16 @@ class FrankaCombinedHW(CombinedRobotHW):
         placements = [placement_of(one) for one in parameters]
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, combine_descriptions(placements))
-        simulation = simulate(
+        self._world = simulate(
             placements,
             gravity=parameters[0].gravity,
             objects=read_scene(root_params),
         )
         for name, one in zip(names, parameters, strict=True):
-            arm = simulation.arms[one.arm_id]
+            arm = self._world.arms[one.arm_id]
             arm.set_collision_behavior(one.collision_behavior)
-            robot = FrankaCombinableHW(arm)
-            robot.simulation = simulation
+            robot = FrankaCombinableHW()
+            robot.enter_world(self._world, one.arm_id)
             robot.init(root_params, hw_params.namespace(name))
             self.arms.append(robot)
             self.add_robot(name, robot)
@@ -144,11 +144,9 @@ class FrankaCombinedHW(CombinedRobotHW):
         return found
 
     @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        for robot in self.arms[:1]:  # one world for all of them
-            robot.reset_simulation(positions)
-        for robot in self.arms[1:]:
-            robot.begin_anew()
+    def simulated_world(self) -> FrankaWorld:
+        """Return the one world of all arms."""
+        return self._world
 
     @override
     def prepare_switch(
@@ -175,10 +173,10 @@ class FrankaCombinedHW(CombinedRobotHW):
         return self.erroneous_arm() is not None or super().is_interrupted()
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         own = super().interruption_of(controller)
         robot = self.erroneous_arm()
-        if own or robot is None or not claims_of([controller]):
+        if own is not None or robot is None or not claims_of([controller]):
             return own
         return _why_stopped(robot)
 

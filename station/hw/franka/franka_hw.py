@@ -15,7 +15,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 """
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -38,9 +38,9 @@ from station.core.hardware.robot_hw import (
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
-    SceneObjectReport,
 )
 from station.core.parameters import Parameters
+from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
 from station.hw.franka.arm.control_mode import (
     ControlMode,
@@ -48,7 +48,7 @@ from station.hw.franka.arm.control_mode import (
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.arm.sensor_check import blind_sensor
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
@@ -65,13 +65,10 @@ from station.hw.franka.franka_parameters import (
     read_parameters,
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
-from station.hw.franka.simulated.arm_placement import placement_of, simulate_one
-from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
-from station.hw.mujoco.scene import read_scene
 from station.hw.urdf_parser import parse_urdf
 
 if TYPE_CHECKING:
-    from station.hw.franka.simulated.simulation import Simulation
+    from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
 # Up to here franka_control's gains of effort-controlled joints are stable.
@@ -96,17 +93,14 @@ class FrankaHW(RobotHW):
         arm: The arm to drive; None makes a simulated one in a world of its own.
 
     Attributes:
-        simulation: The world that `init` made, or None with a given arm.
         commands: The command buffers and their limits; from `init` on.
         cartesian: The same for Cartesian commands.
-        is_connected: Whether the arm may be used; see `FrankaServices.disconnect`.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
         super().__init__()
-        self.simulation: Simulation | None = None
+        self._world: FrankaWorld | None = None
         self._arm = arm
-        self.is_connected = True
         self._time_due = 0.0
         self._nominal_cycles = 1  # of the arm, in one of the loop
         self._fingers: FingerJoints | None = None
@@ -122,19 +116,20 @@ class FrankaHW(RobotHW):
         """
         self._parameters = read_parameters(hw_params)
         self._settings, self._hw_params = read_command_settings(hw_params), hw_params
-        placement = placement_of(self._parameters)
+        arm_id, limits = self._parameters.arm_id, self._parameters.limits
         if self._arm is None:
-            self.simulation = simulate_one(self._parameters, read_scene(root_params))
-            self._arm = self.simulation.arms[self._parameters.arm_id]
-        arm_id, description = self._parameters.arm_id, placement.description
+            # Imported here: a station with a real arm runs without MuJoCo.
+            from station.hw.franka.simulated.arm_placement import simulate_one
+
+            self.enter_world(simulate_one(self._parameters, root_params), arm_id)
+        description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
-        limits = self._parameters.limits
         self.commands = JointCommands(
-            self._arm.state, self._parameters.joint_names, self._parameters.limit_mode
+            self.arm.state, self._parameters.joint_names, self._parameters.limit_mode
         )
-        self.cartesian = CartesianCommands(self._arm, arm_id, limits)
+        self.cartesian = CartesianCommands(self.arm, arm_id, limits)
         self._sender = CommandSender(
             self.arm, self.commands, self.cartesian, CommandFilter(limits)
         )
@@ -146,12 +141,30 @@ class FrankaHW(RobotHW):
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
             self.register_interface(interface)
-        models = model_interface(self.arm, arm_id, description)
+        models = model_interface(self.arm, arm_id)
         services = FrankaServicesInterface()
-        services.register_handle(ArmServices(self, models.handles()[0]))
+        self._services = ArmServices(
+            arm_id,
+            self.arm,
+            self._motion,
+            models.handles()[0],
+            self._parameters.collision_behavior,
+        )
+        services.register_handle(self._services)
         self.register_interface(state_interface(self.arm, arm_id))
         self.register_interface(models)
         self.register_interface(services)
+
+    def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
+        """Drive an arm of a simulated world; before `init`.
+
+        Args:
+            world: The world, which several robots may share.
+            arm_id: The arm in it.
+        """
+        self._world = world
+        self._arm = world.arms[arm_id]
+        world.add_robot(self)
 
     def command_interfaces(self) -> Sequence[object]:
         """Return the joint and Cartesian interfaces that controllers may ask for."""
@@ -256,11 +269,10 @@ class FrankaHW(RobotHW):
                 1.0 / _SLOWEST_TORQUE_PERIOD,
             )
 
-    @override
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
         lost = self._parameters.most_lost_packets
-        waits = self.simulation is not None and lost < MOST_LOST_PACKETS
+        waits = lost < MOST_LOST_PACKETS
         return (self._nominal_cycles + lost) * self.arm.cycle_time if waits else inf
 
     @override
@@ -287,7 +299,7 @@ class FrankaHW(RobotHW):
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
         mode = self._mode_after(start, stop)
         arm_id = self._parameters.arm_id
-        if self._control_mode_of(start) and not self.is_connected:
+        if self._control_mode_of(start) and not self._services.is_connected():
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' is not connected.",
                 remedy="Connect the arm first.",
@@ -306,7 +318,7 @@ class FrankaHW(RobotHW):
         if mode and (mode != self.control_mode or self.is_interrupted()):
             kept = mode & ~self._control_mode_of(start)
             refusal = self._motion.refusal(mode, settings, kept)
-            if refusal:
+            if refusal is not None:
                 raise SwitchRefusedError(
                     f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
                     remedy="Do that first, or choose other controllers.",
@@ -342,9 +354,9 @@ class FrankaHW(RobotHW):
         return self.arm.state.robot_mode is not RobotMode.MOVE
 
     @override
-    def interruption_of(self, controller: ControllerInfo) -> str:
+    def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
-            return ""
+            return None
         arm = self.arm
         if self._blind:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
@@ -355,20 +367,8 @@ class FrankaHW(RobotHW):
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
 
     @override
-    def scene(self) -> Sequence[SceneObjectReport]:
-        return [] if self.simulation is None else self.simulation.world.scene()
-
-    @override
-    def simulated_time(self) -> float | None:
-        return None if self.simulation is None else self.simulation.world.time
-
-    @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        if self.simulation is None:
-            super().reset_simulation(positions)
-        else:
-            self.simulation.world.reset(positions)
-            self.begin_anew()
+    def simulated_world(self) -> "FrankaWorld | None":
+        return self._world
 
     def begin_anew(self) -> None:
         """Go on in the present mode after a reset of the world."""
@@ -383,7 +383,7 @@ class FrankaHW(RobotHW):
 
     def _add_fingers(self, arm_id: str) -> None:
         """Add the finger joints of a simulated hand to the arm's interfaces."""
-        grippers = self.simulation.grippers if self.simulation is not None else {}
+        grippers = self._world.grippers if self._world is not None else {}
         if arm_id in grippers:
             names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
             self._fingers = FingerJoints(grippers[arm_id], names, arm_id)

@@ -18,11 +18,13 @@ from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM, ArmLimits
 from station.hw.franka.arm.arm_names import joint_names
-from station.hw.franka.arm.robot_arm import ControllerMode
-from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
-from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
-from station.hw.franka.simulated.motion_follower import MOST_LOST_PACKETS
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.arm.collision_behavior import (
+    DEFAULT_COLLISION_BEHAVIOR,
+    collision_behavior_problem,
+)
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, ControllerMode
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.urdf import Pose
 
 _DOF = 7
@@ -50,22 +52,10 @@ _KEYS = frozenset({
     "supervisor",
     "limit_mode",
 })
-_TORQUES, _FORCES = 7, 6
 
-
-@dataclass(frozen=True, slots=True)
-class CommandSettings:
-    """How commands are passed on; read again before every switch.
-
-    Attributes:
-        rate_limiting: Keep commands within velocity, acceleration and jerk limits.
-        cutoff_frequency: Of the low-pass on commands [Hz], > 0; 1000 and above is off.
-        internal_controller: Who makes the torques of a motion without own torques.
-    """
-
-    rate_limiting: bool
-    cutoff_frequency: float
-    internal_controller: ControllerMode
+INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
+"""Pose in which a simulated arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
+examples/generate_joint_velocity_motion.cpp, q_goal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,29 +196,10 @@ def _collision_behavior(params: Parameters) -> CollisionBehavior:
         default = getattr(DEFAULT_COLLISION_BEHAVIOR, one.name)
         values[one.name] = _floats(params, one.name, default)
     behavior = CollisionBehavior(**values)
-    field, problem = collision_behavior_problem(behavior)
-    if problem:
-        _refuse(params, field, values[field], problem)
+    problem = collision_behavior_problem(behavior)
+    if problem is not None:
+        _refuse(params, problem.field, values[problem.field], problem.allowed)
     return behavior
-
-
-def collision_behavior_problem(behavior: CollisionBehavior) -> tuple[str, str]:
-    """Return which threshold is wrong and what it must be like; empty when none is.
-
-    Args:
-        behavior: The thresholds.
-    """
-    for kind in ("nominal", "acceleration"):
-        for what, size in (("torque", _TORQUES), ("force", _FORCES)):
-            name = f"lower_{what}_thresholds_{kind}"
-            lower = getattr(behavior, name)
-            upper = getattr(behavior, name.replace("lower", "upper"))
-            if len(lower) != size or len(upper) != size:
-                return name, f"{size} numbers for each of the {what} thresholds"
-            if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
-                wanted = f"above 0, no lower {what} threshold above its upper one"
-                return name, wanted
-    return "", ""
 
 
 def _thresholds(params: Parameters) -> SupervisorLimits:

@@ -5,13 +5,12 @@ and slow switches, switches that fail, sensors that read NaN, slow cycles, excep
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from typing_extensions import override
 
 from station.core.clock import Clock, SystemClock
 from station.core.errors import (
-    HardwareInterfaceError,
     ParameterError,
     SwitchRefusedError,
 )
@@ -32,9 +31,11 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
+from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
 from station.hw.mock.mock_joints import IDLE, MockJoints
 from station.hw.mock.mock_script import MockScript
+from station.hw.mock.mock_world import MockWorld
 
 
 class MockRobotHW(RobotHW):
@@ -58,8 +59,7 @@ class MockRobotHW(RobotHW):
         self.joints = MockJoints([])
         self._ready_in: dict[str, int] = {}
         self._measured = MockJoints([])
-        self._start: list[float] = []
-        self._time = 0.0
+        self._world = MockWorld([], self.joints)
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -93,7 +93,7 @@ class MockRobotHW(RobotHW):
         self.script.switch_cycles = hw_params.get_int("switch_cycles", 0)
         self.joint_names = names
         self.joints = MockJoints(positions, inertia, damping)
-        self._start = positions
+        self._world = MockWorld(names, self.joints)
         self._measured = MockJoints(positions)
         self._register_interfaces()
 
@@ -164,8 +164,7 @@ class MockRobotHW(RobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
-        self._time += period
-        self.joints.advance(period)
+        self._world.advance(period)
         for name, cycles in self._ready_in.items():
             if cycles > 0:
                 self._ready_in[name] = cycles - 1
@@ -227,25 +226,8 @@ class MockRobotHW(RobotHW):
         return SwitchState.ONGOING if waiting else SwitchState.DONE
 
     @override
-    def simulated_time(self) -> float:
-        return self._time
-
-    @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        places = {self._place(name): p for name, p in positions.items()}
-        self._time = 0.0
-        self.joints.place([
-            places.get(index, start) for index, start in enumerate(self._start)
-        ])
-
-    def _place(self, joint: str) -> int:
-        if joint not in self.joint_names:
-            raise HardwareInterfaceError(
-                f"The mock has no joint '{joint}'.",
-                remedy=f"Choose among {', '.join(self.joint_names)}.",
-                details={"joint": joint},
-            )
-        return self.joint_names.index(joint)
+    def simulated_world(self) -> SimulatedWorld:
+        return self._world
 
     @override
     def mode(self) -> str:

@@ -7,7 +7,7 @@ from station.core.hardware.robot_hw import ControllerInfo
 from station.core.hardware.transmissions import RawJointData
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_drives import DriveMode
-from station.hw.mujoco.joint_pids import JointPid
+from station.hw.mujoco.simulated_pid import SimulatedPid
 
 _QUANTITY_OF_INTERFACE = {
     interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()
@@ -34,7 +34,10 @@ class JointCommandModes:
     """
 
     def __init__(
-        self, joints: RawJointData, pids: dict[str, JointPid], modes: list[DriveMode]
+        self,
+        joints: RawJointData,
+        pids: dict[str, SimulatedPid],
+        modes: list[DriveMode],
     ) -> None:
         count = len(joints.names)
         self._joints = joints

@@ -11,8 +11,8 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 """
 
 import logging
-from collections.abc import Mapping, Sequence
-from math import ceil
+from collections.abc import Sequence
+from math import ceil, inf
 
 from typing_extensions import override
 
@@ -32,7 +32,6 @@ from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
-    SceneObjectReport,
     TransmissionReport,
 )
 from station.core.hardware.transmissions import (
@@ -50,13 +49,14 @@ from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
-from station.hw.mujoco.joint_pids import read_joint_pids
 from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
 from station.hw.mujoco.scene import read_scene
 from station.hw.mujoco.sensors import WorldSensors
+from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
+from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
 from station.hw.robot_description import RobotDescription, load_robot_description
@@ -130,7 +130,7 @@ class MujocoRobotHW(RobotHW):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
-        pids = read_joint_pids(hw_params, {n: urdf.joints[n] for n in self._names})
+        pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
         self._add_unpowered_joints(urdf)
         limited = hw_params if hw_params.has("joint_limits") else root_params
@@ -141,6 +141,8 @@ class MujocoRobotHW(RobotHW):
             self.register_interface(interface)
         self.read(0.0, 0.0)
         self._modes.restart()
+        self._shared_world = SharedWorld(self.world)
+        self._shared_world.add_robot(self)
 
     @override
     def mode(self) -> str:
@@ -239,19 +241,18 @@ class MujocoRobotHW(RobotHW):
         self._limits.activate(self._modes.in_use)
 
     @override
-    def scene(self) -> Sequence[SceneObjectReport]:
-        return self.world.scene()
+    def simulated_world(self) -> SharedWorld:
+        return self._shared_world
 
-    @override
-    def simulated_time(self) -> float:
-        return self.world.time
-
-    @override
-    def reset_simulation(self, positions: Mapping[str, float]) -> None:
-        self.world.reset(positions)
+    def begin_anew(self) -> None:
+        """Hold the pose that the world was reset to."""
         self.read(0.0, 0.0)
         self._modes.restart()
         self._limits.reset()
+
+    def longest_period(self) -> float:
+        """Return infinity: the world does not wait for the loop."""
+        return inf
 
     def _advance(self, period: float) -> None:
         world = self.world

@@ -22,7 +22,7 @@ TABLE = {
 
 def force_on_table(station):
     """Return the contact force on the table [N], shape (3,), of the last step."""
-    world = station.loop.hw.simulation.world
+    world = station.loop.hw.simulated_world().world
     table = world.model.body("table").id
     total, wrench = np.zeros(3), np.zeros(6)
     for number in range(world.data.ncon):

@@ -38,7 +38,7 @@ def test_it_knows_what_the_controller_claims_and_may_command(factory, parameters
     (claim,) = loaded.info.claimed_resources
     assert claim.hardware_interface == EFFORT
     assert claim.resources == ("joint1", "joint2")
-    assert [guard.name for guard in loaded.guards] == ["joint1", "joint2"]
+    assert [guard.name for guard in loaded.commands.guards] == ["joint1", "joint2"]
     assert loaded.controller.state.value == "initialized"
 
 

@@ -34,9 +34,9 @@ def frozen(bench):
 
 
 @pytest.fixture
-def threaded(bench):
+def threaded():
     """A bench whose cycles run in the control thread."""
-    bench.manager._clock = SystemClock()
+    bench = Bench(SystemClock())
     loop = ControlLoop(bench.robot, bench.manager, clock=SystemClock())
     loop.start()
     yield bench

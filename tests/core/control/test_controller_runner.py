@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.control import controller_runner
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import Strictness
 from station.core.errors import StoppedError, SwitchRefusedError
@@ -218,3 +219,71 @@ def test_a_set_point_before_the_first_update_is_no_jump(bench):
 
     assert bench.state("arm") == "running"
     assert bench.robot.joints.effort_command[0] == 20.0
+
+
+class Stopwatch:
+    """Stands in for perf_counter: every update takes as long as the test says."""
+
+    def __init__(self):
+        self.now = 0.0
+        self.duration = 0.0
+
+    def __call__(self):
+        self.now += self.duration
+        return self.now
+
+
+@pytest.fixture
+def stopwatch(monkeypatch):
+    stopwatch = Stopwatch()
+    monkeypatch.setattr(controller_runner, "perf_counter", stopwatch)
+    return stopwatch
+
+
+def test_a_controller_that_keeps_taking_too_long_is_stopped_alone(bench, stopwatch):
+    bench.load("slow", "j1", fallback=["hold"])
+    bench.load("hold", "j1")
+    bench.switch(["slow"])
+    bench.manager.update_budget = 0.001
+    stopwatch.duration = 0.002
+
+    bench.step(99)
+    assert bench.state("slow") == "running"
+    bench.step()
+
+    assert bench.state("slow") == "aborted"
+    assert "update took 2 ms, 100 in a row" in bench.fault("slow")
+    assert "at most 1 ms" in bench.fault("slow")
+    assert bench.state("hold") == "running"
+
+
+def test_a_controller_that_is_late_now_and_then_goes_on(bench, stopwatch):
+    bench.load("arm", "j1")
+    bench.switch(["arm"])
+    bench.manager.update_budget = 0.001
+    for cycle in range(500):
+        stopwatch.duration = 0.0 if cycle % 50 == 0 else 0.002
+        bench.step()
+
+    assert bench.state("arm") == "running"
+
+
+def test_one_update_of_a_quarter_of_a_second_is_enough(bench, stopwatch):
+    bench.load("arm", "j1")
+    bench.switch(["arm"])
+    bench.manager.update_budget = 0.001
+    stopwatch.duration = 0.25
+
+    bench.step()
+
+    assert bench.state("arm") == "aborted"
+
+
+def test_stepped_cycles_have_all_the_time_they_want(bench, stopwatch):
+    bench.load("arm", "j1")
+    bench.switch(["arm"])
+    stopwatch.duration = 10.0
+
+    bench.step(200)
+
+    assert bench.state("arm") == "running"

@@ -1,6 +1,6 @@
 """Several robots as one (CM-110 … CM-117)."""
 
-from math import inf
+from typing import ClassVar
 
 import pytest
 
@@ -24,6 +24,7 @@ from station.core.hardware.interfaces import (
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
+    ResourceConflict,
     RobotHW,
     SwitchState,
 )
@@ -123,12 +124,11 @@ def test_reading_and_writing_reach_every_robot(combined):
     assert combined.get(EffortJointInterface).get_handle("r1").get_position() > 0.0
 
 
-def test_time_waits_no_longer_than_every_robot_does(combined, monkeypatch):
-    first, second = combined.robots.values()
-    monkeypatch.setattr(first, "longest_period", lambda: 0.02)
-    assert combined.longest_period() == inf
-    monkeypatch.setattr(second, "longest_period", lambda: 0.05)
-    assert combined.longest_period() == 0.05
+def test_robot_of_which_a_part_is_real_has_no_simulated_world(combined, monkeypatch):
+    assert combined.simulated_world().time() == 0.0
+    monkeypatch.setattr(combined.robots["left"], "simulated_world", lambda: None)
+    assert combined.simulated_world() is None
+    assert CombinedRobotHW(None).simulated_world() is None
 
 
 def test_every_robot_sees_its_part_of_the_lists(combined):
@@ -245,3 +245,39 @@ def test_a_slow_robot_makes_the_controller_wait(manager, combined):
     manager.switch_controller(SwitchRequest(["both"]))
 
     assert manager.get_controller("both").calls == ["waiting", "waiting", "starting"]
+
+
+class Choosy(MockRobotHW):
+    """Forbids, allows, or breaks as the test says."""
+
+    conflicts: ClassVar[list[ResourceConflict]] = []
+
+    def check_for_conflict(self, controllers):
+        return list(self.conflicts)
+
+
+def test_robots_decide_about_conflicts_over_their_own_resources():
+    strict, lenient = Choosy(), Choosy()
+    strict.conflicts = [ResourceConflict("a", (), "It may not be moved today.")]
+    hw = CombinedRobotHW(lambda _: RobotHW())
+    hw.add_robot("lenient", lenient)
+    assert hw.check_for_conflict([]) == []
+
+    hw.add_robot("strict", strict)
+    hw.add_robot("again", strict)
+
+    assert hw.check_for_conflict([]) == strict.conflicts
+
+
+def test_a_robot_that_cannot_switch_does_not_keep_others_from_being_told():
+    first, second = MockRobotHW(), MockRobotHW()
+    hw = CombinedRobotHW(lambda _: RobotHW())
+    hw.add_robot("first", first)
+    hw.add_robot("second", second)
+    first.do_switch = lambda *_: 1 / 0
+    info = ControllerInfo("watcher", "test/Watcher", ())
+
+    with pytest.raises(ZeroDivisionError):
+        hw.do_switch([info], [])
+
+    assert second.switches == [(("watcher",), ())]

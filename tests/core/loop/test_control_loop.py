@@ -10,6 +10,7 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError, StoppedError
 from station.core.hardware.interfaces import JointStateHandle, JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
@@ -70,9 +71,23 @@ def test_step_runs_exactly_that_many_cycles_with_the_nominal_period():
     assert loop.cycle == 5
 
 
+class SlowWorld(SimulatedWorld):
+    """A world that waits for the loop after 20 periods."""
+
+    def time(self):
+        return 0.0
+
+    def reset(self, positions):
+        raise AssertionError(positions)
+
+    def longest_period(self):
+        return 20 * PERIOD
+
+
 def test_time_stands_still_while_the_robot_waits(monkeypatch):
     hw = OneJoint()
-    monkeypatch.setattr(hw, "longest_period", lambda: 20 * PERIOD)
+    world = SlowWorld()
+    monkeypatch.setattr(hw, "simulated_world", lambda: world)
     loop = _loop(hw)
     for late in (19, 300):
         loop.delay_next_cycle(late)

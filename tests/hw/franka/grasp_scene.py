@@ -47,7 +47,7 @@ def box_height(station: Station) -> float:
 
 def contact_force(station: Station, finger: str) -> float:
     """Return how hard a finger presses the box, across the fingers [N]."""
-    world = station.loop.hw.simulation.world
+    world = station.loop.hw.simulated_world().world
     model, data = world.model, world.data
     pair = {model.body("box").id, model.body(finger).id}
     force, across = np.zeros(6), 0.0

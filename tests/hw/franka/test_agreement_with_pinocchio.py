@@ -15,10 +15,10 @@ import pytest
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.end_effector import end_effector_of
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.franka.simulated.franka_model import ArmModel
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import RobotDescription, load_robot_description
 from station.hw.urdf_parser import parse_urdf
 

@@ -9,13 +9,13 @@ from station.core.franka import FaultKind, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import error_names
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulation import (
-    INITIAL_POSITIONS,
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
 )
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.mujoco.scene import SceneObject
 from station.hw.robot_description import load_robot_description
 
@@ -201,7 +201,7 @@ def test_twenty_lost_packets_in_a_row_end_the_motion(
 ) -> None:
     arm.start_motion(IMPEDANCE, POSITION)
     hold(arm, 200)
-    arm.inject(SimulatedFault(FaultKind.LOST_PACKETS, lost))
+    arm.simulation().inject(SimulatedFault(FaultKind.LOST_PACKETS, lost))
     hold(arm, 25)
     assert ("communication_constraints_violation" in errors_of(arm)) is raised
     if not raised:
@@ -211,7 +211,7 @@ def test_twenty_lost_packets_in_a_row_end_the_motion(
 def test_collision_ends_the_motion_and_the_log_tells_how(arm: SimulatedArm) -> None:
     arm.start_motion(IMPEDANCE, POSITION)
     hold(arm, 100)
-    arm.inject(SimulatedFault(FaultKind.COLLISION, 100))
+    arm.simulation().inject(SimulatedFault(FaultKind.COLLISION, 100))
     for _ in range(50):
         if arm.state.robot_mode is RobotMode.MOVE:
             arm.command_joint_positions(list(INITIAL_POSITIONS))
@@ -228,7 +228,7 @@ def test_collision_ends_the_motion_and_the_log_tells_how(arm: SimulatedArm) -> N
 
 
 def test_motion_is_refused_until_recovery(arm: SimulatedArm) -> None:
-    arm.inject(SimulatedFault(FaultKind.COLLISION, 50))
+    arm.simulation().inject(SimulatedFault(FaultKind.COLLISION, 50))
     for _ in range(200):
         arm.read_once()
     assert arm.state.robot_mode is RobotMode.REFLEX
@@ -244,7 +244,7 @@ def test_user_stop_holds_the_arm_until_it_is_released(arm: SimulatedArm) -> None
     for cycle in range(300):
         arm.command_joint_velocities([min(0.2, 0.001 * cycle)] * 7)
         arm.read_once()
-    arm.set_user_stop(pressed=True)
+    arm.simulation().set_user_stop(pressed=True)
     for _ in range(500):
         arm.read_once()
     assert arm.state.robot_mode is RobotMode.USER_STOPPED
@@ -253,12 +253,12 @@ def test_user_stop_holds_the_arm_until_it_is_released(arm: SimulatedArm) -> None
         arm.automatic_error_recovery()
     with pytest.raises(ArmCommandError, match="release the user stop"):
         arm.start_motion(IMPEDANCE, POSITION)
-    arm.set_user_stop(pressed=False)
+    arm.simulation().set_user_stop(pressed=False)
     assert arm.state.robot_mode is RobotMode.IDLE
 
 
 def test_stuck_joint_does_not_move_and_gets_free_again(arm: SimulatedArm) -> None:
-    arm.inject(SimulatedFault(FaultKind.STUCK_JOINT, 100, joint=7))
+    arm.simulation().inject(SimulatedFault(FaultKind.STUCK_JOINT, 100, joint=7))
     arm.start_motion(EXTERNAL, NONE)
     for cycle in range(100):
         arm.command_joint_torques([0.0] * 6 + [min(0.5, 0.01 * cycle)])
@@ -271,7 +271,7 @@ def test_stuck_joint_does_not_move_and_gets_free_again(arm: SimulatedArm) -> Non
 
 
 def test_blind_sensor_reads_no_number_and_the_arm_holds(arm: SimulatedArm) -> None:
-    arm.inject(SimulatedFault(FaultKind.NAN_SENSOR, 20, joint=2))
+    arm.simulation().inject(SimulatedFault(FaultKind.NAN_SENSOR, 20, joint=2))
     arm.read_once()
     assert arm.state.q[1] != arm.state.q[1]
     for _ in range(100):

@@ -13,7 +13,7 @@ from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
 from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD

@@ -14,7 +14,7 @@ from station.core.franka import (
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.interfaces import PositionJointInterface
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from tests.hw.franka.test_franka_hw import drive, make, run, switch
 
 NONE = [0.0, 0.0, 0.0]
@@ -65,13 +65,13 @@ def pushes(count: int) -> list[Push]:
 
 
 def put(hw: FrankaHW, services: FrankaServices, q: list[float]) -> None:
-    hw.reset_simulation(dict(zip(JOINTS, q, strict=True)))
+    hw.simulated_world().reset(dict(zip(JOINTS, q, strict=True)))
     services.error_recovery()
 
 
 def carry(hw: FrankaHW, services: FrankaServices, force: list[float]) -> None:
     """Load the hand with a weight that the arm knows of, and push it besides."""
-    data = hw.simulation.world.data
+    data = hw.simulated_world().world.data
     hand, link7 = data.body("panda_hand"), data.body("panda_link7")
     axes = np.reshape(link7.xmat, (3, 3))
     flange = link7.xpos + 0.107 * axes[:, 2]
@@ -90,7 +90,7 @@ def expected_wrench(hw: FrankaHW, force: list[float]) -> list[float]:
     state = read_state(hw)
     ee = np.reshape(state.O_T_EE, (4, 4)).T
     stiffness = ee @ np.reshape(state.EE_T_K, (4, 4)).T
-    acts_at = hw.simulation.world.data.body("panda_hand").xipos - BASE
+    acts_at = hw.simulated_world().world.data.body("panda_hand").xipos - BASE
     torque = np.cross(acts_at - stiffness[:3, 3], force)
     return [-value for value in (*force, *torque)]
 
@@ -168,7 +168,7 @@ def test_nothing_is_felt_at_rest_in_a_hundred_poses(
     poses = 0
     while poses < 100:
         put(hw, services, generator.uniform(low, high).tolist())
-        if hw.simulation.world.data.ncon:
+        if hw.simulated_world().world.data.ncon:
             continue  # the arm touches itself there
         if payload:
             carry(hw, services, NONE)

@@ -24,7 +24,7 @@ from station.core.hardware.robot_hw import (
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 
 PERIOD = 0.001
 ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
@@ -276,14 +276,14 @@ def test_command_that_is_no_number_stops_the_motion(
 def test_diverged_arm_refuses_to_start_until_reset(hw: FrankaHW) -> None:
     switch(hw, "jp")
     run(hw, 10)
-    hw.simulation.world.data.qvel[0] = float("nan")
+    hw.simulated_world().world.data.qvel[0] = float("nan")
     run(hw, 10)
     assert hw.mode() == "other"
     hw.do_switch(controllers("jt"), controllers("jp"))
     assert hw.switch_result() is SwitchState.ERROR
     with pytest.raises(SwitchRefusedError, match="diverged"):
         switch(hw, "jp", "jt")
-    hw.reset_simulation({})
+    hw.simulated_world().reset({})
     run(hw, 10)
     assert hw.mode() == "move"
 
@@ -291,7 +291,7 @@ def test_diverged_arm_refuses_to_start_until_reset(hw: FrankaHW) -> None:
 def test_reset_puts_the_arm_at_a_pose_and_controllers_survive(hw: FrankaHW) -> None:
     switch(hw, "jp")
     run(hw, 50)
-    hw.reset_simulation({"panda_joint1": 0.5})
+    hw.simulated_world().reset({"panda_joint1": 0.5})
     run(hw, 200)
     assert measured(hw) == pytest.approx([0.5, *INITIAL_POSITIONS[1:]], abs=1e-4)
     assert hw.mode() == "move"

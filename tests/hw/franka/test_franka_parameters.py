@@ -4,10 +4,13 @@ import pytest
 
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.robot_arm import ControllerMode
-from station.hw.franka.franka_parameters import read_command_settings, read_parameters
-from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import (
+    INITIAL_POSITIONS,
+    read_command_settings,
+    read_parameters,
+)
 
 NEEDED = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
 

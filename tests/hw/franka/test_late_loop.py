@@ -117,8 +117,8 @@ def test_missed_cycles_show_in_the_success_rate() -> None:
 
 
 def test_time_waits_as_long_as_the_world() -> None:
-    assert make().hw.longest_period() == float("inf")
+    assert make().hw.simulated_world().longest_period() == float("inf")
     waiting = make(realtime_config="ignore").hw
-    assert waiting.longest_period() == pytest.approx(0.020)
+    assert waiting.simulated_world().longest_period() == pytest.approx(0.020)
     waiting.check_period(0.05)
-    assert waiting.longest_period() == pytest.approx(0.069)
+    assert waiting.simulated_world().longest_period() == pytest.approx(0.069)

@@ -21,7 +21,7 @@ from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_limits import FR3_LIMITS
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
 from tests.hw.franka.test_franka_hw import (
     PERIOD,
@@ -208,7 +208,7 @@ def test_fr3_is_an_arm_with_names_and_limits_of_its_own() -> None:
     assert (elbow.min_position, elbow.max_position) == (-2.7478, -0.4461)
     assert (elbow.max_velocity, elbow.max_acceleration) == (1.25, 9.999)
     # The world stops the joints where the arm does, not where its URDF advises.
-    stops = hw.simulation.world.joints(FR3_JOINTS)
+    stops = hw.simulated_world().world.joints(FR3_JOINTS)
     widest = zip(stops.upper_limits, FR3_LIMITS.upper, strict=True)
     assert all(0.0 <= stop - limit < 0.1 for stop, limit in widest)
 
@@ -266,4 +266,6 @@ def test_things_of_the_scene_are_in_the_world() -> None:
     hw.init(Parameters(tree), Parameters(tree, "robot"))
     run(hw, 100)
     assert measured(hw) == pytest.approx(INITIAL_POSITIONS, abs=1e-6)
-    assert hw.simulation.world.data.body("box").xpos[2] == pytest.approx(0.05, abs=2e-3)
+    assert hw.simulated_world().world.data.body("box").xpos[2] == pytest.approx(
+        0.05, abs=2e-3
+    )

@@ -13,7 +13,7 @@ from station.core.hardware.transmissions import RawJointData
 from station.core.numerics.pid import Pid, PidGains
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import DriveMode
-from station.hw.mujoco.joint_pids import JointPid
+from station.hw.mujoco.simulated_pid import SimulatedPid
 from station.hw.urdf import Joint, JointType, Pose
 
 WHEEL = Joint(
@@ -41,7 +41,7 @@ class Bench:
         self.joints.position[:] = [1.0, 2.0]
         self.joints.velocity[:] = [0.0, 0.0]
         self.drives = [DriveMode.POSITION] * 2
-        pids = {"b": JointPid(WHEEL, Pid(PidGains(p=10.0)))}
+        pids = {"b": SimulatedPid(WHEEL, Pid(PidGains(p=10.0)))}
         self.modes = JointCommandModes(self.joints, pids, self.drives)
         self.modes.restart()
 

@@ -314,7 +314,7 @@ def test_reset_keeps_a_running_controller():
     hw = make()
     claim(hw, "velocity", "wrist_3_joint")
     drive(hw, "velocity", {"wrist_3_joint": 1.0}, 300)
-    hw.reset_simulation({"elbow_joint": 0.5})
+    hw.simulated_world().reset({"elbow_joint": 0.5})
     assert states(hw)["wrist_3_joint"].get_position() == 0.0
     assert states(hw)["elbow_joint"].get_position() == 0.5
     drive(hw, "velocity", {"wrist_3_joint": 1.0}, 300)
@@ -329,7 +329,7 @@ def test_things_stand_around_the_robot():
     })
     hw = MujocoRobotHW()
     hw.init(Parameters(tree), Parameters(tree, "robot"))
-    (found,) = hw.scene()
+    (found,) = hw.simulated_world().scene()
     assert (found.name, found.position, found.mass) == ("ball", (2.0, 0.0, 1.0), 0.0)
 
 
@@ -340,7 +340,7 @@ def test_diverged_world_refuses_controllers():
     assert hw.mode() == "diverged"
     with pytest.raises(SwitchRefusedError, match="diverged"):
         claim(hw, "effort", "elbow_joint")
-    hw.reset_simulation({})
+    hw.simulated_world().reset({})
     assert hw.mode() == "running"
 
 

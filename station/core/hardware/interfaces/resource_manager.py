@@ -4,6 +4,7 @@ Source: ros_control@0.20.0 hardware_interface/internal/resource_manager.h,
 hardware_resource_manager.h, hardware_interface.h.
 """
 
+import threading
 from collections.abc import Iterable
 from typing import ClassVar, Generic, TypeVar
 
@@ -118,6 +119,17 @@ class ResourceManager(Generic[H]):
                 self.register_handle(handle)
 
 
+class _Claims(threading.local):
+    """The names that this thread has claimed.
+
+    Several controllers are initialised at once, each in a thread of its own: their
+    claims must not mix.
+    """
+
+    def __init__(self) -> None:
+        self.names: set[str] = set()
+
+
 class HardwareResourceManager(ResourceManager[H]):
     """An interface between controllers and hardware: handles plus claims.
 
@@ -132,7 +144,7 @@ class HardwareResourceManager(ResourceManager[H]):
 
     def __init__(self) -> None:
         super().__init__()
-        self._claims: set[str] = set()
+        self._claims = _Claims()
         self._origins: dict[str, HardwareResourceManager[H]] = {}
 
     @override
@@ -144,7 +156,7 @@ class HardwareResourceManager(ResourceManager[H]):
         """
         handle = super().get_handle(name)
         if self.claims_resources:
-            self._claims.add(name)
+            self._claims.names.add(name)
         return handle
 
     @override
@@ -165,15 +177,15 @@ class HardwareResourceManager(ResourceManager[H]):
 
     def claim(self, name: str) -> None:
         """Claim the resource `name` without asking for its handle."""
-        self._claims.add(name)
+        self._claims.names.add(name)
 
     def get_claims(self) -> list[str]:
         """Return the names claimed since the last `clear_claims`, sorted."""
-        return sorted(self._claims)
+        return sorted(self._claims.names)
 
     def clear_claims(self) -> None:
         """Forget all claims."""
-        self._claims.clear()
+        self._claims.names.clear()
 
     def rest_commands(self, name: str) -> list[float]:
         """Return the commands that let the resource `name` rest where it is.

@@ -13,12 +13,17 @@ from enum import Enum
 
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.arm.load import Load
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""
+
+
+MOST_LOST_PACKETS = 20
+"""Commands lost in a row that end a motion."""
 
 
 class ControllerMode(Enum):
@@ -68,10 +73,11 @@ class RobotArm(ABC):
         self,
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
-    ) -> str:
-        """Say why a motion with these modes could not start, were the arm not moving.
+    ) -> str | None:
+        """Return why a motion with these modes would be refused. Any thread.
 
-        Empty when it could. Any thread.
+        None when the motion could start. Whether another motion still runs does not
+        count: the caller stops that motion first.
         """
 
     @abstractmethod
@@ -165,6 +171,13 @@ class RobotArm(ABC):
         Raises:
             InvalidCommandError: Not finite numbers, or an impossible elbow.
             ArmCommandError: No Cartesian velocity motion runs.
+        """
+
+    @abstractmethod
+    def load_model(self) -> FrankaModel:
+        """Return a new model of the arm. Takes milliseconds: not during a motion.
+
+        Source: libfranka@0.9.2 include/franka/robot.h, Robot.loadModel.
         """
 
     @abstractmethod

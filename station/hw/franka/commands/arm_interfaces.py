@@ -12,8 +12,6 @@ from station.core.franka import (
     FrankaStateInterface,
 )
 from station.hw.franka.arm.robot_arm import RobotArm
-from station.hw.franka.simulated.franka_model import ArmModel
-from station.hw.robot_description import RobotDescription
 
 
 def state_interface(arm: RobotArm, arm_id: str) -> FrankaStateInterface:
@@ -29,17 +27,14 @@ def state_interface(arm: RobotArm, arm_id: str) -> FrankaStateInterface:
     return states
 
 
-def model_interface(
-    arm: RobotArm, arm_id: str, description: RobotDescription
-) -> FrankaModelInterface:
+def model_interface(arm: RobotArm, arm_id: str) -> FrankaModelInterface:
     """Return the interface with the arm's model, `<arm_id>_model`.
 
     Args:
         arm: The arm.
         arm_id: Prefix of its names.
-        description: Its URDF.
     """
-    models, model = FrankaModelInterface(), ArmModel(description)
+    models, model = FrankaModelInterface(), arm.load_model()
     for name in (f"{arm_id}_model", f"{arm_id}_robot"):
         models.register_handle(
             FrankaModelHandle(name, model, arm.state, arm.refresh_state)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 from typing_extensions import override
@@ -17,13 +16,12 @@ from station.core.franka.franka_services import (
     CollisionBehavior,
     FrankaServices,
 )
+from station.hw.franka.arm.collision_behavior import collision_behavior_problem
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
-from station.hw.franka.arm.rigid_motion import check_transform
-from station.hw.franka.franka_parameters import collision_behavior_problem
-
-if TYPE_CHECKING:
-    from station.hw.franka.franka_hw import FrankaHW
+from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.transform_check import check_transform
+from station.hw.franka.commands.motion_start import MotionStart
 
 JOINT_STIFFNESS = (0.0, 14250.0)
 """Range of the joint impedance [Nm/rad]."""
@@ -35,29 +33,42 @@ _SYMMETRY = 1e-9
 
 
 class ArmServices(FrankaServices):
-    """The services of a FrankaHW's arm. Control thread only.
+    """The services of an arm, with the checks of their values. Control thread only.
 
     Source: franka_ros@c11f000 franka_hw/src/services.cpp; differs: values are checked
     here and refused with their range.
 
     Args:
-        hw: The robot.
-        model: Its model.
+        arm_id: Name of the arm.
+        arm: The arm.
+        motion: What the running controllers command.
+        model: The model of the arm.
+        collision_behavior: The configured thresholds, set again at every connection.
     """
 
-    def __init__(self, hw: "FrankaHW", model: FrankaModelHandle) -> None:
-        super().__init__(hw.parameters.arm_id)
-        self._hw = hw
+    def __init__(
+        self,
+        arm_id: str,
+        arm: RobotArm,
+        motion: MotionStart,
+        model: FrankaModelHandle,
+        collision_behavior: CollisionBehavior,
+    ) -> None:
+        super().__init__(arm_id)
+        self._arm = arm
+        self._motion = motion
         self._model = model
+        self._collision_behavior = collision_behavior
+        self._is_connected = True
 
     @override
     def robot_mode(self) -> RobotMode:
-        return self._hw.arm.state.robot_mode
+        return self._arm.state.robot_mode
 
     @override
     def get_robot_state(self) -> RobotState:
-        self._hw.arm.refresh_state()
-        return self._hw.arm.state.copy()
+        self._arm.refresh_state()
+        return self._arm.state.copy()
 
     @override
     def model(self) -> FrankaModelHandle:
@@ -65,46 +76,46 @@ class ArmServices(FrankaServices):
 
     @override
     def errors(self) -> list[ArmError]:
-        return self._hw.arm.errors()
+        return self._arm.errors()
 
     @override
     def log(self) -> list[ArmRecord]:
-        return self._hw.arm.log()
+        return self._arm.log()
 
     @override
     def remedy(self) -> str | None:
-        return self._hw.arm.remedy() if self._hw.is_connected else "connect the arm"
+        return self._arm.remedy() if self._is_connected else "connect the arm"
 
     @override
     def simulation(self) -> ArmSimulation | None:
-        return self._hw.arm.simulation()
+        return self._arm.simulation()
 
     @override
     def is_connected(self) -> bool:
-        return self._hw.is_connected
+        return self._is_connected
 
     @override
     def set_joint_impedance(self, joint_stiffness: Sequence[float]) -> None:
         self._check_connected()
         values = _in_range(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
-        self._hw.arm.set_joint_impedance(values)
+        self._arm.set_joint_impedance(values)
 
     @override
     def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
         self._check_connected()
         ranges = [TRANSLATIONAL_STIFFNESS] * 3 + [ROTATIONAL_STIFFNESS] * 3
         values = _in_range(cartesian_stiffness, ranges, "cartesian_stiffness")
-        self._hw.arm.set_cartesian_impedance(values)
+        self._arm.set_cartesian_impedance(values)
 
     @override
     def set_EE_frame(self, NE_T_EE: Sequence[float]) -> None:
         self._check_connected()
-        self._hw.arm.set_end_effector_frame(check_transform(NE_T_EE, "NE_T_EE"))
+        self._arm.set_end_effector_frame(check_transform(NE_T_EE, "NE_T_EE"))
 
     @override
     def set_K_frame(self, EE_T_K: Sequence[float]) -> None:
         self._check_connected()
-        self._hw.arm.set_stiffness_frame(check_transform(EE_T_K, "EE_T_K"))
+        self._arm.set_stiffness_frame(check_transform(EE_T_K, "EE_T_K"))
 
     @override
     def set_load(
@@ -137,62 +148,63 @@ class ArmServices(FrankaServices):
                 ),
             )
         load = Load(mass, tuple(F_x_center_load), tuple(load_inertia))
-        self._hw.arm.set_load(load)
+        self._arm.set_load(load)
 
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
         self._check_connected()
-        field, problem = collision_behavior_problem(behavior)
-        if problem:
+        problem = collision_behavior_problem(behavior)
+        if problem is not None:
+            field, allowed = problem.field, problem.allowed
             value = getattr(behavior, field)
             raise InvalidCommandError(
                 f"the collision threshold '{field}' {list(value)} is not possible",
-                remedy=f"give {problem}",
-                details=_field_error(field, f"must be {problem}", list(value)),
+                remedy=f"give {allowed}",
+                details=_field_error(field, f"must be {allowed}", list(value)),
             )
-        self._hw.arm.set_collision_behavior(behavior)
+        self._arm.set_collision_behavior(behavior)
 
     @override
     def check_recovery(self) -> None:
         self._check_connected()
         try:
-            self._hw.arm.check_recovery()
+            self._arm.check_recovery()
         except ArmCommandError as exc:
-            message = f"arm '{self.name}' {exc.message}"
+            # An arm does not know its name; a station may have several arms.
+            message = exc.message.replace("The arm ", f"Arm '{self.name}' ", 1)
             raise ArmCommandError(message, remedy=exc.remedy) from exc
 
     @override
     def error_recovery(self) -> bool:
         self.check_recovery()
-        arm = self._hw.arm
+        arm = self._arm
         had_error = arm.state.robot_mode is RobotMode.REFLEX
         arm.automatic_error_recovery()
         return had_error
 
     @override
     def connect(self) -> None:
-        if self._hw.is_connected:
+        if self._is_connected:
             raise ArmCommandError(
                 f"arm '{self.name}' is connected already", remedy="use it"
             )
-        self._hw.is_connected = True
+        self._is_connected = True
         # Of the settings the thresholds alone are sent again, as franka_hw does.
-        behavior = self._hw.parameters.collision_behavior
-        self._hw.arm.set_collision_behavior(behavior)
+        self._arm.set_collision_behavior(self._collision_behavior)
 
     @override
     def disconnect(self) -> None:
         self._check_connected()
-        if self._hw.control_mode is not ControlMode.NONE:
+        if self._motion.mode is not ControlMode.NONE:
             raise ArmCommandError(
                 f"arm '{self.name}' cannot be disconnected: a controller commands "
-                f"{self._hw.control_mode.describe()}",
+                f"{self._motion.mode.describe()}",
                 remedy="stop the controllers of this arm first",
             )
-        self._hw.is_connected = False
+        self._is_connected = False
 
     def _check_connected(self) -> None:
-        if not self._hw.is_connected:
+        if not self._is_connected:
             raise ArmCommandError(
                 f"arm '{self.name}' is not connected", remedy="connect it first"
             )

@@ -20,6 +20,7 @@ from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.pose_bridge import PoseBridge
 from station.hw.franka.commands.rate_limiter import (
     MAX_CUTOFF_FREQUENCY,
@@ -29,7 +30,6 @@ from station.hw.franka.commands.rate_limiter import (
     low_pass,
     with_margins,
 )
-from station.hw.franka.franka_parameters import CommandSettings
 
 # libfranka's margin for the rotation of a pose.
 _ROTATION_SHARE = 0.99

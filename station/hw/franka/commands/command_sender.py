@@ -2,16 +2,12 @@
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import RobotMode
-from station.hw.franka.arm.control_mode import GENERATOR_OF_MODE, ControlMode
-from station.hw.franka.arm.robot_arm import (
-    ControllerMode,
-    MotionGeneratorMode,
-    RobotArm,
-)
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_filter import CommandFilter
+from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.joint_commands import JointCommands
-from station.hw.franka.franka_parameters import CommandSettings
 
 
 class CommandSender:
@@ -24,7 +20,7 @@ class CommandSender:
         command_filter: Filter and rate limits of the joint commands.
 
     Attributes:
-        refusal: Why a command was not sent and the motion ended; empty if none was.
+        refusal: Why a command was not sent and the motion ended; None if all were sent.
     """
 
     def __init__(
@@ -40,7 +36,7 @@ class CommandSender:
         self._filter = command_filter
         self._settings: CommandSettings | None = None
         self._goals: list[float] = []
-        self.refusal = ""
+        self.refusal: str | None = None
 
     def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
@@ -50,7 +46,7 @@ class CommandSender:
             settings: How it is passed on.
         """
         self._settings = settings
-        self.refusal = ""
+        self.refusal = None
         self._commands.begin(mode)
         self._cartesian.begin(mode)
         self._goals = self._commands.goals()
@@ -69,7 +65,7 @@ class CommandSender:
         if self._arm.state.robot_mode is not RobotMode.MOVE:
             return
         if not (commands.are_finite() and self._cartesian.are_finite()):
-            self.refusal = "a command is no finite number"
+            self.refusal = "a command is not finite"
             self._arm.stop_motion()
             return
         if commands.has_positions:
@@ -118,13 +114,3 @@ class CommandSender:
             except InvalidCommandError as error:
                 self.refusal = error.message
                 arm.stop_motion()
-
-
-def arm_modes(
-    mode: ControlMode, settings: CommandSettings
-) -> tuple[ControllerMode, MotionGeneratorMode]:
-    """Return what the arm has to be told for a supported mode that is not NONE."""
-    generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
-    if mode & ControlMode.JOINT_TORQUE:
-        return ControllerMode.EXTERNAL_CONTROLLER, generator
-    return settings.internal_controller, generator

@@ -11,8 +11,8 @@ not at the pose and the braking torques of before.
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.robot_arm import REST_VELOCITY, RobotArm
-from station.hw.franka.commands.command_sender import CommandSender, arm_modes
-from station.hw.franka.franka_parameters import CommandSettings
+from station.hw.franka.commands.command_sender import CommandSender
+from station.hw.franka.commands.command_settings import CommandSettings
 
 LONGEST_WAIT = 500
 """Cycles of the arm after which a motion begins although the arm still trembles."""
@@ -44,8 +44,8 @@ class MotionStart:
 
     def refusal(
         self, mode: ControlMode, settings: CommandSettings, kept: ControlMode
-    ) -> str:
-        """Return why the arm cannot go to another mode now, '' if it can.
+    ) -> str | None:
+        """Return why the arm cannot go to another mode now; None when it can.
 
         Args:
             mode: What would be commanded.
@@ -53,10 +53,10 @@ class MotionStart:
             kept: What of it is commanded already, by somebody who would not begin anew.
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
-        reason = arm.refusal(*arm_modes(mode, settings))
+        reason = arm.refusal(*settings.arm_modes(mode))
         velocities = (*arm.state.dq, *arm.state.dq_d)
         moves = any(abs(velocity) > REST_VELOCITY for velocity in velocities)
-        if not reason and motion and mode & _FROM_REST and moves:
+        if reason is None and motion and mode & _FROM_REST and moves:
             reason = (
                 f"that would interrupt its motion by {motion.describe()}; let it come "
                 "to rest, or stop its controllers, then start them together"
@@ -91,8 +91,8 @@ class MotionStart:
         settings = self._settings
         if not self.is_waiting or settings is None:
             return
-        arm, modes = self._arm, arm_modes(self.mode, settings)
-        if arm.refusal(*modes):
+        arm, modes = self._arm, settings.arm_modes(self.mode)
+        if arm.refusal(*modes) is not None:
             self.is_waiting, self.has_failed = False, True
             return
         self._waited += cycles

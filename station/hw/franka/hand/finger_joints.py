@@ -19,8 +19,7 @@ from station.core.hardware.interfaces import (
     PositionJointInterface,
 )
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
-from station.hw.franka.hand.hand_services import HandServices
-from station.hw.franka.hand.simulated_gripper import SimulatedGripper
+from station.hw.franka.hand.hand_services import FASTEST, HandMotor, HandServices
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
@@ -44,9 +43,7 @@ class FingerJoints:
         services: The interface that has it.
     """
 
-    def __init__(
-        self, gripper: SimulatedGripper, names: Sequence[str], arm_id: str
-    ) -> None:
+    def __init__(self, gripper: HandMotor, names: Sequence[str], arm_id: str) -> None:
         size = len(names)
         self.hand = HandServices(arm_id, gripper)
         self.services = GripperServicesInterface()
@@ -105,10 +102,10 @@ class FingerJoints:
             return
         if is_position:
             lower, upper = self._gripper.limits
-            self._gripper.hold(2.0 * min(max(mean, lower), upper))
+            self._hold(min(max(mean, lower), upper))
         else:
             limit, force = self._gripper.effort_limit, sum(claimed) / len(self.names)
-            self._gripper.press(min(max(force, -limit), limit))
+            self._gripper.press(min(max(force, -limit), limit), is_damped=False)
 
     def find_conflicts(
         self, controllers: Sequence[ControllerInfo]
@@ -146,7 +143,7 @@ class FingerJoints:
             self._owners.pop(name, None)
         if not stopped and not started:
             return
-        self._gripper.hold(2.0 * self._gripper.read_position())
+        self._hold(self._gripper.read_position())
         self._position_commands[:] = [self._gripper.read_position()] * len(self.names)
         self._effort_commands[:] = [0.0] * len(self.names)
         for owner, kind, name in started:
@@ -160,6 +157,10 @@ class FingerJoints:
         self.hand.begin_anew()
         self._position_commands[:] = self._positions
         self._effort_commands[:] = [0.0] * len(self.names)
+
+    def _hold(self, position: float) -> None:
+        """Let both fingers go to a position [m] at full speed, and stay there."""
+        self._gripper.hold(2.0 * position, speed=FASTEST, force=None)
 
 
 def _holders(

@@ -18,18 +18,25 @@ from station.core.franka import (
 )
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.hand.gripper_motion import GripperMotion, GripperMotor
-from station.hw.franka.hand.simulated_gripper import MAX_FORCE
 
 FASTEST = 0.4
 """Largest speed of the width [m/s]: twice that of a finger in panda.urdf."""
 WEAKEST = 0.1
 """Smallest force of a grasp [N]; below it the fingers hardly move."""
+MAX_FORCE = 140.0
+"""What each finger can press with [N]. Source: datasheet of the Franka Hand."""
 ROOM_TEMPERATURE = 20.0
 """What a simulated hand has [degree Celsius]."""
 
 
 class HandMotor(GripperMotor, Protocol):
-    """A motor that tells its range and its force."""
+    """A motor that tells its range and its force.
+
+    Attributes:
+        effort_limit: Largest force that a controller may give each finger [N].
+    """
+
+    effort_limit: float
 
     @property
     def limits(self) -> tuple[float, float]:

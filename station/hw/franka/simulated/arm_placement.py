@@ -1,11 +1,10 @@
 """From the parameters of FrankaHW to an arm in the simulated world."""
 
-from collections.abc import Sequence
-
+from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.franka_parameters import FrankaParameters
-from station.hw.franka.simulated.simulation import ArmPlacement, Simulation, simulate
-from station.hw.mujoco.scene import SceneObject
+from station.hw.franka.simulated.franka_world import ArmPlacement, FrankaWorld, simulate
+from station.hw.mujoco.scene import read_scene
 
 
 def placement_of(parameters: FrankaParameters) -> ArmPlacement:
@@ -24,21 +23,22 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
     )
 
 
-def simulate_one(
-    parameters: FrankaParameters, objects: Sequence[SceneObject]
-) -> Simulation:
+def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> FrankaWorld:
     """Return a world with the arm that parameters describe, and some things.
 
     Args:
         parameters: The arm.
-        objects: What else is in the world.
+        root_params: Parameters of the station's root namespace, with its `scene`.
 
     Raises:
+        ParameterError: The scene is malformed.
         RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
     """
-    simulation = simulate(
-        [placement_of(parameters)], gravity=parameters.gravity, objects=objects
+    world = simulate(
+        [placement_of(parameters)],
+        gravity=parameters.gravity,
+        objects=read_scene(root_params),
     )
-    arm = simulation.arms[parameters.arm_id]
+    arm = world.arms[parameters.arm_id]
     arm.set_collision_behavior(parameters.collision_behavior)
-    return simulation
+    return world

@@ -7,8 +7,8 @@ include/franka/errors.h; differs: thresholds that Franka does not publish are in
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from math import inf, pi, sqrt
+from dataclasses import replace
+from math import sqrt
 
 from station.core.franka.franka_errors import ERROR_INDEX, ArmError
 from station.core.franka.franka_model import Frame
@@ -18,6 +18,7 @@ from station.core.numerics.rigid_motion import rotation_between, times
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 
 LOG_LENGTH = 50
 """Cycles that are kept from before an error."""
@@ -30,38 +31,6 @@ _WORSE_SHARE = 0.1
 
 _Floats = tuple[float, ...]
 _Cycle = tuple[float, _Floats, _Floats, _Floats, _Floats, _Floats, _Floats]
-
-
-@dataclass(frozen=True, slots=True)
-class SupervisorLimits:
-    """Thresholds of measured quantities that Franka does not publish.
-
-    Attributes:
-        position_tolerance: Beyond a position limit [rad]; negative: before it.
-        velocity_factor: Of the velocity limits, joints and end effector. A joint of the
-            simulation is never faster than `OVERSPEED` times its limit: above that only
-            the end effector can be too fast.
-        torque_factor: Of the torque limits: range of the torque sensors.
-        debounce: Cycles that a measured value must be out of its range, >= 1.
-        power: Sum over the joints of |tau_J dq| [W].
-        self_collision_distance: Least distance between links that are not neighbours
-            [m]; the links are capsules, and a negative distance lets them overlap.
-        cartesian_lower: Lowest x, y, z of the end effector, axes of the base [m].
-        cartesian_upper: Highest ones [m]; the walls of a box.
-        path_deviation: How far the end effector may be from where the motion wants it:
-            translation [m], rotation [rad], elbow [rad]. Source: libfranka@0.9.2
-            src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
-    """
-
-    position_tolerance: float = 0.003
-    velocity_factor: float = 1.01
-    torque_factor: float = 1.0
-    debounce: int = 3
-    power: float = inf
-    self_collision_distance: float = 0.03
-    cartesian_lower: tuple[float, ...] = (-inf, -inf, -inf)
-    cartesian_upper: tuple[float, ...] = (inf, inf, inf)
-    path_deviation: tuple[float, ...] = (10.0, 3.12, 2.0 * pi)
 
 
 class ArmSupervisor:

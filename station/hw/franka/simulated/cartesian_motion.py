@@ -16,7 +16,7 @@ from station.core.franka.franka_robot_state import RobotState
 from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import pose_and_jacobian
-from station.hw.franka.arm.rigid_motion import transform_problem
+from station.hw.franka.arm.transform_check import transform_problem
 from station.hw.franka.commands.rate_limiter import RateLimits, limit_velocity
 from station.hw.franka.simulated.arm_frames import elbow_of
 from station.hw.franka.simulated.motion_checks import (

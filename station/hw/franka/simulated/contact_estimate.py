@@ -16,16 +16,11 @@ import numpy as np
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
-from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 
-DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
-    *((20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0),) * 4,
-    *((20.0, 20.0, 20.0, 25.0, 25.0, 25.0),) * 4,
-)
-"""Thresholds as franka_control configures them; contact and collision coincide."""
 CUTOFF_FREQUENCY = 100.0
 """Of the low-pass on the external torques [Hz]."""
 SINGULAR = 0.05

@@ -11,7 +11,7 @@ from station.core.errors import InvalidCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.robot_arm import MotionGeneratorMode
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, MotionGeneratorMode
 from station.hw.franka.simulated.cartesian_motion import (
     CartesianCommand,
     CartesianMotion,
@@ -23,8 +23,6 @@ from station.hw.franka.simulated.motion_checks import (
     torque_errors,
 )
 
-MOST_LOST_PACKETS = 20
-"""Commands lost in a row that end a motion."""
 _WINDOW = 100
 _DOF = 7
 _ZEROS = [0.0] * _DOF

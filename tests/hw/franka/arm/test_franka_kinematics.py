@@ -14,8 +14,8 @@ from station.hw.franka.arm.franka_kinematics import (
     pose_and_jacobian,
     zero_jacobian,
 )
-from station.hw.franka.simulated.simulation import (
-    INITIAL_POSITIONS,
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
 )

@@ -7,7 +7,7 @@ import pytest
 
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.self_collision import clearance
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 
 SAFE = 0.03
 

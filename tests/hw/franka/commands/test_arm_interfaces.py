@@ -1,7 +1,7 @@
 """State and model of an arm under upstream's names."""
 
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import load_robot_description
 
 
@@ -10,5 +10,5 @@ def test_names_are_upstreams():
     arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
 
     assert state_interface(arm, "panda").get_names() == ["panda_robot"]
-    models = model_interface(arm, "panda", description)
+    models = model_interface(arm, "panda")
     assert models.get_names() == ["panda_model", "panda_robot"]

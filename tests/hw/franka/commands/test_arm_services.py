@@ -7,10 +7,9 @@ import pytest
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka import FrankaServicesInterface
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
-from station.hw.robot_description import load_robot_description
+from tests.hw.franka.scripted_arm import ScriptedArm
 
 
 @pytest.fixture
@@ -42,34 +41,18 @@ def test_recovery_without_an_error_says_so(services):
     assert services.error_recovery() is False
 
 
-def test_connecting_sets_the_configured_thresholds_again(services):
-    arm = services.simulation()
-    configured = arm.contact.behavior
-    high = replace(configured, upper_force_thresholds_nominal=(90.0,) * 6)
-    services.set_collision_behavior(high)
-    assert arm.contact.behavior == high
-    services.disconnect()
-    services.connect()
-    assert arm.contact.behavior == configured
+@pytest.fixture
+def scripted() -> ScriptedArm:
+    return ScriptedArm()
 
 
 @pytest.fixture
-def real():
-    """Return the services of an arm that is none of the simulated ones."""
-    description = load_robot_description("example-robot-data:panda")
-    simulated = simulate([ArmPlacement("panda", description)]).arms["panda"]
-
-    def passed_on(name):
-        return lambda _, *args, **kwargs: getattr(simulated, name)(*args, **kwargs)
-
-    methods = {name: passed_on(name) for name in RobotArm.__abstractmethods__}
-    methods["simulation"] = lambda _: None
-    arm = type("RealArm", (RobotArm,), methods)()
-    arm.cycle_time, arm.state = simulated.cycle_time, simulated.state
+def real(scripted):
+    """Return the services of an arm that is not simulated."""
     tree = ParameterTree({
         "robot": {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
     })
-    hw = FrankaHW(arm)
+    hw = FrankaHW(scripted)
     hw.init(Parameters(tree), Parameters(tree, "robot"))
     return hw.get(FrankaServicesInterface).get_handle("panda")
 
@@ -83,3 +66,14 @@ def test_settings_and_recovery_are_those_of_any_arm(real):
     real.set_K_frame([1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0.1, 1.0])
     assert real.get_robot_state().EE_T_K[14] == 0.1
     assert real.error_recovery() is False
+
+
+def test_connecting_sets_the_configured_thresholds_again(real, scripted):
+    high = replace(
+        DEFAULT_COLLISION_BEHAVIOR, upper_force_thresholds_nominal=(90.0,) * 6
+    )
+    real.set_collision_behavior(high)
+    assert scripted.behavior == high
+    real.disconnect()
+    real.connect()
+    assert scripted.behavior == DEFAULT_COLLISION_BEHAVIOR

@@ -146,7 +146,7 @@ def test_a_reset_opens_the_hand_and_a_running_controller_holds_it(hw):
     command(hw, PositionJointInterface, 0.01)
     run(hw, 300)
 
-    hw.reset_simulation({})
+    hw.simulated_world().reset({})
     run(hw, 300)
 
     assert positions(hw) == pytest.approx([0.04, 0.04], abs=1e-4)

@@ -3,7 +3,7 @@
 import pytest
 
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import load_robot_description
 
 
@@ -17,7 +17,7 @@ def test_cartesian_impedance_sets_the_deflection_under_load():
     for cycle in range(1_500):
         arm.command_cartesian_velocity([0.0] * 6)
         if cycle == 100:
-            arm.apply_force("panda_hand", [0.0, 0.0, 10.0], [0.0] * 3, 5.0)
+            arm.simulation().apply_force("panda_hand", [0.0, 0.0, 10.0], [0.0] * 3, 5.0)
         arm.read_once()
     arm.refresh_state()
     # The hand's centre is not its tip, so it turns a little, too.

@@ -3,7 +3,6 @@
 from station.core.parameters import Parameters
 from station.hw.franka.franka_parameters import read_parameters
 from station.hw.franka.simulated.arm_placement import placement_of, simulate_one
-from station.hw.mujoco.scene import SceneObject
 
 
 def test_arm_stands_where_the_parameters_say():
@@ -34,10 +33,11 @@ def test_world_has_the_arm_with_its_thresholds_and_the_things_around_it():
             "collision_config": {"upper_force_thresholds_nominal": [33.0] * 6},
         },
     )
-    ball = SceneObject("ball", "sphere", (0.1,), (2.0, 0.0, 1.0))
+    ball = {"name": "ball", "type": "sphere", "size": [0.1], "position": [2, 0, 1]}
+    tree.set("scene", {"objects": [ball]})
 
-    simulation = simulate_one(read_parameters(tree.namespace("robot")), [ball])
+    world = simulate_one(read_parameters(tree.namespace("robot")), tree)
 
-    assert [thing.name for thing in simulation.world.scene()] == ["ball"]
-    behavior = simulation.arms["left"].contact.behavior
+    assert [thing.name for thing in world.scene()] == ["ball"]
+    behavior = world.arms["left"].contact.behavior
     assert list(behavior.upper_force_thresholds_nominal) == [33.0] * 6

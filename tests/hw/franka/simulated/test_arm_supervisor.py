@@ -4,7 +4,8 @@ import pytest
 
 from station.core.franka import ArmError, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
-from station.hw.franka.simulated.arm_supervisor import ArmSupervisor, SupervisorLimits
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 

@@ -3,7 +3,7 @@
 import pytest
 
 from station.hw.franka.simulated.combined_description import combine_descriptions
-from station.hw.franka.simulated.simulation import ArmPlacement
+from station.hw.franka.simulated.franka_world import ArmPlacement
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf import Pose
 

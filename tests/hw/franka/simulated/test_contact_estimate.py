@@ -6,13 +6,13 @@ import pytest
 from station.core.franka import RobotMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulation import (
-    INITIAL_POSITIONS,
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
-    Simulation,
+    FrankaWorld,
     simulate,
 )
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf import Pose
 
@@ -20,7 +20,7 @@ NONE = [0.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
-def simulation() -> Simulation:
+def simulation() -> FrankaWorld:
     # High above the floor, so that no pose touches it.
     placement = ArmPlacement(
         "panda",
@@ -31,14 +31,14 @@ def simulation() -> Simulation:
 
 
 @pytest.fixture
-def arm(simulation: Simulation) -> SimulatedArm:
+def arm(simulation: FrankaWorld) -> SimulatedArm:
     arm = simulation.arms["panda"]
     arm.set_load(Load())
     put(simulation, INITIAL_POSITIONS)
     return arm
 
 
-def put(simulation: Simulation, q: tuple[float, ...]) -> None:
+def put(simulation: FrankaWorld, q: tuple[float, ...]) -> None:
     """Put the arm somewhere, at rest and without errors."""
     names = [f"panda_joint{number}" for number in range(1, 8)]
     simulation.world.reset(dict(zip(names, q, strict=True)))
@@ -59,11 +59,11 @@ def poses(count: int, reach: float) -> list[tuple[float, ...]]:
 
 @pytest.mark.parametrize("q", poses(10, 0.4))
 def test_push_of_the_hand_is_measured_with_opposite_sign(
-    simulation: Simulation, arm: SimulatedArm, q: tuple[float, ...]
+    simulation: FrankaWorld, arm: SimulatedArm, q: tuple[float, ...]
 ) -> None:
     put(simulation, q)
     force = [6.0, -9.0, 12.0]
-    arm.apply_force("panda_hand", force, NONE, 1.0)
+    arm.simulation().apply_force("panda_hand", force, NONE, 1.0)
     run(arm, 500)
     # What is left is how the arm still creeps towards its deflected pose.
     assert arm.state.O_F_ext_hat_K[:3] == pytest.approx(
@@ -76,7 +76,7 @@ def test_push_of_the_hand_is_measured_with_opposite_sign(
 
 
 def test_nothing_is_measured_at_rest_in_any_pose(
-    simulation: Simulation, arm: SimulatedArm
+    simulation: FrankaWorld, arm: SimulatedArm
 ) -> None:
     low, high = np.array(arm.limits.lower) + 0.1, np.array(arm.limits.upper) - 0.1
     generator = np.random.default_rng(11)
@@ -99,7 +99,7 @@ def test_nothing_is_measured_at_rest_in_any_pose(
 def test_estimate_agrees_with_torque_sensor_and_model(arm: SimulatedArm) -> None:
     run(arm, 10)
     rest = list(arm.state.tau_J)
-    arm.apply_force("panda_link4", [0.0, 15.0, 0.0], NONE, 5.0)
+    arm.simulation().apply_force("panda_link4", [0.0, 15.0, 0.0], NONE, 5.0)
     run(arm, 3_000)
     felt = [now - then for now, then in zip(arm.state.tau_J, rest, strict=True)]
     # The arm yields by a mrad or so, which moves its weight a little.
@@ -118,14 +118,14 @@ def test_load_that_is_not_there_shows(arm: SimulatedArm) -> None:
 def test_load_that_is_held_does_not_show(arm: SimulatedArm) -> None:
     # At the hand's centre of mass, where the push acts.
     arm.set_load(Load(1.0, (-0.01 * 0.5**0.5, -0.01 * -(0.5**0.5), 0.03)))
-    arm.apply_force("panda_hand", [0.0, 0.0, -9.81], NONE, 5.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -9.81], NONE, 5.0)
     run(arm, 2_000)
     assert arm.state.O_F_ext_hat_K[:3] == pytest.approx(NONE, abs=0.1)
     assert arm.state.q == pytest.approx(INITIAL_POSITIONS, abs=1e-4)
 
 
 def test_contact_clears_itself_and_collision_stays(arm: SimulatedArm) -> None:
-    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 0.05)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 0.05)
     run(arm, 30)
     assert arm.state.robot_mode is RobotMode.REFLEX
     assert arm.state.cartesian_contact[2] == arm.state.cartesian_collision[2] == 1.0
@@ -138,24 +138,24 @@ def test_contact_clears_itself_and_collision_stays(arm: SimulatedArm) -> None:
 
 
 def test_recovery_in_contact_is_no_new_collision(arm: SimulatedArm) -> None:
-    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 10.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 10.0)
     run(arm, 100)
     arm.automatic_error_recovery()
     run(arm, 500)
     assert arm.state.robot_mode is RobotMode.IDLE
     assert arm.state.cartesian_contact[2] == 1.0
-    arm.apply_force("panda_hand", NONE, NONE, 0.1)
+    arm.simulation().apply_force("panda_hand", NONE, NONE, 0.1)
     run(arm, 200)
-    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 1.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 1.0)
     run(arm, 50)
     assert arm.state.robot_mode is RobotMode.REFLEX
 
 
 def test_wrench_is_zero_in_a_singular_pose(
-    simulation: Simulation, arm: SimulatedArm
+    simulation: FrankaWorld, arm: SimulatedArm
 ) -> None:
     put(simulation, (0.0, 0.0, 0.0, -0.08, 0.0, 0.6, 0.0))
-    arm.apply_force("panda_hand", [0.0, 8.0, 0.0], NONE, 1.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 8.0, 0.0], NONE, 1.0)
     run(arm, 50)
     assert arm.state.O_F_ext_hat_K == [0.0] * 6
     assert max(map(abs, arm.state.tau_ext_hat_filtered)) > 1.0

@@ -9,8 +9,8 @@ from station.core.errors import RobotDescriptionError
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.load import Load
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.franka.simulated.simulation import INITIAL_POSITIONS
 from station.hw.robot_description import load_robot_description
 from station.hw.urdf_parser import parse_urdf
 

@@ -6,8 +6,8 @@ from station.core.errors import HardwareInterfaceError
 from station.core.franka import FaultKind, RobotState
 from station.core.franka.arm_simulation import SimulatedFault
 from station.hw.franka.arm.arm_names import joint_names
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.franka.simulated.sensor_faults import SensorFaults
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
 from station.hw.robot_description import load_robot_description
 
 

@@ -2,22 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import pi
 
 import mujoco
 
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
-from station.hw.franka.hand.simulated_gripper import OPEN_WIDTH, SimulatedGripper
-from station.hw.franka.simulated.arm_load import ArmLoad
-from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.end_effector import (
     as_transform,
     end_effector_of,
     nominal_frame_of,
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
+from station.hw.franka.simulated.simulated_gripper import OPEN_WIDTH, SimulatedGripper
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -25,15 +24,12 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.scene import SceneObject, add_object
+from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
 from station.hw.robot_description import RobotDescription, replace_prefix
 from station.hw.srdf import disabled_collisions
 from station.hw.urdf import Pose, Urdf
 from station.hw.urdf_parser import parse_urdf
-
-INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
-"""Pose in which an arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
-examples/generate_joint_velocity_motion.cpp, q_goal."""
 
 _HARD_CONSTRAINT_STEPS = 2.0
 _HARD_IMPEDANCE = 0.99
@@ -70,19 +66,28 @@ class ArmPlacement:
     thresholds: SupervisorLimits = field(default_factory=SupervisorLimits)
 
 
-@dataclass(frozen=True, slots=True)
-class Simulation:
-    """A world and the arms in it.
+class FrankaWorld(SharedWorld):
+    """A MuJoCo world and the Franka arms in it.
+
+    Args:
+        world: The MuJoCo world.
+        arms: Arms by arm_id.
+        grippers: Hands by arm_id; arms without a hand are not in it.
 
     Attributes:
-        world: The world.
-        arms: By arm_id.
-        grippers: By arm_id; arms without a hand are not in it.
+        arms: As given.
+        grippers: As given.
     """
 
-    world: World
-    arms: Mapping[str, SimulatedArm]
-    grippers: Mapping[str, SimulatedGripper]
+    def __init__(
+        self,
+        world: World,
+        arms: Mapping[str, SimulatedArm],
+        grippers: Mapping[str, SimulatedGripper],
+    ) -> None:
+        super().__init__(world)
+        self.arms = arms
+        self.grippers = grippers
 
 
 def simulate(
@@ -91,7 +96,7 @@ def simulate(
     timestep: float = 0.001,
     gravity: tuple[float, float, float] = GRAVITY_EARTH,
     objects: Sequence[SceneObject] = (),
-) -> Simulation:
+) -> FrankaWorld:
     """Build a world with a floor and some arms, each at its start pose and at rest.
 
     Args:
@@ -140,7 +145,7 @@ def simulate(
         for arm_id, urdf in urdfs.items()
         if f"{arm_id}_finger_joint1" in urdf.joints
     }
-    return Simulation(world, arms, grippers)
+    return FrankaWorld(world, arms, grippers)
 
 
 def _make_arm(
@@ -160,7 +165,7 @@ def _make_arm(
     arm = SimulatedArm(
         world,
         joint_names(placement.arm_id),
-        load=ArmLoad(placement.description, local),
+        description=placement.description,
         limits=placement.limits,
         thresholds=placement.thresholds,
         hand=hand if hand in urdf.links else f"{prefix}link7",

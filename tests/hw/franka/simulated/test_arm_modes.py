@@ -7,14 +7,14 @@ from station.core.franka import FaultKind, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import error_names
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated.arm_recovery import HALTED
-from station.hw.franka.simulated.arm_supervisor import SupervisorLimits
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulation import (
-    INITIAL_POSITIONS,
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.arm_modes import HALTED
+from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
 )
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.robot_description import load_robot_description
 
 DESCRIPTION = load_robot_description("example-robot-data:panda")
@@ -43,18 +43,18 @@ def move(arm: SimulatedArm, cycles: int = 300) -> None:
 
 
 def hit(arm: SimulatedArm) -> None:
-    arm.inject(HIT)
+    arm.simulation().inject(HIT)
     run(arm, 30)
     assert arm.state.robot_mode is RobotMode.REFLEX
 
 
 def test_recovery_during_the_motion_lasts_until_the_arm_is_at_rest(arm):
     move(arm)
-    arm.inject(HIT)
+    arm.simulation().inject(HIT)
     while arm.state.robot_mode is RobotMode.MOVE:
         arm.command_joint_velocities([0.2] * 7)
         arm.read_once()
-    arm.clear_faults()
+    arm.simulation().clear_faults()
     run(arm, 5)
     modes = [arm.state.robot_mode]
     arm.automatic_error_recovery()
@@ -71,8 +71,8 @@ def test_recovery_during_the_motion_lasts_until_the_arm_is_at_rest(arm):
 
 def test_motion_is_refused_while_the_arm_recovers(arm):
     move(arm)
-    arm.set_user_stop(pressed=True)
-    arm.set_user_stop(pressed=False)
+    arm.simulation().set_user_stop(pressed=True)
+    arm.simulation().set_user_stop(pressed=False)
     assert arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY
     with pytest.raises(ArmCommandError, match="wait until the arm is at rest"):
         arm.start_motion(IMPEDANCE, VELOCITY)
@@ -103,27 +103,27 @@ def test_user_stop_can_be_pressed_in_every_mode(arm, press_in):
     if press_in == "reflex":
         hit(arm)
     if press_in == "recovery":
-        arm.set_user_stop(pressed=True)
-        arm.set_user_stop(pressed=False)
+        arm.simulation().set_user_stop(pressed=True)
+        arm.simulation().set_user_stop(pressed=False)
         assert arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY
     if press_in == "guiding":
-        arm.set_guiding(pressed=True)
-    arm.set_user_stop(pressed=True)
+        arm.simulation().set_guiding(pressed=True)
+    arm.simulation().set_user_stop(pressed=True)
     run(arm, 500)
     assert arm.state.robot_mode is RobotMode.USER_STOPPED
     assert max(map(abs, arm.state.dq)) < 1e-3
     with pytest.raises(ArmCommandError, match="user stop is pressed"):
         arm.automatic_error_recovery()
-    arm.set_user_stop(pressed=True)  # twice is once
-    arm.set_user_stop(pressed=False)
+    arm.simulation().set_user_stop(pressed=True)  # twice is once
+    arm.simulation().set_user_stop(pressed=False)
     assert arm.state.robot_mode is RobotMode.IDLE
     assert error_names(arm.state.current_errors) == []
-    arm.set_user_stop(pressed=False)
+    arm.simulation().set_user_stop(pressed=False)
     assert arm.state.robot_mode is RobotMode.IDLE
 
 
 def test_arm_that_is_still_touched_goes_to_idle_and_holds(arm):
-    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 20.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 20.0)
     run(arm, 500)
     assert arm.state.robot_mode is RobotMode.REFLEX
     for _ in range(3):
@@ -138,11 +138,11 @@ def test_arm_that_is_still_touched_goes_to_idle_and_holds(arm):
 
 
 def test_touch_that_gets_much_harder_is_a_collision_again(arm):
-    arm.apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 20.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -40.0], NONE, 20.0)
     run(arm, 500)
     arm.automatic_error_recovery()
     run(arm, 100)
-    arm.apply_force("panda_hand", [0.0, 0.0, -90.0], NONE, 20.0)
+    arm.simulation().apply_force("panda_hand", [0.0, 0.0, -90.0], NONE, 20.0)
     run(arm, 100)
     assert "cartesian_reflex" in error_names(arm.state.current_errors)
 
@@ -174,15 +174,15 @@ def test_what_is_out_of_range_at_a_recovery_may_get_better_and_not_worse():
 
 
 def test_guided_arm_gives_way_and_holds_where_it_is_let_go(arm):
-    arm.set_guiding(pressed=True)
+    arm.simulation().set_guiding(pressed=True)
     assert arm.state.robot_mode is RobotMode.GUIDING
     with pytest.raises(ArmCommandError, match="let go of the guiding buttons"):
         arm.start_motion(IMPEDANCE, VELOCITY)
-    arm.apply_force("panda_hand", [0.0, 15.0, 0.0], NONE, 0.3)
+    arm.simulation().apply_force("panda_hand", [0.0, 15.0, 0.0], NONE, 0.3)
     run(arm, 400)
     arm.refresh_state()
     assert arm.state.O_T_EE[13] > 0.02
-    arm.set_guiding(pressed=False)
+    arm.simulation().set_guiding(pressed=False)
     run(arm, 500)
     held = list(arm.state.q)
     run(arm, 500)
@@ -193,7 +193,7 @@ def test_guided_arm_gives_way_and_holds_where_it_is_let_go(arm):
 def test_moving_arm_cannot_be_guided(arm):
     move(arm)
     with pytest.raises(ArmCommandError, match="in mode move"):
-        arm.set_guiding(pressed=True)
+        arm.simulation().set_guiding(pressed=True)
 
 
 def test_every_mode_says_what_to_do_or_nothing(arm):

@@ -12,7 +12,7 @@ from station.core.parameters import Parameters
 from station.hw.urdf import Joint, JointType
 
 
-class JointPid:
+class SimulatedPid:
     """Turns a position or velocity command of one joint into an effort.
 
     Args:
@@ -76,9 +76,9 @@ class JointPid:
         return max(-self._limit.effort, min(self._limit.effort, effort))
 
 
-def read_joint_pids(
+def read_simulated_pids(
     params: Parameters, joints: Mapping[str, Joint]
-) -> dict[str, JointPid]:
+) -> dict[str, SimulatedPid]:
     """Return the controllers of the joints that have gains.
 
     Args:
@@ -97,5 +97,7 @@ def read_joint_pids(
                 remedy=f"Choose among {', '.join(joints) or 'none'}.",
                 details={"parameter": gains.resolve(name)},
             )
-        pids[name] = JointPid(joints[name], Pid.from_parameters(gains.namespace(name)))
+        pids[name] = SimulatedPid(
+            joints[name], Pid.from_parameters(gains.namespace(name))
+        )
     return pids

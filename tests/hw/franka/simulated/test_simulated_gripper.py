@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.hw.franka.hand.simulated_gripper import SimulatedGripper
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
+from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 from station.hw.robot_description import load_robot_description
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from station.core.errors import RobotDescriptionError
-from station.hw.franka.simulated.simulation import (
-    INITIAL_POSITIONS,
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     find_prefix,
     joint_names,

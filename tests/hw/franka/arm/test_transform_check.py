@@ -4,7 +4,7 @@ import pytest
 
 from station.core.errors import InvalidCommandError
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.rigid_motion import (
+from station.hw.franka.arm.transform_check import (
     check_transform,
     transform_problem,
 )

@@ -4,10 +4,10 @@ import pytest
 
 from station.core.errors import ArmCommandError
 from station.core.franka import RobotState
+from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated.contact_estimate import DEFAULT_COLLISION_BEHAVIOR
-from station.hw.franka.simulated.simulation import ArmPlacement, simulate
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.robot_description import load_robot_description
 
 SETTINGS = [

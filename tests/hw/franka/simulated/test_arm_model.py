@@ -3,8 +3,8 @@
 import pytest
 
 from station.hw.franka.arm.load import Load
+from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.hw.franka.simulated.franka_model import ArmModel
 from station.hw.robot_description import load_robot_description
 
 Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]

@@ -2,13 +2,12 @@
 
 from math import sqrt
 
+from station.hw.franka.hand.hand_services import MAX_FORCE
 from station.hw.mujoco.world import World
 
 OPEN_WIDTH = 0.08
 """Distance between the fingers when the hand is open [m]. Source: the limits of the
 finger joints in panda.urdf, 0.04 m each."""
-MAX_FORCE = 140.0
-"""What each finger can press with [N]. Source: datasheet of the Franka Hand."""
 _STIFFNESS = 5000.0
 _SPEED = 0.2
 """How fast each finger goes to its place [m/s]. Source: the velocity limit of the

@@ -7,7 +7,7 @@ import pytest
 from station.core.errors import ParameterError
 from station.core.numerics.pid import Pid, PidGains
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.mujoco.joint_pids import JointPid, read_joint_pids
+from station.hw.mujoco.simulated_pid import SimulatedPid, read_simulated_pids
 from station.hw.urdf import Joint, JointLimit, JointType, Pose
 
 
@@ -43,18 +43,18 @@ PRISMATIC = joint(JointType.PRISMATIC, JointLimit(0.0, 9.0, 2.0, 50.0))
     ],
 )
 def test_position_becomes_effort(kind, command, position, effort):
-    pid = JointPid(kind, Pid(PidGains(p=10.0)))
+    pid = SimulatedPid(kind, Pid(PidGains(p=10.0)))
     assert pid.effort_for_position(command, position, 0.001) == pytest.approx(effort)
 
 
 def test_velocity_becomes_effort_within_the_limit():
-    pid = JointPid(REVOLUTE, Pid(PidGains(p=10.0)))
+    pid = SimulatedPid(REVOLUTE, Pid(PidGains(p=10.0)))
     assert pid.effort_for_velocity(2.0, 0.5, 0.001) == 15.0
     assert pid.effort_for_velocity(-20.0, 0.0, 0.001) == -50.0
 
 
 def test_reset_forgets_the_integral():
-    pid = JointPid(REVOLUTE, Pid(PidGains(i=1000.0, i_max=9.0, i_min=-9.0)))
+    pid = SimulatedPid(REVOLUTE, Pid(PidGains(i=1000.0, i_max=9.0, i_min=-9.0)))
     first = pid.effort_for_velocity(1.0, 0.0, 0.001)
     assert pid.effort_for_velocity(1.0, 0.0, 0.001) > first
     pid.reset()
@@ -63,10 +63,10 @@ def test_reset_forgets_the_integral():
 
 def test_only_joints_with_gains_have_a_controller():
     params = Parameters(ParameterTree({"pid_gains": {"j": {"p": 1.0}}}))
-    assert list(read_joint_pids(params, {"j": REVOLUTE, "k": REVOLUTE})) == ["j"]
+    assert list(read_simulated_pids(params, {"j": REVOLUTE, "k": REVOLUTE})) == ["j"]
 
 
 def test_gains_of_an_unknown_joint_are_refused():
     params = Parameters(ParameterTree({"pid_gains": {"elbow": {"p": 1.0}}}))
     with pytest.raises(ParameterError, match="pid_gains/elbow"):
-        read_joint_pids(params, {"j": REVOLUTE})
+        read_simulated_pids(params, {"j": REVOLUTE})

@@ -1,0 +1,140 @@
+"""The commands of one controller: checked after each of its calls, rested, compared."""
+
+from station.core.control.command_guard import CommandGuard, as_pieces
+from station.core.faults import CONTAINED
+
+
+class ControllerCommands:
+    """Every command that a controller has claimed. Control thread only.
+
+    Args:
+        guards: One per claimed resource that takes commands.
+
+    Attributes:
+        guards: The same.
+        slots: Where the commands are, as (storage, index).
+        is_shared: Whether the robot lets another running controller command one of
+            the same resources; the last to write it decides.
+    """
+
+    def __init__(self, guards: list[CommandGuard]) -> None:
+        self.guards = guards
+        self.slots = [slot for guard in guards for slot in guard.slots]
+        self.is_shared = False
+        self._pieces = [
+            (storage, piece, [float] * (piece.stop - piece.start))
+            for storage, piece in as_pieces(self.slots)
+        ]
+        self._written: list[list[float]] = [[] for _ in self._pieces]
+
+    def refused(self) -> str | None:
+        """Return which command is not a real finite number; None when all are.
+
+        Called after every call of the controller, so that a bad value is charged to
+        the call that wrote it. Real numbers of other types become floats.
+        """
+        for position, (storage, piece, floats) in enumerate(self._pieces):
+            values = storage[piece]
+            # The types first: the sum of a complex number or of a decimal raises, or
+            # passes every comparison with a float. An overflow of the sum alone is
+            # no bad command, hence the second look.
+            if [*map(type, values)] != floats or (total := sum(values)) - total != 0.0:
+                refused = self._find_refused()
+                if refused is not None:
+                    return refused
+                values = storage[piece]
+            self._written[position] = values
+        return None
+
+    def is_as_written(self) -> bool:
+        """Return whether the commands are those that `refused` looked at last."""
+        if self.is_shared:
+            return True
+        try:
+            for (storage, piece, _), values in zip(
+                self._pieces, self._written, strict=True
+            ):
+                if storage[piece] != values:
+                    return False
+        except CONTAINED:  # e.g. an array: its comparison has no truth value
+            return False
+        return True
+
+    def write_again(self) -> None:
+        """Write the commands that `refused` looked at last."""
+        for (storage, piece, _), values in zip(
+            self._pieces, self._written, strict=True
+        ):
+            if values:
+                storage[piece] = values
+
+    def values(self) -> list[float]:
+        """Return what the commands are now, in the order of `slots`."""
+        return [storage[index] for storage, index in self.slots]
+
+    def put_back(self, values: list[float]) -> str | None:
+        """Undo what a call has written; return which command it changed.
+
+        Args:
+            values: What `values` returned before the call.
+
+        Returns:
+            The first resource that was changed and its new command; None if the call
+            wrote nothing.
+        """
+        changed: str | None = None
+        before = iter(values)
+        for guard in self.guards:
+            for storage, index in guard.slots:
+                value, now = next(before), storage[index]
+                # By identity first: a NaN of before does not equal itself. By type,
+                # because 0j equals 0.0, and an array equals nothing and everything.
+                if now is value or (type(now) is float and now == value):
+                    continue
+                changed = changed or guard.describe(now)
+                storage[index] = value
+        return changed
+
+    def write_rest(self) -> None:
+        """Command everything that is claimed to rest where it is."""
+        for guard in self.guards:
+            guard.write_rest()
+
+    def prepare(self, taken_over: set[tuple[str, str]]) -> str | None:
+        """Make the commands ready for a start; return why that is impossible.
+
+        Resources that nobody commanded until now begin at rest, so that no command of
+        long ago reaches the robot; the others go on from the last command.
+
+        Args:
+            taken_over: (hardware interface, resource) of what goes on from the last
+                command.
+        """
+        for guard in self.guards:
+            if guard.claim not in taken_over or guard.refused_command() is not None:
+                guard.write_rest()
+            if not guard.remember():
+                return f"the state of '{guard.name}' is not finite"
+        return None
+
+    def jumps(self) -> dict[str, float]:
+        """Return how far the commands are from those before the start, by resource."""
+        return {guard.name: guard.jump() for guard in self.guards}
+
+    def excessive_jump(self) -> str | None:
+        """Return which command is too far from the one before; None if none is."""
+        for guard in self.guards:
+            step, limit = guard.excess()
+            if step > 0.0:
+                return (
+                    f"its first command for '{guard.name}' jumps by {step:.6g}; at "
+                    f"most {limit:.6g} is allowed"
+                )
+        return None
+
+    def _find_refused(self) -> str | None:
+        for guard in self.guards:
+            value = guard.refused_command()
+            if value is not None:
+                return f"command {value} for '{guard.name}'"
+        return None

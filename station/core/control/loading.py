@@ -1,0 +1,103 @@
+"""Loading controllers in threads of their own, so that nobody waits for foreign code.
+
+Importing a plug-in, its constructor and its `init` are code that the station did not
+write: they may take seconds, hang, or call the manager themselves. They run in a thread
+of their own and under no lock. Whoever asked for the controller waits for it up to a
+deadline and can be told to stop waiting; everybody else goes on.
+"""
+
+import threading
+from collections.abc import Callable
+
+from station.core.control.controller import ControllerState
+from station.core.control.controller_status import ControllerStatus
+from station.core.control.loaded_controller import LoadedController
+from station.core.errors import ControllerLoadError
+from station.core.numerics.statistics import DurationRing
+
+LOAD_TIMEOUT = 60.0
+"""Default of the wall time in which a controller must be loaded [s]."""
+
+
+class Loading:
+    """A controller on its way into the list.
+
+    Args:
+        name: Its name.
+        build: Imports, creates and initialises it.
+
+    Attributes:
+        name: The same.
+    """
+
+    def __init__(self, name: str, build: Callable[[], LoadedController]) -> None:
+        self.name = name
+        self._build = build
+        self._done = threading.Event()
+        self._loaded: list[LoadedController] = []
+        self._error: BaseException | None = None
+        self._is_cancelled = False
+
+    def run(self, timeout: float) -> LoadedController:
+        """Load the controller in a thread of its own.
+
+        Args:
+            timeout: How long to wait for it [s wall time], > 0.
+
+        Raises:
+            ControllerLoadError: It took too long, or the loading was cancelled. Its
+                thread cannot be ended; whatever it returns later is thrown away.
+            BaseException: Whatever building it raised.
+        """
+        thread = threading.Thread(
+            target=self._run, name=f"load {self.name}", daemon=True
+        )
+        thread.start()
+        if not self._done.wait(timeout):
+            raise ControllerLoadError(
+                f"Controller '{self.name}' was not loaded within {timeout:g} s: its "
+                "import, its constructor or its init does not return.",
+                remedy="Correct the controller. The thread that loads it goes on until "
+                "it returns or the station ends; its result is thrown away.",
+                details={"controller": self.name, "timeout": timeout},
+            )
+        if self._is_cancelled:
+            raise ControllerLoadError(
+                f"The loading of controller '{self.name}' was cancelled.",
+                remedy="Load it again if you still want it.",
+                details={"controller": self.name},
+            )
+        thread.join()  # it has set the event and ends
+        if self._error is not None:
+            # Not kept: the traceback would keep a refused controller alive.
+            error, self._error = self._error, None
+            try:
+                raise error
+            finally:
+                del error
+        return self._loaded.pop()
+
+    def cancel(self) -> None:
+        """Let whoever waits for the controller go on without it."""
+        self._is_cancelled = True
+        self._done.set()
+
+    def status(self) -> ControllerStatus:
+        """Return what people are told about it."""
+        return ControllerStatus(
+            self.name,
+            "",
+            ControllerState.LOADING,
+            (),
+            "",
+            "",
+            (),
+            DurationRing(1).percentiles(),
+        )
+
+    def _run(self) -> None:
+        try:
+            self._loaded.append(self._build())
+        except BaseException as error:  # noqa: BLE001 - handed to whoever waits
+            self._error = error
+        self._done.set()

@@ -1,0 +1,238 @@
+"""The caller's half of a switch: plan it, ask the robot, post it, wait for the end.
+
+One switch at a time asks the robot, whose `prepare_switch` and `check_for_conflict` may
+take long; whoever comes meanwhile waits up to his own bound. Loading, unloading and
+listing controllers do not wait for it.
+"""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import inf
+
+from station.core.clock import Clock
+from station.core.control.controller_runner import ControllerRunner
+from station.core.control.pending_switch import PendingSwitch, SwitchProgress
+from station.core.control.switching import (
+    Candidate,
+    SwitchPlan,
+    SwitchRequest,
+    SwitchResult,
+    conflict_error,
+    plan_switch,
+)
+from station.core.errors import (
+    ControllerStateError,
+    StationError,
+    SwitchRefusedError,
+    SwitchTimeoutError,
+)
+from station.core.faults import CONTAINED, reason_of, trace_of_fault
+from station.core.hardware.robot_hw import RobotHW
+
+SWITCH_GRACE = 1.0
+"""How much later than its timeout a switch is given up [s wall time] (CM-74)."""
+WAIT_SLICE = 0.05
+"""How often a waiting caller looks whether the loop's thread came or went [s]."""
+
+
+class SwitchCaller:
+    """Brings switches from their callers to the control thread.
+
+    Args:
+        hw: The robot.
+        runner: The control thread's half of the manager.
+        clock: Wall time.
+        lock: Guards the list of controllers; held for moments only.
+
+    Attributes:
+        pump: Runs one cycle; called by a waiting caller when no thread runs the loop.
+        planned: Names of the controllers of the switch under way; not to be unloaded.
+    """
+
+    def __init__(
+        self, hw: RobotHW, runner: ControllerRunner, clock: Clock, lock: threading.Lock
+    ) -> None:
+        self.pump: Callable[[], None] | None = None
+        self.planned: set[str] = set()
+        self._hw = hw
+        self._runner = runner
+        self._clock = clock
+        self._lock = lock
+        self._switching = threading.Lock()
+        self._switcher = 0  # identity of the thread that has `_switching`
+
+    def switch(self, request: SwitchRequest) -> SwitchResult:
+        """Carry a switch out when it is its turn; see `ControllerManager`."""
+        with self.one_at_a_time(_bound_of(request)):
+            return self.carry_out(request)
+
+    @contextmanager
+    def one_at_a_time(self, bound: float) -> Iterator[None]:
+        """Let one switch at a time ask the robot.
+
+        Args:
+            bound: How long to wait for the one before [s wall time].
+
+        Raises:
+            ControllerStateError: The robot or a policy asks for a switch while it is
+                asked about one.
+            SwitchTimeoutError: The switch before is not finished in time.
+        """
+        here = threading.get_ident()
+        if self._switcher == here:
+            raise ControllerStateError(
+                "Cannot switch controllers while a switch is being prepared by the "
+                "same thread: it would wait for itself.",
+                remedy="Do not switch within prepare_switch or check_for_conflict.",
+            )
+        if not self._switching.acquire(timeout=-1 if bound == inf else bound):
+            raise SwitchTimeoutError(
+                f"The switch before was not finished within {bound} s of wall time: "
+                "the robot has not answered prepare_switch or check_for_conflict, or "
+                "the control loop does not run.",
+                remedy="Look at the robot and at the loop, then switch again.",
+                details={"timeout": bound, "begun": False},
+            )
+        self._switcher = here
+        try:
+            yield
+        finally:
+            self._switcher = 0
+            self._switching.release()
+
+    def carry_out(self, request: SwitchRequest) -> SwitchResult:
+        """Carry a switch out; within `one_at_a_time`.
+
+        Args:
+            request: What to start and to stop.
+
+        Raises:
+            StationError: As for `ControllerManager.switch_controller`.
+        """
+        plan = self._plan(request)
+        if request.dry_run:
+            return SwitchResult(
+                ok=True,
+                started=tuple(info.name for info in plan.start),
+                stopped=tuple(info.name for info in plan.stop),
+                cycle=0,
+                plan=plan,
+                dry_run=True,
+            )
+        runner = self._runner
+        with self._lock:
+            # From here on nobody unloads what this switch is about.
+            start = [runner.find(name) for name in plan.start_requests]
+            stop = [runner.find(name) for name in plan.stop_requests]
+            self.planned.update(plan.start_requests, plan.stop_requests)
+        try:
+            with _foreign("prepare_switch"):
+                self._hw.prepare_switch(plan.start, plan.stop)
+            since = runner.time if runner.cycle else None
+            pending = PendingSwitch(request, plan, start, stop, since)
+            runner.pending = pending
+            try:
+                self._wait_for(pending)
+            except BaseException:
+                self._withdraw(pending)
+                raise
+        finally:
+            with self._lock:
+                self.planned.clear()
+        return pending.result()
+
+    def _plan(self, request: SwitchRequest) -> SwitchPlan:
+        loaded = self._runner.loaded
+        if self._runner.pending is not None:
+            raise SwitchRefusedError(
+                "The switch before has begun and is not finished: the control loop "
+                "stands still.",
+                remedy="Let the control loop run; then look at the controllers.",
+            )
+        plan = plan_switch(
+            [
+                Candidate(one.info, one.controller.state, one.is_unreleased)
+                for one in loaded
+            ],
+            request,
+        )
+        with _foreign("check_for_conflict"):
+            conflicts = self._hw.check_for_conflict(plan.running)
+        if conflicts:
+            running = [o.info.name for o in loaded if o.controller.is_running()]
+            raise conflict_error(conflicts, running)
+        return plan
+
+    def _wait_for(self, pending: PendingSwitch) -> None:
+        """Return when the control thread has finished `pending`.
+
+        Raises:
+            SwitchTimeoutError: It has not, at the deadline.
+        """
+        bound = _bound_of(pending.request)
+        clock, runner = self._clock, self._runner
+        offset = clock.now() - runner.time  # pumped cycles take station time
+        deadline = clock.now() + bound
+        cycle = runner.cycle
+        while pending.progress is not SwitchProgress.FINISHED:
+            now = max(clock.now(), runner.time + offset if self.pump else 0.0)
+            if now >= deadline:
+                stands_still = pending.expired and runner.cycle == cycle
+                if stands_still or self._withdraw(pending):
+                    raise self._timed_out(pending, bound)
+                # It has begun: the next cycles end it or take it back.
+                deadline, cycle = now + SWITCH_GRACE, runner.cycle
+            elif self.pump is not None:
+                self.pump()
+            else:
+                clock.wait_for(pending.done, min(deadline, now + WAIT_SLICE))
+
+    def _withdraw(self, pending: PendingSwitch) -> bool:
+        """Take back a switch that has not begun; let one that has end itself."""
+        if pending.claim.acquire(blocking=False):
+            self._runner.pending = None
+            return True
+        pending.expired = True
+        return False
+
+    def _timed_out(self, pending: PendingSwitch, bound: float) -> SwitchTimeoutError:
+        begun = pending.progress is not SwitchProgress.POSTED
+        if begun:
+            outcome = "It has begun; the next cycle ends it and aborts what waits."
+        else:
+            outcome = "It was withdrawn; controllers and hardware are as before."
+        return SwitchTimeoutError(
+            f"The switch was not finished within {bound} s of wall time, because the "
+            f"control loop does not run. {outcome}",
+            remedy="Start or resume the control loop, then switch again.",
+            details={"timeout": bound, "begun": begun},
+        )
+
+
+def _bound_of(request: SwitchRequest) -> float:
+    """Return how long a switch may take [s wall time]; inf for as long as it takes."""
+    if request.timeout > 0.0:
+        return request.timeout + SWITCH_GRACE
+    return inf if request.bound is None else request.bound
+
+
+@contextmanager
+def _foreign(hook: str) -> Iterator[None]:
+    """Report whatever a hook of the robot raises as a refusal of the switch.
+
+    Raises:
+        StationError: The hook refuses.
+        SwitchRefusedError: The hook raised anything else.
+    """
+    try:
+        yield
+    except StationError:
+        raise
+    except CONTAINED as error:
+        raise SwitchRefusedError(
+            f"The robot cannot say whether the switch is possible: "
+            f"{reason_of(hook, error)}.",
+            remedy=f"Correct the robot's {hook}; nothing was switched.",
+            details={"hook": hook, "traceback": trace_of_fault()},
+        ) from error

@@ -1,0 +1,36 @@
+"""Thresholds at which an arm stops by itself, and which Franka does not publish."""
+
+from dataclasses import dataclass
+from math import inf, pi
+
+
+@dataclass(frozen=True, slots=True)
+class SupervisorLimits:
+    """Thresholds of measured quantities that Franka does not publish.
+
+    Attributes:
+        position_tolerance: Beyond a position limit [rad]; negative: before it.
+        velocity_factor: Of the velocity limits, joints and end effector. A joint of the
+            simulation is never faster than `OVERSPEED` times its limit: above that only
+            the end effector can be too fast.
+        torque_factor: Of the torque limits: range of the torque sensors.
+        debounce: Cycles that a measured value must be out of its range, >= 1.
+        power: Sum over the joints of |tau_J dq| [W].
+        self_collision_distance: Least distance between links that are not neighbours
+            [m]; the links are capsules, and a negative distance lets them overlap.
+        cartesian_lower: Lowest x, y, z of the end effector, axes of the base [m].
+        cartesian_upper: Highest ones [m]; the walls of a box.
+        path_deviation: How far the end effector may be from where the motion wants it:
+            translation [m], rotation [rad], elbow [rad]. Source: libfranka@0.9.2
+            src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
+    """
+
+    position_tolerance: float = 0.003
+    velocity_factor: float = 1.01
+    torque_factor: float = 1.0
+    debounce: int = 3
+    power: float = inf
+    self_collision_distance: float = 0.03
+    cartesian_lower: tuple[float, ...] = (-inf, -inf, -inf)
+    cartesian_upper: tuple[float, ...] = (inf, inf, inf)
+    path_deviation: tuple[float, ...] = (10.0, 3.12, 2.0 * pi)

@@ -1,0 +1,37 @@
+"""How FrankaHW passes the commands of controllers on to the arm."""
+
+from dataclasses import dataclass
+
+from station.hw.franka.arm.control_mode import GENERATOR_OF_MODE, ControlMode
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+
+
+@dataclass(frozen=True, slots=True)
+class CommandSettings:
+    """Settings of the way from a controller to the arm; read before every switch.
+
+    Attributes:
+        rate_limiting: Whether commands are kept within velocity, acceleration and jerk
+            limits.
+        cutoff_frequency: Cutoff frequency of the low-pass filter on commands [Hz], > 0;
+            a frequency of 1000 Hz or more turns the filter off.
+        internal_controller: Which controller of the arm makes the torques of a motion
+            for which no controller of the station commands torques.
+    """
+
+    rate_limiting: bool
+    cutoff_frequency: float
+    internal_controller: ControllerMode
+
+    def arm_modes(
+        self, mode: ControlMode
+    ) -> tuple[ControllerMode, MotionGeneratorMode]:
+        """Return the modes in which the arm carries out what controllers command.
+
+        Args:
+            mode: What the controllers command; supported, and not NONE.
+        """
+        generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
+        if mode & ControlMode.JOINT_TORQUE:
+            return ControllerMode.EXTERNAL_CONTROLLER, generator
+        return self.internal_controller, generator

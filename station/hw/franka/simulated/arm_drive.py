@@ -1,0 +1,110 @@
+"""What a simulated arm does before every step of its world."""
+
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.hw.franka.arm.robot_arm import REST_VELOCITY, ControllerMode
+from station.hw.franka.simulated.arm_load import ArmLoad
+from station.hw.franka.simulated.arm_modes import ArmModes
+from station.hw.franka.simulated.arm_motors import ArmMotors
+from station.hw.franka.simulated.desired_motion import DesiredMotion
+from station.hw.franka.simulated.motion_follower import MotionFollower
+from station.hw.franka.simulated.sensor_faults import SensorFaults
+
+# Torque control begins when the arm is at rest, or at the latest this long after the
+# desired motion has ended [s]: an arm that trembles in a contact never rests.
+_LONGEST_SETTLING = 0.5
+# Damping that a hand which guides the arm feels [Nm s/rad].
+_GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
+
+
+class ArmDrive:
+    """Advances the desired motion of one arm and sets its motors. Control thread only.
+
+    Args:
+        state: The arm's state.
+        modes: The modes of the arm.
+        motion: The desired motion.
+        follower: What follows the client's commands.
+        motors: The motors and the internal controllers.
+        load: The configured load.
+        faults: The faults of the arm.
+        period: Duration of a step [s], > 0.
+    """
+
+    def __init__(
+        self,
+        state: RobotState,
+        *,
+        modes: ArmModes,
+        motion: DesiredMotion,
+        follower: MotionFollower,
+        motors: ArmMotors,
+        load: ArmLoad,
+        faults: SensorFaults,
+        period: float,
+    ) -> None:
+        self._state = state
+        self._modes = modes
+        self._motion = motion
+        self._follower = follower
+        self._motors = motors
+        self._load = load
+        self._faults = faults
+        self._period = period
+        self._settling_time = 0.0
+
+    def is_at_rest(self) -> bool:
+        """Return whether neither the arm nor its desired motion moves."""
+        return self._motion.is_at_rest and self._speed() < REST_VELOCITY
+
+    def begin_motion(self) -> None:
+        """Wait for the arm to settle before torques act."""
+        self._settling_time = 0.0
+
+    def before_step(self) -> None:
+        """Take the commands, advance the desired motion, set the motors' controls."""
+        state, motors = self._state, self._motors
+        wants_torques = self._modes.controller is ControllerMode.EXTERNAL_CONTROLLER
+        if wants_torques and not motors.torques_act and self._motion.is_at_rest:
+            self._let_torques_act_when_settled()
+        if self._load.load.mass:
+            motors.load_weight = self._load.weight(state.theta)
+        self._faults.before_step()
+        mode = state.robot_mode
+        if mode is RobotMode.GUIDING:
+            self._motion.seed(state.theta, state.dtheta)
+            motors.apply_torques([
+                -d * dq for d, dq in zip(_GUIDING_DAMPING, state.dtheta, strict=True)
+            ])
+            return
+        if mode is not RobotMode.MOVE:
+            self._motion.hold()
+            if mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+                self._modes.finish_recovery()
+        elif wants_torques is not motors.torques_act:
+            self._follower.ignore()
+        else:
+            self._follow()
+        if motors.torques_act:
+            motors.apply_torques(self._follower.torques)
+        else:
+            motors.apply_impedance(state.theta, state.dtheta)
+
+    def _follow(self) -> None:
+        """Advance the desired motion with the client's command; abort it on errors."""
+        errors = self._follower.advance(
+            torques_act=self._motors.torques_act,
+            is_lossy=self._faults.loses_packet(),
+        )
+        if errors:
+            self._modes.raise_errors(errors)
+            self._motion.hold()
+        elif self._follower.is_begun:
+            self._modes.record(self._follower.command)
+
+    def _let_torques_act_when_settled(self) -> None:
+        self._settling_time += self._period
+        if self._speed() < REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
+            self._motors.engage_torques()
+
+    def _speed(self) -> float:
+        return max(map(abs, self._state.dtheta))

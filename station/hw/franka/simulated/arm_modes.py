@@ -1,0 +1,239 @@
+"""The modes of a simulated arm, and what leads from one mode to another.
+
+    Idle   -- a motion starts           -> Move
+    Move   -- the motion is stopped     -> Idle
+    Idle, Move  -- an error             -> Reflex
+    Reflex      -- automatic recovery   -> AutomaticErrorRecovery
+    AutomaticErrorRecovery -- at rest   -> Idle; an error: Reflex
+    any         -- user stop pressed    -> UserStopped
+    UserStopped -- user stop released   -> as from Reflex by a recovery
+    Idle        -- guiding buttons held -> Guiding; released: Idle
+    any         -- simulation diverged  -> Other; reset: Idle
+
+An arm that still touches something when it recovers goes to Idle and holds its pose.
+The contact is a collision again when it has ended and begins anew, or when it gets
+harder by as much as the threshold. Any other value that is still out of its range is an
+error again when it gets worse.
+
+Source: libfranka@0.9.2 include/franka/robot_state.h, RobotMode; Franka Control
+Interface documentation; differs: the transitions are not published as such. A real arm
+is guided back from a limit by hand; the simulated arm can be commanded back as well.
+"""
+
+from collections.abc import Sequence
+
+from station.core.errors import ArmCommandError
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.simulated.arm_frames import ArmFrames
+from station.hw.franka.simulated.arm_motors import ArmMotors
+from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
+from station.hw.franka.simulated.contact_estimate import ContactEstimate
+from station.hw.franka.simulated.desired_motion import DesiredMotion
+from station.hw.franka.simulated.motion_follower import (
+    CARTESIAN_GENERATORS,
+    MotionFollower,
+)
+from station.hw.mujoco.world import World
+
+HALTED = (
+    RobotMode.REFLEX,
+    RobotMode.USER_STOPPED,
+    RobotMode.OTHER,
+    RobotMode.GUIDING,
+    RobotMode.AUTOMATIC_ERROR_RECOVERY,
+)
+"""Modes in which no motion can be started."""
+_REMEDIES = {
+    RobotMode.USER_STOPPED: "release the user stop",
+    RobotMode.REFLEX: "remove the cause, then recover",
+    RobotMode.GUIDING: "let go of the guiding buttons",
+    RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
+}
+
+
+class ArmModes:
+    """Keeps the mode of one arm and changes it. Control thread only.
+
+    Args:
+        world: The world of the arm.
+        state: The arm's state; `robot_mode` and the success rate are written.
+        motion: The desired motion.
+        follower: What follows the client's commands.
+        motors: The motors and the internal controllers.
+        frames: Frames and derived state.
+        supervisor: The errors and where they came from.
+        contact: External torques and the thresholds for them.
+
+    Attributes:
+        controller: Who makes the torques of the running motion; None without a motion.
+        generator: What the client commands besides torques.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        state: RobotState,
+        *,
+        motion: DesiredMotion,
+        follower: MotionFollower,
+        motors: ArmMotors,
+        frames: ArmFrames,
+        supervisor: ArmSupervisor,
+        contact: ContactEstimate,
+    ) -> None:
+        self._world = world
+        self._state = state
+        self._motion = motion
+        self._follower = follower
+        self._motors = motors
+        self._frames = frames
+        self._supervisor = supervisor
+        self._contact = contact
+        self.controller: ControllerMode | None = None
+        self.generator = MotionGeneratorMode.NONE
+
+    def remedy(self) -> str | None:
+        """Return what to do before the arm can move; None when the arm can move."""
+        if self._world.diverged_because:
+            return "reset the simulation"
+        return _REMEDIES.get(self._state.robot_mode)
+
+    def refusal(
+        self, controller: ControllerMode, generator: MotionGeneratorMode
+    ) -> str | None:
+        """Return why an arm that does not move could not start a motion now.
+
+        None when the motion could start; see `RobotArm.refusal`.
+        """
+        mode = self._state.robot_mode
+        if self._world.diverged_because:
+            return f"{self._world.diverged_because}; {self.remedy()}"
+        if mode in HALTED:
+            return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
+        is_external = controller is ControllerMode.EXTERNAL_CONTROLLER
+        if generator is MotionGeneratorMode.NONE and not is_external:
+            return "the internal controller needs a motion generator"
+        return None
+
+    def begin_motion(
+        self, controller: ControllerMode, generator: MotionGeneratorMode
+    ) -> None:
+        """Go from Idle to Move; see `RobotArm.start_motion`.
+
+        Raises:
+            ArmCommandError: A motion runs already, or `refusal` has a reason.
+        """
+        reason = self.refusal(controller, generator)
+        if self._state.robot_mode is RobotMode.MOVE:
+            reason = "a motion runs already"
+        if reason is not None:
+            raise ArmCommandError(
+                f"The arm cannot start a motion: {reason}.",
+                remedy="Stop the running motion, recover, or ask for other modes.",
+            )
+        self.controller = controller
+        self.generator = generator
+        self._follower.begin(generator)
+        self._supervisor.begin_motion()
+        self._frames.is_cartesian = generator in CARTESIAN_GENERATORS
+        if controller is ControllerMode.CARTESIAN_IMPEDANCE:
+            self._motors.engage_cartesian_impedance()
+        self._state.robot_mode = RobotMode.MOVE
+        self._state.control_command_success_rate = 1.0
+
+    def end_motion(self, mode: RobotMode) -> None:
+        """Go to a mode without a motion, and hold the pose.
+
+        Args:
+            mode: The mode.
+        """
+        state = self._state
+        was_moving = state.robot_mode is RobotMode.MOVE
+        state.robot_mode = mode
+        if was_moving:
+            self._supervisor.end_motion()
+        # Torques have moved the arm away from the desired motion, and after an error
+        # the arm may be elsewhere, too: without the seed it would jump back.
+        if self._motors.torques_act or mode is not RobotMode.IDLE:
+            self._motion.seed(state.theta, state.dtheta)
+        self._motors.engage_joint_impedance()
+        self.controller = None
+        self.generator = MotionGeneratorMode.NONE
+        self._frames.is_cartesian = False
+        state.tau_J_d[:] = [0.0] * len(state.tau_J_d)
+        state.control_command_success_rate = 0.0
+
+    def raise_errors(self, errors: Sequence[ArmError]) -> None:
+        """Go to Reflex: end the motion and hold where the arm is.
+
+        Args:
+            errors: What is wrong, at least one error.
+        """
+        self._supervisor.set_errors(errors, self._world.step_count)
+        self.end_motion(RobotMode.REFLEX)
+
+    def record(self, command: Sequence[float]) -> None:
+        """Keep this cycle for the log of the next error.
+
+        Args:
+            command: The command that was followed.
+        """
+        self._supervisor.record(command)
+
+    def check_recovery(self) -> None:
+        """Refuse when the arm cannot recover itself now.
+
+        Raises:
+            ArmCommandError: The world has diverged, or the user stop is pressed.
+        """
+        if self._world.diverged_because:
+            raise ArmCommandError(
+                f"The arm cannot recover: {self._world.diverged_because}.",
+                remedy="Reset the simulation.",
+            )
+        if self._state.robot_mode is RobotMode.USER_STOPPED:
+            raise ArmCommandError(
+                "The arm cannot recover: the user stop is pressed.",
+                remedy="Release the user stop.",
+            )
+
+    def recover(self) -> None:
+        """Forget the errors, and go to Idle as soon as the arm is at rest."""
+        self._supervisor.recover()
+        self._contact.recover()
+        self._state.robot_mode = RobotMode.AUTOMATIC_ERROR_RECOVERY
+        self.finish_recovery()
+
+    def finish_recovery(self) -> None:
+        """Go from AutomaticErrorRecovery to Idle if the arm is at rest."""
+        if self._motion.is_at_rest:
+            self._state.robot_mode = RobotMode.IDLE
+
+    def set_user_stop(self, *, pressed: bool) -> None:
+        """Press or release the user stop; releasing it clears the errors."""
+        mode = self._state.robot_mode
+        if pressed and mode not in (RobotMode.OTHER, RobotMode.USER_STOPPED):
+            self.end_motion(RobotMode.USER_STOPPED)
+        elif not pressed and mode is RobotMode.USER_STOPPED:
+            self.recover()
+
+    def set_guiding(self, *, pressed: bool) -> None:
+        """Press or release the guiding buttons.
+
+        Raises:
+            ArmCommandError: The buttons are to be pressed and the arm is not idle.
+        """
+        mode = self._state.robot_mode
+        if pressed and mode is RobotMode.IDLE:
+            self._state.robot_mode = RobotMode.GUIDING
+            self._motors.engage_torques()
+        elif pressed and mode is not RobotMode.GUIDING:
+            remedy = self.remedy() or "stop the controllers of this arm first"
+            raise ArmCommandError(
+                f"The arm cannot be guided: it is in mode {mode.name.lower()}.",
+                remedy=f"{remedy[0].upper()}{remedy[1:]}.",
+            )
+        elif not pressed and mode is RobotMode.GUIDING:
+            self.end_motion(RobotMode.IDLE)

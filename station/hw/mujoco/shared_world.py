@@ -1,0 +1,59 @@
+"""A MuJoCo world and the robots in it, as the control loop sees them."""
+
+from collections.abc import Mapping, Sequence
+from math import inf
+from typing import Protocol
+
+from typing_extensions import override
+
+from station.core.hardware.robot_report import SceneObjectReport
+from station.core.hardware.simulated_world import SimulatedWorld
+from station.hw.mujoco.world import World
+
+
+class RobotInWorld(Protocol):
+    """A robot whose world can be reset."""
+
+    def begin_anew(self) -> None:
+        """Take over the pose that the world was reset to. Control thread."""
+
+    def longest_period(self) -> float:
+        """Return the most time that may pass for the robot in one cycle [s]."""
+
+
+class SharedWorld(SimulatedWorld):
+    """Resets one MuJoCo world for all robots in it. Control thread only.
+
+    Args:
+        world: The MuJoCo world.
+
+    Attributes:
+        world: As given.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self._robots: list[RobotInWorld] = []
+
+    def add_robot(self, robot: RobotInWorld) -> None:
+        """Let a robot begin anew after every reset of the world."""
+        self._robots.append(robot)
+
+    @override
+    def time(self) -> float:
+        return self.world.time
+
+    @override
+    def reset(self, positions: Mapping[str, float]) -> None:
+        self.world.reset(positions)
+        for robot in self._robots:
+            robot.begin_anew()
+
+    @override
+    def scene(self) -> Sequence[SceneObjectReport]:
+        return self.world.scene()
+
+    @override
+    def longest_period(self) -> float:
+        """Return the period of the robot that waits least [s]; infinite without one."""
+        return max((robot.longest_period() for robot in self._robots), default=inf)

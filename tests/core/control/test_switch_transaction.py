@@ -1,0 +1,286 @@
+"""Every way in which a switch can go: it commits, rolls back or halts, and says so.
+
+The robot is two joints, alone or as two robots in one. Its answers to `prepare_switch`,
+to `do_switch` (the switch itself, its reversal and any later one) and to
+`switch_result` over three cycles, and the callback that raises, are enumerated. An
+independent observer compares, at the end of every cycle, what the hardware was told,
+who runs and what is commanded; and at the end the answer with what has happened.
+"""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import pytest
+
+from station.core.clock import ManualClock
+from station.core.control import switch_transaction
+from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import Strictness, SwitchOutcome, SwitchRequest
+from station.core.errors import StationError, SwitchRefusedError
+from station.core.hardware.combined_robot_hw import CombinedRobotHW
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointHandle,
+    JointStateHandle,
+    VelocityJointInterface,
+)
+from station.core.hardware.robot_hw import RobotHW, SwitchState
+from station.core.parameters import Parameters
+from tests.core.scripted import TYPES
+
+PERIOD = 0.01
+ROLLBACK = 20
+RESULTS = ("DONE", "ONGOING", "ERROR", "raise")
+CALLBACKS = ("starting", "stopping", "waiting", "aborting")
+# The same end is reached whatever would have been answered afterwards.
+ANSWERS = [
+    ("DONE",),
+    ("ERROR",),
+    ("raise",),
+    *[("ONGOING", last) for last in ("DONE", "ERROR", "raise")],
+    *[("ONGOING", "ONGOING", last) for last in ("DONE", "ERROR", "raise", "ONGOING")],
+]
+PREPARES = ("yes", "no", "raise")
+# Answers of do_switch to its first, second and third call.
+DOES = list(itertools.product((True, False), repeat=3))
+REQUESTS = {
+    "start": (["new"], []),
+    "stop": ([], ["old"]),
+    "hand over": (["new"], ["old"]),
+    "hand over and more": (["new", "more"], ["old"]),
+}
+
+
+@dataclass
+class Script:
+    """What the robot answers; the last answer of each list is repeated."""
+
+    prepare: str = "yes"
+    does: list[bool] = field(default_factory=lambda: [True])
+    answers: list[str] = field(default_factory=lambda: ["DONE"])
+    done: int = 0
+    asked: int = 0
+
+
+class Joint(RobotHW):
+    """One joint; remembers in whose mode the hardware is."""
+
+    def __init__(self, name: str, script: Script) -> None:
+        super().__init__()
+        self.name = name
+        self.script = script
+        self.modes: set[str] = set()
+        self.effort, self.velocity = [0.0], [0.0]
+        state = JointStateHandle(name, [0.0], [0.0], [0.0])
+        efforts, velocities = EffortJointInterface(), VelocityJointInterface()
+        efforts.register_handle(JointHandle(state, self.effort))
+        velocities.register_handle(JointHandle(state, self.velocity))
+        self.register_interface(efforts)
+        self.register_interface(velocities)
+
+    def prepare_switch(self, start, stop):
+        if self.script.prepare == "no":
+            raise SwitchRefusedError("The robot does not want to.")
+        if self.script.prepare == "raise":
+            raise RuntimeError("no bus")
+
+    def do_switch(self, start, stop):
+        does = self.script.does
+        works = does[min(self.script.done, len(does) - 1)]
+        self.script.done += 1
+        if not works:
+            raise RuntimeError("no bus")
+        self.modes -= {info.name for info in stop}
+        self.modes |= {info.name for info in start}
+
+    def answer(self) -> SwitchState:
+        answers = self.script.answers
+        said = answers[min(self.script.asked // 2, len(answers) - 1)]
+        self.script.asked += 1
+        if said == "raise":
+            raise RuntimeError("no bus")
+        return SwitchState[said]
+
+    def switch_result(self):
+        return self.answer()
+
+    def switch_result_for(self, controller):
+        return self.answer()
+
+
+class Bench:
+    """The robot, the controllers old (running), new and more, and the observer."""
+
+    def __init__(self, *, combined: bool, runs: bool) -> None:
+        self.scripts = [Script(), Script()]
+        self.joints = [
+            Joint(f"j{number}", script) for number, script in enumerate(self.scripts)
+        ]
+        robot = CombinedRobotHW(lambda _: RobotHW())
+        for joint in self.joints if combined else self.joints[:1]:
+            robot.add_robot(joint.name, joint)
+        self.parameters = Parameters()
+        self.manager = ControllerManager(
+            robot, self.parameters, [TableLoader(TYPES)], ManualClock()
+        )
+        self.manager.pump = self.step
+        self.time = 0.0
+        self.problems: list[str] = []
+        both = ["j0", "j1"] if combined else ["j0"]
+        self.claims = {"old": both, "new": both, "more": ["j0"]}
+        for name, kind in (("old", "Effort"), ("new", "Velocity")):
+            self.load(name, kind, both)
+        if combined:
+            # `more` shares nothing with `new`: it takes the second joint alone.
+            self.claims = {"old": both, "new": ["j0"], "more": ["j1"]}
+            self.manager.unload_controller("new")
+            self.load("new", "Velocity", ["j0"])
+            self.load("more", "Velocity", ["j1"])
+        if runs:
+            self.switch(["old"], [])
+
+    def load(self, name: str, kind: str, joints: list[str]) -> None:
+        self.parameters.set(name, {"type": f"test/{kind}", "joints": joints})
+        self.manager.load_controller(name)
+
+    def switch(self, start, stop, **rest):
+        request = SwitchRequest(start, stop, timeout=0.05, **rest)
+        return self.manager.switch_controller(request)
+
+    def step(self) -> None:
+        self.time += PERIOD
+        self.manager.update(self.time, PERIOD)
+        self.look()
+
+    def running(self) -> set[str]:
+        return {
+            s.name
+            for s in self.manager.list_controllers()
+            if s.state.value == "running"
+        }
+
+    def faults(self) -> dict[str, str]:
+        return {s.name: s.fault for s in self.manager.list_controllers()}
+
+    def look(self) -> None:
+        """Check that each joint has at most one owner and rests without one."""
+        running = self.running()
+        for joint in self.joints:
+            owners = [name for name in running if joint.name in self.claims[name]]
+            if len(owners) > 1:
+                self.problems.append(f"{joint.name} is owned by {owners}")
+            if not owners and (joint.effort, joint.velocity) != ([0.0], [0.0]):
+                self.problems.append(f"{joint.name} moves without an owner")
+
+    def told(self) -> set[tuple[str, str]]:
+        """Return which controller's mode each joint's hardware is in."""
+        return {(j.name, mode) for j in self.joints for mode in j.modes}
+
+    def expected(self) -> set[tuple[str, str]]:
+        """Return which mode it ought to be in."""
+        owned = ((joint.name, name) for joint in self.joints for name in self.running())
+        return {(joint, name) for joint, name in owned if joint in self.claims[name]}
+
+
+def cases() -> Iterator[tuple[object, ...]]:
+    for combined, request, strictness, asap in itertools.product(
+        (False, True), REQUESTS, Strictness, (False, True)
+    ):
+        if request == "hand over and more" and not combined:
+            continue
+        asked = (combined, request, strictness, asap)
+        for prepare in PREPARES:
+            if prepare != "yes":
+                yield *asked, prepare, (True,), ("DONE",), ""
+                continue
+            for answered in itertools.product(DOES, ANSWERS, ("", *CALLBACKS)):
+                yield *asked, prepare, *answered
+
+
+def check(case: tuple[object, ...]) -> str | None:
+    """Carry out one case; return what is wrong with it."""
+    combined, request, strictness, asap, prepare, does, answers, failing = case
+    bench = Bench(combined=bool(combined), runs=request != "start")
+    start, stop = REQUESTS[str(request)]
+    for name in ("old", "new", "more"):
+        if failing and name in {s.name for s in bench.manager.list_controllers()}:
+            bench.manager.get_controller(name).actions[failing] = lambda: 1 / 0
+    # Of two robots only the first misbehaves: the other must not be forgotten.
+    script = bench.scripts[0]
+    script.prepare, script.done, script.asked = str(prepare), 0, 0
+    script.does, script.answers = [*does, True], list(answers)
+    before, cycle = bench.running(), bench.manager.cycle
+    error = result = None
+    try:
+        result = bench.switch(start, stop, strictness=strictness, start_asap=asap)
+    except StationError as refusal:
+        error = refusal
+    # A hardware that answers again afterwards must not wake a switch that has ended.
+    script.answers = ["DONE"]
+    bench.step()
+    return _judge(bench, case, before, bench.manager.cycle - cycle, result, error)
+
+
+def _judge(bench, case, before, cycles, result, error) -> str | None:
+    request, prepare = case[1], case[4]
+    start, stop = REQUESTS[request]
+    running = bench.running()
+    if bench.problems:
+        return bench.problems[0]
+    if cycles > ROLLBACK + 20:
+        return f"it took {cycles} cycles"
+    unreleased = {
+        n for n, f in bench.faults().items() if "may still be in its mode" in f
+    }
+    strange = {name for _, name in bench.told() ^ bench.expected()}
+    if strange - unreleased:
+        return f"the hardware is in {bench.told()} and not told so"
+    if prepare != "yes":
+        return None if error and running == before else "prepare_switch was ignored"
+    if error is not None:
+        told = "could not be started again" in error.message
+        return None if running == before or told else f"refused, and {running} run"
+    wanted = (before - {*stop}) | {*start}
+    return _judge_answer(case, before, running, wanted, unreleased, result)
+
+
+def _judge_answer(case, before, running, wanted, unreleased, result) -> str | None:
+    strictness, asap, failing = *case[2:4], case[7]
+    start, stop = REQUESTS[case[1]]
+    if result.ok != (running == wanted and not (unreleased & {*start, *stop})):
+        return f"ok={result.ok}, and {running} run instead of {wanted}"
+    if {*result.started} != {*start} & running:
+        return f"started={result.started}, and {running} run"
+    if {*result.stopped} != {*stop} - running:
+        return f"stopped={result.stopped}, and {running} run"
+    if not result.ok and not result.failed:
+        return "not ok, and nothing has failed"
+    if result.outcome is SwitchOutcome.ROLLED_BACK and running != before:
+        return f"rolled back, and {running} run instead of {before}"
+    strict = strictness is Strictness.STRICT and not asap
+    committed = result.outcome is SwitchOutcome.COMMITTED
+    if strict and start and stop and committed and not result.ok and not failing:
+        return "strict, and committed in part"
+    return None
+
+
+@pytest.fixture(autouse=True)
+def quick_to_give_up(monkeypatch):
+    """Let the hardware have few cycles to take a switch back."""
+    monkeypatch.setattr(switch_transaction, "ROLLBACK_CYCLES", ROLLBACK)
+
+
+@pytest.mark.parametrize("request_", REQUESTS)
+@pytest.mark.parametrize("combined", [False, True])
+def test_every_switch_commits_rolls_back_or_halts_and_says_so(combined, request_):
+    tried = [case for case in cases() if case[0] is combined and case[1] == request_]
+
+    wrong = {case: problem for case in tried if (problem := check(case))}
+
+    assert wrong == {}
+
+
+def test_the_model_tries_every_combination():
+    assert len(list(cases())) == 11_256

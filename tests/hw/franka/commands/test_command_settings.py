@@ -1,0 +1,31 @@
+"""What the arm is told for each mode."""
+
+import pytest
+
+from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.commands.command_settings import CommandSettings
+
+SETTINGS = CommandSettings(
+    rate_limiting=True,
+    cutoff_frequency=100.0,
+    internal_controller=ControllerMode.CARTESIAN_IMPEDANCE,
+)
+
+
+@pytest.mark.parametrize(
+    ("mode", "controller", "generator"),
+    [
+        (1, ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.NONE),
+        (2, SETTINGS.internal_controller, MotionGeneratorMode.JOINT_POSITION),
+        (5, ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.JOINT_VELOCITY),
+        (8, SETTINGS.internal_controller, MotionGeneratorMode.CARTESIAN_VELOCITY),
+        (
+            17,
+            ControllerMode.EXTERNAL_CONTROLLER,
+            MotionGeneratorMode.CARTESIAN_POSITION,
+        ),
+    ],
+)
+def test_torque_command_replaces_the_internal_controller(mode, controller, generator):
+    assert SETTINGS.arm_modes(ControlMode(mode)) == (controller, generator)
