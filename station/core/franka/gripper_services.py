@@ -7,13 +7,15 @@ asked about, and one that did not reach its aim is aborted with the reason, inst
 having succeeded with `success` false.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import ClassVar
 
+from typing_extensions import override
+
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
-from station.core.hardware.services import RobotServices
+from station.core.hardware.services import InterruptibleServices
 from station.core.ports.goal import GoalStatus
 
 DEFAULT_SPEED = 0.1
@@ -119,7 +121,7 @@ class GripperState:
     last: GripperCommand | None
 
 
-class GripperServices(RobotServices, ABC):
+class GripperServices(InterruptibleServices):
     """The hand of one arm, under its arm_id. Control thread, between two cycles.
 
     A command begins at once and ends the command before. No command waits, and no
@@ -171,6 +173,7 @@ class GripperServices(RobotServices, ABC):
         Fingers that a controller claims go on obeying it.
         """
 
+    @override
     @abstractmethod
     def interrupt(self, reason: str) -> None:
         """End a motion; a grasped object stays grasped.
