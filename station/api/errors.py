@@ -46,15 +46,13 @@ STATUS: Mapping[type[errors.StationError], int] = {
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
 
 ROUTES: Mapping[str, str] = {
-    "arm_not_found": "GET /api/v1/robots lists the arms.",
-    "controller_not_found": "GET /api/v1/controllers lists the loaded controllers.",
+    "controller_not_found": "POST /api/v1/controllers loads a controller.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
     "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
     "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
     "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",
     "loop": "GET /api/v1/loop has the state of the control loop.",
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
-    "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "

@@ -194,16 +194,9 @@ def test_every_hint_is_of_an_error_there_is_and_of_a_route_there_is():
         assert hint.endswith(".")
 
 
-CORE = Path(__file__).parents[2] / "station" / "core"
-
-
-@pytest.mark.parametrize("room", ["facade", "franka"])
-def test_the_core_names_no_routes(room):
+def test_the_core_and_the_robots_name_no_routes():
     route = re.compile(r"\b(GET|POST|PUT|PATCH|DELETE) /")
-    found = [
-        path.name
-        for path in (CORE / room).glob("*.py")
-        if path.name != "simulation.py" and route.search(path.read_text())
-    ]
+    package = Path(__file__).parents[2] / "station"
+    modules = [*(package / "core").rglob("*.py"), *(package / "hw").rglob("*.py")]
 
-    assert found == []
+    assert [path.name for path in modules if route.search(path.read_text())] == []

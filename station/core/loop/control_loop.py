@@ -175,7 +175,7 @@ class ControlLoop:
             operation.abandoned = True
             raise LoopError(
                 f"The control loop did not answer within {timeout} s.",
-                remedy="Look at /loop: it is overloaded, or it has died.",
+                remedy="See the report of the loop: it is overloaded, or it has died.",
                 details={"state": self._state.value, "failure": self._failure},
             )
         if operation.error is not None:
@@ -277,7 +277,7 @@ class ControlLoop:
     def _death(self) -> LoopError:
         return LoopError(
             f"The control loop died: {self.failure_summary()}",
-            remedy="Restart the station; GET /loop has the whole traceback.",
+            remedy="Restart the station; the report of the loop has the traceback.",
             details={"failure": self._failure},
         )
 
