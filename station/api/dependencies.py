@@ -1,4 +1,4 @@
-"""What routes ask for: the station, and someone who may."""
+"""Dependencies of routes: the station, its arms, and the role of the caller."""
 
 from typing import Annotated
 
@@ -25,7 +25,7 @@ async def get_station(request: Request) -> Station:
 
 
 async def get_authenticator(request: Request) -> Authenticator:
-    """Return what knows the tokens."""
+    """Return the authenticator of the app."""
     authenticator: Authenticator = request.app.state.authenticator
     return authenticator
 
@@ -56,7 +56,7 @@ async def viewer(
     """Return the caller's role.
 
     Raises:
-        ProblemError: The caller proves none.
+        ProblemError: The caller proves no role.
     """
     role = authenticator.role_of_headers(request.headers)
     if role is None:
@@ -78,13 +78,13 @@ async def operator(role: RoleDep) -> Role:
     """Return the caller's role, which is operator.
 
     Raises:
-        ProblemError: The caller is none.
+        ProblemError: The caller is no operator.
     """
     if not role.includes(Role.OPERATOR):
         raise ProblemError(
             403,
             "operator_needed",
-            f"A {role.value} may look and stop, not change anything else.",
+            f"A {role.value} may read and stop, but not change anything else.",
             "Use the operator token.",
         )
     return role

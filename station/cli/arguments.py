@@ -237,14 +237,14 @@ def _joint_position(text: str) -> tuple[str, float]:
     """Return a joint and its position.
 
     Raises:
-        ArgumentTypeError: It does not read NAME=NUMBER.
+        ArgumentTypeError: The text has another form.
     """
     name, _, number = text.partition("=")
     try:
         return name, float(number)
     except ValueError as error:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no JOINT=POSITION, such as panda_joint1=0.5"
+            f"{text!r} is not JOINT=POSITION, such as panda_joint1=0.5."
         ) from error
 
 

@@ -85,7 +85,8 @@ class LoadRequest(RequestModel):
     Attributes:
         name: Its name.
         type: Its plugin type; may be left out when the configuration has it.
-        params: Its parameters as in a ros_control YAML; may be left out likewise.
+        params: Its parameters as in a ros_control YAML; may be left out when the
+            configuration has them.
     """
 
     model_config = ConfigDict(
@@ -117,7 +118,7 @@ class SwitchRequest(RequestModel):
         strictness: `strict`: all or nothing; `best_effort`: what is possible.
         start_asap: Start each as soon as its joints are ready.
         timeout: Wall-clock deadline [s]; 0 means the station's default.
-        dry_run: Only say what would happen.
+        dry_run: Only return what would happen.
     """
 
     model_config = ConfigDict(
@@ -183,14 +184,14 @@ class SwitchResult(ResponseModel):
 
 
 class Tunable(ResponseModel):
-    """What a run-time parameter may be.
+    """Unit and range of a run-time parameter.
 
     Attributes:
         type: Always a number.
         unit: Its unit; empty for a plain number.
         minimum: Smallest value allowed; null where unlimited.
         maximum: Largest value allowed; null where unlimited.
-        description: One line for people.
+        description: One sentence.
     """
 
     type: Literal["number"] = "number"
@@ -205,7 +206,7 @@ class Gains(ResponseModel):
 
     Attributes:
         values: Present values by name.
-        tunables: What each may be; called `schema` on the wire.
+        tunables: Unit and range of each; called `schema` on the wire.
         revision: Counts the changes; the ETag follows it.
         etag: What to send as If-Match; the same as the ETag header.
     """
@@ -243,7 +244,7 @@ class GainsChange(ResponseModel):
 
 
 class CommandElement(ResponseModel):
-    """One number of a set-point: what it commands, its unit and its range."""
+    """One number of a set-point: its name, unit and range."""
 
     name: str
     unit: str
@@ -252,10 +253,10 @@ class CommandElement(ResponseModel):
 
 
 class CommandInfo(ResponseModel):
-    """What a controller takes as set-point, and the last one it took.
+    """The elements of a controller's set-point, and the last set-point.
 
     Attributes:
-        elements: What the numbers are, in order.
+        elements: Name, unit and range of each number, in order.
         last: The last set-point, shape (n,); null before the first.
     """
 

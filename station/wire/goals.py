@@ -66,9 +66,9 @@ class Goal(ResponseModel):
 
     Attributes:
         id: Its name within the controller.
-        status: How far it is; the last three are final.
+        status: Its status; the last three are final.
         progress: Part of its time that has passed, 0 to 1.
-        cancel_requested: Somebody wants it to end.
+        cancel_requested: The goal is to be cancelled.
         feedback: The action's feedback while the goal is active: desired and actual
             states and errors of joints, or position and effort of a gripper.
         result: How it ended; null until then.
@@ -89,7 +89,7 @@ class Goals(ResponseModel):
 
 
 class TrajectoryRequest(RequestModel):
-    """Let a controller follow a trajectory for which nobody waits.
+    """Let a controller follow a trajectory without a goal.
 
     Attributes:
         trajectory: trajectory_msgs/JointTrajectory with times in seconds; without
@@ -106,7 +106,7 @@ class TrajectoryRequest(RequestModel):
 
 
 class DesiredState(ResponseModel):
-    """Where joints shall be at a time, shape (n,) each.
+    """Desired state of joints at a time, shape (n,) each.
 
     Attributes:
         name: The joints.

@@ -1,4 +1,4 @@
-"""Wire models of arms: state, model, settings, errors, and what simulations can do."""
+"""Wire models of arms: state, model, settings, errors, and simulated faults."""
 # ruff: noqa: N815 - the names are libfranka's.
 
 from typing import Annotated, Literal
@@ -74,7 +74,7 @@ class ArmReport(ResponseModel):
     Attributes:
         arm_id: Its name.
         robot_mode: What it is doing.
-        connected: Whether it may be used.
+        connected: Whether the station is connected to the arm.
         errors: What its present errors, or else the last motion's, came from.
         remedy: What to do so that it can move; empty when it can.
     """
@@ -117,7 +117,7 @@ class Arms(ResponseModel):
 
 
 class RecoveryRequest(RequestModel):
-    """How to recover.
+    """How to recover from an error.
 
     Attributes:
         restart: `previous` starts the controllers again that the error stopped; with
@@ -154,7 +154,7 @@ class UserStopRequest(RequestModel):
 
 
 class GuidingRequest(RequestModel):
-    """Hold or let go of the guiding buttons."""
+    """Press or release the guiding buttons."""
 
     pressed: bool
 
@@ -215,7 +215,7 @@ class StiffnessFrame(RequestModel):
 
 
 class Load(RequestModel):
-    """What the hand holds.
+    """The load that the hand holds.
 
     Attributes:
         mass: [kg].
@@ -274,12 +274,12 @@ FaultName = Annotated[
 
 
 class Fault(RequestModel):
-    """Something to go wrong, in simulation only.
+    """A fault to inject, in simulation only.
 
     Attributes:
-        kind: What.
-        cycles: For how many cycles of the arm; of a delayed cycle, up to 500: by how
-            many of the loop's.
+        kind: Kind of the fault.
+        cycles: How many cycles of the arm the fault lasts. For a delayed cycle, by how
+            many nominal periods the loop's next cycle is late, at most 500.
         joint: Number of the joint, 1 to 7, where the kind needs one.
         force: Force of a collision, axes of the world [N].
     """
@@ -291,11 +291,11 @@ class Fault(RequestModel):
 
 
 class ActiveFault(ResponseModel):
-    """What goes wrong at present.
+    """A fault that is active.
 
     Attributes:
-        kind: What.
-        cycles: For how many more cycles of the arm.
+        kind: Kind of the fault.
+        cycles: How many more cycles of the arm the fault lasts.
         joint: Number of the joint, where the kind has one.
     """
 
@@ -305,19 +305,19 @@ class ActiveFault(ResponseModel):
 
 
 class Faults(ResponseModel):
-    """What was made to go wrong and lasts."""
+    """The faults that are active."""
 
     faults: Items[ActiveFault]
 
 
 class ArmModel(ResponseModel):
-    """What the model says in the present state; matrices column-major.
+    """The model, evaluated in the present state; matrices column-major.
 
     Attributes:
         frame: Frame of pose and Jacobians.
         mass: [kg m^2], 7 x 7.
         coriolis: [Nm].
-        gravity: That hold the arm where it is mounted (`O_ddP_O`) [Nm].
+        gravity: Torques that hold the arm against `O_ddP_O` [Nm].
         pose: In the base frame, 4 x 4.
         zero_jacobian: Axes of the base, 6 x 7.
         body_jacobian: Axes of the frame, 6 x 7.

@@ -39,7 +39,7 @@ def list_controllers(station: StationDep) -> Controllers:
 def load_controller(
     request: LoadRequest, response: Response, station: StationDep
 ) -> ControllerState:
-    """Load a controller. The same again changes nothing and answers 200."""
+    """Load a controller; loading the same one again changes nothing and answers 200."""
     if _is_loaded(station, request.name):
         response.status_code = 200
     return ControllerState.model_validate(
@@ -60,7 +60,7 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
     """Start and stop controllers, all of them in one cycle.
 
     The answer says what was started and stopped, and by how much the command of each
-    joint jumped. A conflict answers 409 and names who holds the joints.
+    joint jumped. A conflict answers 409 and names the controllers that hold the joints.
     """
     if request.strictness == "strict":
         for name in (*request.start, *request.stop):
@@ -88,7 +88,7 @@ def get_controller(name: str, station: StationDep) -> ControllerState:
     "/controllers/{name}", dependencies=[Operator], responses=problems(404, 409)
 )
 def unload_controller(name: str, station: StationDep) -> ControllerState:
-    """Unload a controller that does not run; return what it was."""
+    """Unload a controller that does not run; return its last state."""
     before = ControllerState.model_validate(station.controller(name))
     station.unload_controller(name)
     return before
@@ -96,7 +96,7 @@ def unload_controller(name: str, station: StationDep) -> ControllerState:
 
 @router.get("/controller-types", responses=problems())
 def list_controller_types(station: StationDep) -> ControllerTypes:
-    """List the plugins that can be loaded."""
+    """List the types of controllers that can be loaded."""
     return ControllerTypes(
         controller_types=[
             ControllerType(type=name, base_class=base)

@@ -1,4 +1,4 @@
-"""Goals of controllers, and trajectories for which nobody waits."""
+"""Goals of controllers, and trajectories without a goal."""
 
 from typing import Annotated
 
@@ -29,7 +29,7 @@ router = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
 def submit_goal(name: str, request: GoalRequest, station: StationDep) -> Goal:
     """Give a running controller a goal; it replaces the one before.
 
-    A stop, a reset or a recovery ends it for good.
+    A stop, a reset or a recovery ends the goal; nothing resumes it.
     """
     return answers.goal(station.submit_goal(name, request.goal, request.epoch))
 
@@ -42,7 +42,7 @@ def list_goals(name: str, station: StationDep) -> Goals:
 
 @router.get("/controllers/{name}/goals/{goal_id}", responses=problems(404, 422))
 def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
-    """Return one goal: how far it is, or how and why it ended."""
+    """Return one goal: its progress, or how and why it ended."""
     return answers.goal(station.goal(name, goal_id))
 
 
@@ -52,9 +52,9 @@ def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     responses=problems(404, 422),
 )
 def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
-    """Ask for the end of a goal; the joints hold from the next cycle on.
+    """Cancel a goal; the joints hold from the next cycle on.
 
-    A goal that has ended stays as it is.
+    A goal that has ended does not change.
     """
     return answers.goal(station.cancel_goal(name, goal_id))
 
@@ -85,7 +85,7 @@ def query_state(
         Query(description="Station time [s]; now when left out", allow_inf_nan=False),
     ] = None,
 ) -> DesiredState:
-    """Return where the joints of a trajectory controller shall be at a time."""
+    """Return the desired joint state of a trajectory controller at a time."""
     state = station.query_state(name, time)
     return answers.desired_state(
         state, station.manager.get_controller(name).joint_names

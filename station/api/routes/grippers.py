@@ -19,7 +19,7 @@ _MOVE = problems(404, 409, 413, 422, 423, 503)
 
 @router.get("", responses=problems(404, 503))
 def get_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
-    """Return the gripper's state: what it does, and how the last command ended."""
+    """Return the gripper's state: its activity, and how the last command ended."""
     return answers.gripper(arm_id, grippers.state(arm_id))
 
 
@@ -35,7 +35,7 @@ def move_gripper(
 ) -> wire.Gripper:
     """Begin to open or close the gripper to a width; answers at once.
 
-    Ends what it did before, as every command of a gripper does.
+    It ends the command before, as every command of a gripper does.
     """
     found = grippers.move(arm_id, request.width, request.speed)
     return answers.gripper(arm_id, found)
@@ -45,10 +45,10 @@ def move_gripper(
 def grasp(
     arm_id: str, request: wire.GripperGraspRequest, grippers: GrippersDep
 ) -> wire.Gripper:
-    """Begin to grasp something; answers at once.
+    """Begin to grasp an object; answers at once.
 
-    The fingers close, or open when they are too close for the width, until something
-    is in the way. A width that is expected is pressed with the force from then on.
+    The fingers close, or open when they are too close for the width, until an object
+    stops them. When its width is the expected one, they press it with the force.
     """
     found = grippers.grasp(arm_id, requests.grasp(request))
     return answers.gripper(arm_id, found)
@@ -56,7 +56,7 @@ def grasp(
 
 @router.post("/stop", dependencies=[Operator], responses=problems(404, 413, 422, 503))
 def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
-    """Let the fingers stand still and press no more: what is held can fall.
+    """Hold the fingers still without force: a grasped object can fall.
 
     Possible at any time, also while the station is stopped.
     """

@@ -1,4 +1,4 @@
-"""How the control loop does."""
+"""The control loop: rate, lateness, and statistics."""
 
 from fastapi import APIRouter
 

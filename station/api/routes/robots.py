@@ -1,4 +1,4 @@
-"""Arms: state, model, the services of franka_control, and what simulations can do."""
+"""Arms: state, model, services of franka_control, and controls of simulations."""
 
 from fastapi import APIRouter
 
@@ -25,7 +25,7 @@ def _report(arms: Arms, arm_id: str) -> wire.ArmReport:
 
 @router.get("", responses=problems())
 def list_robots(station: StationDep) -> wire.Arms:
-    """List the arms, their modes and errors, and what to do about these."""
+    """List the arms with their modes and errors, and what to do about the errors."""
     return wire.Arms(robots=answers.arms(station))
 
 
@@ -164,7 +164,7 @@ def user_stop(
 
 @router.post("/{arm_id}/guiding", dependencies=[Operator], responses=_WRITE)
 def guiding(arm_id: str, request: wire.GuidingRequest, arms: ArmsDep) -> wire.ArmReport:
-    """Hold or let go of the guiding buttons of a simulated arm that is idle."""
+    """Press or release the guiding buttons of a simulated arm that is idle."""
     arms.set_guiding(arm_id, pressed=request.pressed)
     return _report(arms, arm_id)
 
@@ -173,7 +173,7 @@ def guiding(arm_id: str, request: wire.GuidingRequest, arms: ArmsDep) -> wire.Ar
 def external_force(
     arm_id: str, request: wire.ExternalForce, arms: ArmsDep
 ) -> wire.ArmReport:
-    """Push a link, as a human would; in simulation only."""
+    """Push a link of the arm or another object; in simulation only."""
     arms.apply_force(
         arm_id,
         request.link,
@@ -188,14 +188,14 @@ def external_force(
 
 @router.post("/{arm_id}/faults", dependencies=[Operator], responses=_WRITE)
 def inject_fault(arm_id: str, request: wire.Fault, arms: ArmsDep) -> wire.ArmReport:
-    """Make something go wrong; in simulation only."""
+    """Inject a fault; in simulation only."""
     arms.inject(arm_id, requests.fault(request))
     return _report(arms, arm_id)
 
 
 @router.get("/{arm_id}/faults", responses=problems(404, 409, 503))
 def get_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
-    """Return what was made to go wrong and lasts; in simulation only."""
+    """Return the faults that are active; in simulation only."""
     return _faults(arms, arm_id)
 
 
@@ -203,7 +203,7 @@ def get_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
     "/{arm_id}/faults", dependencies=[Operator], responses=problems(404, 409, 503)
 )
 def clear_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
-    """End what was made to go wrong, and every push; in simulation only."""
+    """End all faults and all pushes; in simulation only."""
     arms.clear_faults(arm_id)
     return _faults(arms, arm_id)
 

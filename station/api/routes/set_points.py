@@ -1,4 +1,4 @@
-"""Set-points of controllers, and what became of them."""
+"""Set-points of controllers, and the states that follow."""
 
 from fastapi import APIRouter
 
@@ -20,7 +20,7 @@ router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonR
 
 @router.get("/controllers/{name}/command", responses=problems(404, 422))
 def get_command(name: str, station: StationDep) -> CommandInfo:
-    """Return what the controller takes as set-point, and the last it took."""
+    """Return the elements of a controller's set-point, and the last set-point."""
     return answers.command_info(station.set_point(name))
 
 
@@ -46,7 +46,7 @@ def get_state(name: str, station: StationDep) -> ControllerSample:
     Sensor controllers have messages alone.
 
     Raises:
-        ProblemError: It has not run yet.
+        ProblemError: The controller has not run yet.
     """
     sample, published = station.controller_sample(name), station.published(name)
     if sample is None and not published:

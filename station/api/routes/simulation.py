@@ -18,7 +18,7 @@ _CHANGE = problems(409, 413, 422, 503)
 
 @router.get("", responses=problems(409))
 def get_simulation(station: StationDep) -> Simulation:
-    """Return whether time passes, and how fast."""
+    """Return whether simulated time passes, and how fast."""
     return Simulation.model_validate(station.simulation.report())
 
 
@@ -44,7 +44,7 @@ def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
 def reset(station: StationDep, request: ResetRequest | None = None) -> Simulation:
     """Put the world back to its start; running controllers start anew from there.
 
-    Set-points and goals from before are void.
+    Earlier set-points and goals are void.
     """
     positions = (request or ResetRequest()).joint_positions
     return Simulation.model_validate(station.simulation.reset(positions))

@@ -17,7 +17,7 @@ router = APIRouter(tags=["station"], dependencies=[Viewer])
 
 @lru_cache(maxsize=1)
 def versions() -> dict[str, str]:
-    """Return the versions of the station and of what it is built on."""
+    """Return the versions of the station and of the packages below it."""
     found = {"station": package.__version__, "python": platform.python_version()}
     for name in ("mujoco", "numpy", "fastapi", "viser"):
         try:

@@ -1,8 +1,7 @@
 """The latched stop. A software stop, not a safety device.
 
-Stopping runs in the event loop itself, so that no other request, however many there
-are and however long they take, makes a stop wait; and whatever its body says or fails
-to say, the robot stops.
+Stopping runs in the event loop itself, so that no other request makes a stop wait, and
+the robot stops whatever the body of the request is.
 """
 
 import asyncio
@@ -46,10 +45,10 @@ async def get_stop(station: StationDep) -> StopState:
 async def stop(station: StationDep, role: RoleDep, request: Request) -> StopState:
     """Stop every controller in the next cycle; anybody with a token may.
 
-    The body is optional and never in the way: one that cannot be read is ignored.
-    Stopping again is fine. Nothing moves until the stop is released and armed.
+    The body is optional; a body that cannot be read is ignored. Stopping twice is the
+    same as stopping once. Nothing moves until the stop is released and armed.
     """
-    station.stop(await _reason(request) or f"asked for by the {role.value}")
+    station.stop(await _reason(request) or f"The {role.value} asked for it.")
     await _carried_out(station.loop.stop_latch)
     return answers.stop_state(station)
 

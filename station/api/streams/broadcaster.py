@@ -51,7 +51,7 @@ class Broadcaster:
         return len(self._clients)
 
     async def close(self, timeout: float = 1.0) -> None:
-        """Tell every client that the station goes away; wait for them [s] at most."""
+        """Close all streams at the station's end, and wait briefly for the clients."""
         self._closing.set()
         if self._clients:
             await asyncio.wait(self._clients, timeout=timeout)

@@ -53,7 +53,7 @@ def _parse(argument: str) -> "tuple[str, JsonValue]":
     """Return name and value of `NAME=VALUE`.
 
     Raises:
-        UsageError: It is something else.
+        UsageError: The text has another form.
     """
     name, equals, text = argument.partition("=")
     if not equals or not name.isidentifier():

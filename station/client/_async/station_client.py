@@ -64,7 +64,8 @@ class AsyncStationClient:
     at all (NaN, a string for a number) raise pydantic's `ValidationError`, a
     `ValueError`, before anything is sent.
 
-    Proxies and other settings of the environment are not used: a station is near.
+    Proxies and other settings of the environment are not used, because a station is
+    near and its token must not travel through a proxy.
 
     Args:
         url: The station, e.g. `http://127.0.0.1:8000`.
@@ -128,7 +129,7 @@ class AsyncStationClient:
         await self._connection.close()
 
     async def health(self) -> Health:
-        """Return that the process lives, and its boot_id."""
+        """Return the boot_id of the process, which lives."""
         return await self._connection.get("/health", Health)
 
     async def ready(self) -> Ready:
@@ -177,7 +178,7 @@ class AsyncStationClient:
         )
 
     async def unload_controller(self, name: str) -> ControllerState:
-        """Unload a stopped controller and return what it was."""
+        """Unload a stopped controller and return its last state."""
         path = _controller(name)
         return await self._connection.send("DELETE", path, ControllerState)
 
@@ -199,7 +200,7 @@ class AsyncStationClient:
             strictness: `strict` for all or nothing, `best_effort` for what is possible.
             start_asap: Start each as soon as its joints are ready.
             timeout: Deadline [s], 0 to 60; 0 means the station's default.
-            dry_run: Only say what would happen.
+            dry_run: Only return what would happen.
         """
         request = SwitchRequest(
             start=list(start),
@@ -214,7 +215,7 @@ class AsyncStationClient:
         )
 
     async def gains(self, name: str) -> Gains:
-        """Return a controller's gains, what they may be, and their ETag."""
+        """Return a controller's gains, their units and ranges, and their ETag."""
         return await self._connection.get(_controller(name, "gains"), Gains)
 
     async def set_gains(
@@ -234,7 +235,7 @@ class AsyncStationClient:
         )
 
     async def last_command(self, name: str) -> CommandInfo:
-        """Return what set-points a controller takes, and the last it took."""
+        """Return the elements of a controller's set-point, and the last set-point."""
         return await self._connection.get(_controller(name, "command"), CommandInfo)
 
     async def command(
@@ -251,8 +252,10 @@ class AsyncStationClient:
             name: The controller.
             values: One number per element, in its order and units.
             epoch: Refuse when a stop or reset came since that epoch.
-            timeout: How long it is valid [s], 0 for ever; None: the controller's own.
-            rates: How fast it changes, for controllers that feed it forward.
+            timeout: How long it is valid [s], 0 for ever; None for the controller's
+                own setting.
+            rates: How fast the set-point changes [rad/s or m/s], for controllers that
+                feed this forward.
         """
         request = CommandRequest(
             command=list(values),
@@ -288,11 +291,11 @@ class AsyncStationClient:
         return (await self._connection.get(_controller(name, "goals"), Goals)).goals
 
     async def goal(self, name: str, goal_id: str) -> Goal:
-        """Return how far a goal is, or how and why it ended."""
+        """Return a goal: its progress, or how and why it ended."""
         return await self._connection.get(_goal(name, goal_id), Goal)
 
     async def cancel_goal(self, name: str, goal_id: str) -> Goal:
-        """Ask for the end of a goal; the joints hold from the next cycle on."""
+        """Cancel a goal; the joints hold from the next cycle on."""
         return await self._connection.send("DELETE", _goal(name, goal_id), Goal)
 
     async def follow_trajectory(
@@ -314,7 +317,7 @@ class AsyncStationClient:
         return await self._connection.send("POST", path, CommandAccepted, request)
 
     async def query_state(self, name: str, time: float | None = None) -> DesiredState:
-        """Return where the joints of a trajectory controller shall be.
+        """Return the desired joint state of a trajectory controller.
 
         Args:
             name: The controller.
@@ -329,13 +332,13 @@ class AsyncStationClient:
         return await self._connection.get("/joint_states", JointStates)
 
     async def controller_types(self) -> list[ControllerType]:
-        """Return the plugins that can be loaded."""
+        """Return the types of controllers that can be loaded."""
         return (
             await self._connection.get("/controller-types", ControllerTypes)
         ).controller_types
 
     async def robots(self) -> list[ArmReport]:
-        """Return all arms, their modes and errors, and what to do."""
+        """Return all arms with modes and errors, and what to do about the errors."""
         return (await self._connection.get("/robots", Arms)).robots
 
     async def recover_all(self, restart: Restart = "none") -> Recoveries:
@@ -350,15 +353,15 @@ class AsyncStationClient:
         return AsyncRobotClient(self._connection, arm_id)
 
     async def scene(self) -> list[SceneObject]:
-        """Return the things around a simulated robot, where they are now."""
+        """Return the objects around a simulated robot, where they are now."""
         return (await self._connection.get("/scene", Scene)).objects
 
     async def loop(self) -> LoopReport:
-        """Return how the control loop does."""
+        """Return state and statistics of the control loop."""
         return await self._connection.get("/loop", LoopReport)
 
     async def reset_loop_statistics(self) -> LoopReport:
-        """Start the loop's statistics afresh."""
+        """Reset the loop's statistics."""
         return await self._connection.send("POST", "/loop/statistics/reset", LoopReport)
 
     async def stop_state(self) -> StopState:
@@ -375,10 +378,10 @@ class AsyncStationClient:
         return await self._connection.send("POST", "/stop", StopState, request)
 
     async def release_stop(self, *, arm: bool = False) -> StopState:
-        """Take back a stop, in two steps; nothing resumes by itself.
+        """Release a stop, in two steps; nothing resumes by itself.
 
         Args:
-            arm: False: the cause is gone. True, afterwards: motion is allowed again.
+            arm: False, first: the cause is gone. True, afterwards: allow motion again.
         """
         request = ReleaseRequest(arm=arm)
         return await self._connection.send("POST", "/stop/release", StopState, request)

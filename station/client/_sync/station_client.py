@@ -65,7 +65,8 @@ class StationClient:
     at all (NaN, a string for a number) raise pydantic's `ValidationError`, a
     `ValueError`, before anything is sent.
 
-    Proxies and other settings of the environment are not used: a station is near.
+    Proxies and other settings of the environment are not used, because a station is
+    near and its token must not travel through a proxy.
 
     Args:
         url: The station, e.g. `http://127.0.0.1:8000`.
@@ -129,7 +130,7 @@ class StationClient:
         self._connection.close()
 
     def health(self) -> Health:
-        """Return that the process lives, and its boot_id."""
+        """Return the boot_id of the process, which lives."""
         return self._connection.get("/health", Health)
 
     def ready(self) -> Ready:
@@ -176,7 +177,7 @@ class StationClient:
         return self._connection.send("POST", "/controllers", ControllerState, request)
 
     def unload_controller(self, name: str) -> ControllerState:
-        """Unload a stopped controller and return what it was."""
+        """Unload a stopped controller and return its last state."""
         path = _controller(name)
         return self._connection.send("DELETE", path, ControllerState)
 
@@ -198,7 +199,7 @@ class StationClient:
             strictness: `strict` for all or nothing, `best_effort` for what is possible.
             start_asap: Start each as soon as its joints are ready.
             timeout: Deadline [s], 0 to 60; 0 means the station's default.
-            dry_run: Only say what would happen.
+            dry_run: Only return what would happen.
         """
         request = SwitchRequest(
             start=list(start),
@@ -213,7 +214,7 @@ class StationClient:
         )
 
     def gains(self, name: str) -> Gains:
-        """Return a controller's gains, what they may be, and their ETag."""
+        """Return a controller's gains, their units and ranges, and their ETag."""
         return self._connection.get(_controller(name, "gains"), Gains)
 
     def set_gains(
@@ -233,7 +234,7 @@ class StationClient:
         )
 
     def last_command(self, name: str) -> CommandInfo:
-        """Return what set-points a controller takes, and the last it took."""
+        """Return the elements of a controller's set-point, and the last set-point."""
         return self._connection.get(_controller(name, "command"), CommandInfo)
 
     def command(
@@ -250,8 +251,10 @@ class StationClient:
             name: The controller.
             values: One number per element, in its order and units.
             epoch: Refuse when a stop or reset came since that epoch.
-            timeout: How long it is valid [s], 0 for ever; None: the controller's own.
-            rates: How fast it changes, for controllers that feed it forward.
+            timeout: How long it is valid [s], 0 for ever; None for the controller's
+                own setting.
+            rates: How fast the set-point changes [rad/s or m/s], for controllers that
+                feed this forward.
         """
         request = CommandRequest(
             command=list(values),
@@ -287,11 +290,11 @@ class StationClient:
         return (self._connection.get(_controller(name, "goals"), Goals)).goals
 
     def goal(self, name: str, goal_id: str) -> Goal:
-        """Return how far a goal is, or how and why it ended."""
+        """Return a goal: its progress, or how and why it ended."""
         return self._connection.get(_goal(name, goal_id), Goal)
 
     def cancel_goal(self, name: str, goal_id: str) -> Goal:
-        """Ask for the end of a goal; the joints hold from the next cycle on."""
+        """Cancel a goal; the joints hold from the next cycle on."""
         return self._connection.send("DELETE", _goal(name, goal_id), Goal)
 
     def follow_trajectory(
@@ -313,7 +316,7 @@ class StationClient:
         return self._connection.send("POST", path, CommandAccepted, request)
 
     def query_state(self, name: str, time: float | None = None) -> DesiredState:
-        """Return where the joints of a trajectory controller shall be.
+        """Return the desired joint state of a trajectory controller.
 
         Args:
             name: The controller.
@@ -328,13 +331,13 @@ class StationClient:
         return self._connection.get("/joint_states", JointStates)
 
     def controller_types(self) -> list[ControllerType]:
-        """Return the plugins that can be loaded."""
+        """Return the types of controllers that can be loaded."""
         return (
             self._connection.get("/controller-types", ControllerTypes)
         ).controller_types
 
     def robots(self) -> list[ArmReport]:
-        """Return all arms, their modes and errors, and what to do."""
+        """Return all arms with modes and errors, and what to do about the errors."""
         return (self._connection.get("/robots", Arms)).robots
 
     def recover_all(self, restart: Restart = "none") -> Recoveries:
@@ -347,15 +350,15 @@ class StationClient:
         return RobotClient(self._connection, arm_id)
 
     def scene(self) -> list[SceneObject]:
-        """Return the things around a simulated robot, where they are now."""
+        """Return the objects around a simulated robot, where they are now."""
         return (self._connection.get("/scene", Scene)).objects
 
     def loop(self) -> LoopReport:
-        """Return how the control loop does."""
+        """Return state and statistics of the control loop."""
         return self._connection.get("/loop", LoopReport)
 
     def reset_loop_statistics(self) -> LoopReport:
-        """Start the loop's statistics afresh."""
+        """Reset the loop's statistics."""
         return self._connection.send("POST", "/loop/statistics/reset", LoopReport)
 
     def stop_state(self) -> StopState:
@@ -372,10 +375,10 @@ class StationClient:
         return self._connection.send("POST", "/stop", StopState, request)
 
     def release_stop(self, *, arm: bool = False) -> StopState:
-        """Take back a stop, in two steps; nothing resumes by itself.
+        """Release a stop, in two steps; nothing resumes by itself.
 
         Args:
-            arm: False: the cause is gone. True, afterwards: motion is allowed again.
+            arm: False, first: the cause is gone. True, afterwards: allow motion again.
         """
         request = ReleaseRequest(arm=arm)
         return self._connection.send("POST", "/stop/release", StopState, request)

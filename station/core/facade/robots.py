@@ -15,8 +15,12 @@ from station.core.errors import (
     ArmNotFoundError,
     ServiceNotFoundError,
 )
-from station.core.hardware.interfaces.resource_manager import ResourceManager
-from station.core.hardware.services import RecoverableRobot, RobotServices, Service
+from station.core.hardware.services import (
+    RecoverableRobot,
+    RobotServices,
+    Service,
+    find_services,
+)
 from station.core.loop.control_loop import ControlLoop
 
 T = TypeVar("T")
@@ -37,12 +41,8 @@ class Robots:
         self._loop = loop
         self._manager = manager
         self._handles: dict[str, list[RobotServices]] = {}
-        for kind in loop.hw.interface_types():
-            interface = loop.hw.get(kind)
-            if isinstance(interface, ResourceManager):
-                for handle in interface.handles():
-                    if isinstance(handle, RobotServices):
-                        self._handles.setdefault(handle.name, []).append(handle)
+        for handle in find_services(loop.hw):
+            self._handles.setdefault(handle.name, []).append(handle)
 
     def names(self, kind: type[RobotServices] = RobotServices) -> list[str]:
         """Return the names of the robots that have services of that kind."""

@@ -1,10 +1,10 @@
 """The Franka arms of a station, for any thread: state, model, and simulation."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
 
 from station.core.errors import ArmCommandError, ArmNotFoundError
+from station.core.facade.robots import Robots
 from station.core.franka.arm_simulation import (
     ArmSimulation,
     FaultKind,
@@ -18,34 +18,6 @@ from station.core.franka.franka_services import (
     CollisionBehavior,
     FrankaServices,
 )
-from station.core.hardware.services import RecoverableRobot, RobotServices
-
-T = TypeVar("T")
-ServicesT = TypeVar("ServicesT", bound=RobotServices)
-
-
-class Robots(Protocol):
-    """The robots of a station, as `station.core.facade.robots.Robots` has them."""
-
-    def names(self, kind: type[RobotServices] = ...) -> list[str]:
-        """Return the names of the robots that have services of that kind."""
-
-    def get(self, name: str, kind: type[ServicesT]) -> ServicesT | None:
-        """Return a robot's services of one kind."""
-
-    def run(
-        self, action: Callable[[], T], *, moves: bool = ..., voids: str | None = ...
-    ) -> T:
-        """Run an action between two cycles."""
-
-    def wait_until_recovered(self, robot: RecoverableRobot) -> None:
-        """Wait until a recovery has ended."""
-
-    def forget_interrupted(self) -> None:
-        """Forget which controllers an error has stopped."""
-
-    def delay_next_cycle(self, cycles: int) -> None:
-        """Let the loop's next cycle begin late."""
 
 
 @dataclass(frozen=True, slots=True)

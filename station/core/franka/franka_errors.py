@@ -1,4 +1,4 @@
-"""The errors that an arm reports, and what is known about one when it is raised.
+"""The errors that an arm reports, with the measured value and its limit.
 
 Source: libfranka-common@e6aa0fc, the order of the error flags; franka/errors.h, Errors.
 """

@@ -1,8 +1,8 @@
-"""What franka_control offers besides the handles: setters, recovery, connection.
+"""Services of franka_control: settings, recovery and connection of an arm.
 
 Source: franka_ros@c11f000 franka_hw/src/services.cpp and
 franka_control/src/franka_control_node.cpp; differs: all of it is one handle per arm,
-called in the control thread, and a refusal raises with its reason.
+called in the control thread, and a refusal raises an error with its reason.
 """
 # ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
 
@@ -96,7 +96,7 @@ class FrankaServices(RecoverableRobot):
 
     @abstractmethod
     def is_connected(self) -> bool:
-        """Tell whether the arm is connected."""
+        """Return whether the arm is connected."""
 
     @service(ServiceKind.SETTING)
     @abstractmethod
@@ -137,7 +137,7 @@ class FrankaServices(RecoverableRobot):
             NE_T_EE: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: It is no homogeneous transform.
+            InvalidCommandError: The numbers are no homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -152,7 +152,7 @@ class FrankaServices(RecoverableRobot):
             EE_T_K: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: It is no homogeneous transform.
+            InvalidCommandError: The numbers are no homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -174,7 +174,7 @@ class FrankaServices(RecoverableRobot):
             load_inertia: Inertia about it, axes of the flange [kg m^2], 9 numbers.
 
         Raises:
-            InvalidCommandError: No rigid body is like that.
+            InvalidCommandError: No rigid body has this mass and inertia.
             ArmCommandError: The arm moves or is not connected.
         """
 

@@ -7,7 +7,7 @@ shows how far it is.
 from collections.abc import Callable
 
 from station.core.errors import GripperNotFoundError
-from station.core.franka.arms import Robots
+from station.core.facade.robots import Robots
 from station.core.franka.gripper_services import (
     DEFAULT_SPEED,
     GraspRequest,

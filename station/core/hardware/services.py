@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, TypeVar
 
+from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
+    ResourceManager,
 )
 
 MethodT = TypeVar("MethodT", bound=Callable[..., Any])
@@ -104,6 +106,30 @@ class RobotServicesInterface(HardwareResourceManager[RobotServices]):
     """Services of robots by name."""
 
     type_name: ClassVar[str] = "station::RobotServicesInterface"
+
+
+def find_services(robot: InterfaceManager) -> list[RobotServices]:
+    """Return all services of a `RobotHW`, whichever interface has them."""
+    interfaces = (robot.get(kind) for kind in robot.interface_types())
+    return [
+        handle
+        for interface in interfaces
+        if isinstance(interface, ResourceManager)
+        for handle in interface.handles()
+        if isinstance(handle, RobotServices)
+    ]
+
+
+class InterruptibleServices(RobotServices, ABC):
+    """Services whose motions end when a stop, a reset or a recovery voids commands."""
+
+    @abstractmethod
+    def interrupt(self, reason: str) -> None:
+        """End a motion; control thread only.
+
+        Args:
+            reason: Why, one sentence.
+        """
 
 
 class RecoverableRobot(RobotServices, ABC):

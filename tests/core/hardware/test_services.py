@@ -3,8 +3,13 @@
 import pytest
 from typing_extensions import override
 
-from station.core.hardware.services import RobotServices, ServiceKind, service
-from tests.swing_station import SwingServices
+from station.core.hardware.services import (
+    RobotServices,
+    ServiceKind,
+    find_services,
+    service,
+)
+from tests.swing_station import SwingServices, make_swing_station
 
 
 def test_the_services_are_the_declared_methods():
@@ -57,3 +62,9 @@ def test_a_query_has_no_parameters():
 
     with pytest.raises(TypeError, match="'height' is a query and has parameters"):
         Wrong.services()
+
+
+def test_services_are_found_in_every_interface_of_a_robot():
+    robot = make_swing_station().loop.hw
+
+    assert find_services(robot) == [robot.swing]

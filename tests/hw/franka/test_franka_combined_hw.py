@@ -136,10 +136,10 @@ def test_recovery_of_all_is_one_of_none_while_a_user_stop_is_pressed(station):
     Arms(station.robots).set_user_stop("right", pressed=True)
     with pytest.raises(ArmCommandError, match="'right' cannot recover: the user stop"):
         station.robots.recover_all()
-    assert Arms(station.robots).report("left").mode is RobotMode.REFLEX
+    assert Arms(station.robots).report("left").robot_mode is RobotMode.REFLEX
     Arms(station.robots).set_user_stop("right", pressed=False)
     station.robots.recover_all()
-    assert Arms(station.robots).report("left").mode is RobotMode.IDLE
+    assert Arms(station.robots).report("left").robot_mode is RobotMode.IDLE
 
 
 def test_every_arm_has_its_own_hand(station):
