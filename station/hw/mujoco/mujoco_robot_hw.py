@@ -150,7 +150,8 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the state of joints, actuators and sensors up to date."""
+        """Let `period` pass in the world, then read joints, actuators and sensors."""
+        self._advance(period)
         motors, world_joints = self._motors, self._world_joints
         motors.joint_state["position"][:] = world_joints.read_positions()
         motors.joint_state["velocity"][:] = world_joints.read_velocities()
@@ -163,7 +164,7 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
-        """Limit the commands, let them act through the motors, and let time pass."""
+        """Limit the commands and hand them to the motors for the steps to come."""
         if period <= 0.0:
             return
         if self._modes.release_bad_commands():
@@ -173,7 +174,6 @@ class MujocoRobotHW(RobotHW):
         for quantity in self._modes.quantities:
             self._to_actuators[quantity].propagate()
             self._motors.act(quantity)
-        self._advance(period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
