@@ -148,7 +148,8 @@ class FrankaHW(RobotHW):
             self.arm,
             self._motion,
             models.handles()[0],
-            self._parameters.collision_behavior,
+            collision_behavior=self._parameters.collision_behavior,
+            limits=self._parameters.service_limits,
         )
         services.register_handle(self._services)
         self.register_interface(state_interface(self.arm, arm_id))

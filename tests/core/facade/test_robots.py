@@ -165,7 +165,10 @@ def test_settings_are_checked_against_their_ranges(station):
         robots.set_cartesian_impedance("panda", [10.0] * 3 + [301.0] * 3)
     with pytest.raises(InvalidCommandError, match="no transform"):
         robots.set_EE_frame("panda", [0.0] * 16)
-    with pytest.raises(InvalidCommandError, match="load of -1"):
+    with pytest.raises(
+        InvalidCommandError,
+        match=r"load of -1\.0 kg is not possible; allowed are 0 to 3 kg",
+    ):
         robots.set_load("panda", -1.0, [0.0] * 3, [0.0] * 9)
 
 

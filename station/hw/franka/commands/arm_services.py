@@ -1,7 +1,6 @@
 """The services of one arm behind FrankaHW: setters, recovery, connection, faults."""
 
 from collections.abc import Sequence
-from math import isfinite
 
 import numpy as np
 from typing_extensions import override
@@ -20,6 +19,11 @@ from station.hw.franka.arm.collision_behavior import collision_behavior_problem
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.service_limits import (
+    ServiceLimits,
+    check_load,
+    field_error,
+)
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.motion_start import MotionStart
 
@@ -44,6 +48,7 @@ class ArmServices(FrankaServices):
         motion: What the running controllers command.
         model: The model of the arm.
         collision_behavior: The configured thresholds, set again at every connection.
+        limits: The largest load.
     """
 
     def __init__(
@@ -52,13 +57,16 @@ class ArmServices(FrankaServices):
         arm: RobotArm,
         motion: MotionStart,
         model: FrankaModelHandle,
+        *,
         collision_behavior: CollisionBehavior,
+        limits: ServiceLimits,
     ) -> None:
         super().__init__(arm_id)
         self._arm = arm
         self._motion = motion
         self._model = model
         self._collision_behavior = collision_behavior
+        self._limits = limits
         self._is_connected = True
 
     @override
@@ -125,14 +133,7 @@ class ArmServices(FrankaServices):
         load_inertia: Sequence[float],
     ) -> None:
         self._check_connected()
-        numbers = (mass, *F_x_center_load, *load_inertia)
-        if len(numbers) != 13 or not isfinite(sum(numbers)) or mass < 0.0:
-            raise InvalidCommandError(
-                f"a load of {mass} kg at {list(F_x_center_load)} with inertia "
-                f"{list(load_inertia)} is not possible",
-                remedy="give a mass of 0 or more, 3 and 9 finite numbers",
-                details=_field_error("mass", "must be 0 or more, all finite", mass),
-            )
+        check_load(mass, F_x_center_load, load_inertia, self._limits)
         tensor = np.reshape(load_inertia, (3, 3))
         if (
             np.abs(tensor - tensor.T).max() > _SYMMETRY
@@ -141,7 +142,7 @@ class ArmServices(FrankaServices):
             raise InvalidCommandError(
                 f"no body has the inertia {list(load_inertia)}",
                 remedy="give a symmetric tensor without negative moments",
-                details=_field_error(
+                details=field_error(
                     "load_inertia",
                     "must be symmetric without negative moments",
                     list(load_inertia),
@@ -160,7 +161,7 @@ class ArmServices(FrankaServices):
             raise InvalidCommandError(
                 f"the collision threshold '{field}' {list(value)} is not possible",
                 remedy=f"give {allowed}",
-                details=_field_error(field, f"must be {allowed}", list(value)),
+                details=field_error(field, f"must be {allowed}", list(value)),
             )
         self._arm.set_collision_behavior(behavior)
 
@@ -214,7 +215,7 @@ def _in_range(
     values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
 ) -> list[float]:
     found = [
-        _field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
+        field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
         for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
         if not low <= value <= high
     ]
@@ -226,11 +227,3 @@ def _in_range(
             details={"errors": found},
         )
     return list(values)
-
-
-def _field_error(
-    field: str, message: str, value: object
-) -> dict[str, list[dict[str, str]]]:
-    """Return what the API says about one field of a request."""
-    error = {"field": f"body/{field}", "message": message, "value": str(value)}
-    return {"errors": [error]}
