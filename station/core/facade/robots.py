@@ -248,7 +248,7 @@ class Robots:
             else:
                 self._loop.run_in_cycle(lambda: None)
         raise ArmCommandError(
-            f"arm '{arm.name}' did not come to rest", remedy="recover once more"
+            f"Arm '{arm.name}' did not come to rest.", remedy="Recover once more."
         )
 
     def set_user_stop(self, arm_id: str, *, pressed: bool) -> None:
@@ -345,6 +345,6 @@ def _simulation_of(arm: FrankaServices) -> ArmSimulation:
     simulation = arm.simulation()
     if simulation is None:
         raise ArmCommandError(
-            f"arm '{arm.name}' is not simulated", remedy="do it by hand"
+            f"Arm '{arm.name}' is not simulated.", remedy="Do it by hand."
         )
     return simulation

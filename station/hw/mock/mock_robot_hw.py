@@ -183,7 +183,7 @@ class MockRobotHW(RobotHW):
         Raises:
             SwitchRefusedError: `script.refusal` is set.
         """
-        if self.script.refusal:
+        if self.script.refusal is not None:
             raise SwitchRefusedError(
                 f"The mock refuses the switch: {self.script.refusal}.",
                 remedy="Clear the refusal in its script.",

@@ -28,7 +28,7 @@ def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
     path = shape.mesh
     if path is None:
         raise RobotDescriptionError(
-            f"the mesh {name!r} has no file", remedy="name a file in the URDF"
+            f"The mesh {name!r} has no file.", remedy="Name a file in the URDF."
         )
     mesh = spec.add_mesh(name=name, scale=shape.size)
     # The link's inertia comes from the URDF; thin or open meshes are not an error.
@@ -52,19 +52,19 @@ def _is_binary_stl(path: Path) -> bool:
 
 
 def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
-    # Imported on demand: it takes half a second and most robots do not need it.
+    # Imported on demand: trimesh takes half a second, and most robots do not need it.
     import trimesh
 
     try:
         loaded = trimesh.load_scene(path)
     except (ValueError, KeyError, OSError) as exc:
         raise RobotDescriptionError(
-            f"cannot read the mesh {path}: {exc}",
-            remedy="convert it to STL or OBJ",
+            f"The mesh {path} cannot be read: {exc}.",
+            remedy="Convert it to STL or OBJ.",
         ) from exc
     mesh = loaded.to_mesh()
     if len(mesh.faces) == 0:
         raise RobotDescriptionError(
-            f"the mesh {path} has no triangles", remedy="use another file"
+            f"The mesh {path} has no triangles.", remedy="Use another file."
         )
     return mesh.vertices.ravel().tolist(), mesh.faces.ravel().tolist()

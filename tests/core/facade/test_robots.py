@@ -255,7 +255,7 @@ def test_arm_that_is_not_simulated_refuses_what_only_simulations_can_do(
     monkeypatch.setattr(arm, "simulation", lambda: None)
     epoch = station.epoch
 
-    with pytest.raises(ArmCommandError, match="arm 'panda' is not simulated"):
+    with pytest.raises(ArmCommandError, match="Arm 'panda' is not simulated"):
         use(station.robots)
     assert station.epoch == epoch
 

@@ -140,8 +140,8 @@ class ArmServices(FrankaServices):
             or np.linalg.eigvalsh(tensor)[0] < -_SYMMETRY
         ):
             raise InvalidCommandError(
-                f"no body has the inertia {list(load_inertia)}",
-                remedy="give a symmetric tensor without negative moments",
+                f"No body has the inertia {list(load_inertia)} kg m^2.",
+                remedy="Give a symmetric tensor without negative moments.",
                 details=field_error(
                     "load_inertia",
                     "must be symmetric without negative moments",
@@ -159,8 +159,8 @@ class ArmServices(FrankaServices):
             field, allowed = problem.field, problem.allowed
             value = getattr(behavior, field)
             raise InvalidCommandError(
-                f"the collision threshold '{field}' {list(value)} is not possible",
-                remedy=f"give {allowed}",
+                f"The collision threshold '{field}' {list(value)} is not possible.",
+                remedy=f"Give {allowed}.",
                 details=field_error(field, f"must be {allowed}", list(value)),
             )
         self._arm.set_collision_behavior(behavior)
@@ -187,7 +187,7 @@ class ArmServices(FrankaServices):
     def connect(self) -> None:
         if self._is_connected:
             raise ArmCommandError(
-                f"arm '{self.name}' is connected already", remedy="use it"
+                f"Arm '{self.name}' is connected already.", remedy="Use it."
             )
         self._is_connected = True
         # Of the settings the thresholds alone are sent again, as franka_hw does.
@@ -198,16 +198,16 @@ class ArmServices(FrankaServices):
         self._check_connected()
         if self._motion.mode is not ControlMode.NONE:
             raise ArmCommandError(
-                f"arm '{self.name}' cannot be disconnected: a controller commands "
-                f"{self._motion.mode.describe()}",
-                remedy="stop the controllers of this arm first",
+                f"Arm '{self.name}' cannot be disconnected: a controller commands "
+                f"{self._motion.mode.describe()}.",
+                remedy="Stop the controllers of this arm first.",
             )
         self._is_connected = False
 
     def _check_connected(self) -> None:
         if not self._is_connected:
             raise ArmCommandError(
-                f"arm '{self.name}' is not connected", remedy="connect it first"
+                f"Arm '{self.name}' is not connected.", remedy="Connect it first."
             )
 
 
@@ -222,8 +222,8 @@ def _in_range(
     if len(values) != len(ranges) or found:
         allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
         raise InvalidCommandError(
-            f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers",
-            remedy=f"give numbers in these ranges: {allowed}",
+            f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers in range.",
+            remedy=f"Give numbers in these ranges: {allowed}.",
             details={"errors": found},
         )
     return list(values)

@@ -326,7 +326,7 @@ class SimulatedArm(RobotArm):
                 self._modes.raise_errors(errors)
 
     def _is_following(self) -> bool:
-        """Tell whether the arm itself follows a desired motion."""
+        """Return whether an internal controller follows a desired motion."""
         return self._modes.controller in _INTERNAL_CONTROLLERS
 
     def _not_commandable(self, what: str) -> ArmCommandError:
