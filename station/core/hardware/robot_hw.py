@@ -80,8 +80,15 @@ class RobotHW(InterfaceManager):
     `switch_result…` run in the control thread and must not wait, log or allocate
     growing data.
 
-    Order in a cycle: `read`, controllers, then `do_switch` and `switch_result` when
-    a switch is pending, `write`.
+    Order in a cycle: `read`, the update of the controllers, `do_switch` and
+    `switch_result` when a switch is pending, `write`.
+
+    Time: the state that `read` brings belongs to the station time of the same cycle.
+    The commands of a `write` act from then on until the next `write`, so their effect
+    shows in the `read` of the next cycle. A simulated robot therefore lets its world go
+    on in `read`, under the commands of the cycle before: when a cycle is late, the old
+    commands act for longer, as they do on a real robot. In a cycle whose period is zero
+    no time passes.
     """
 
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -98,13 +105,17 @@ class RobotHW(InterfaceManager):
     def read(self, time: float, period: float) -> None:
         """Bring the hardware's state into the handles' storage.
 
+        A simulated robot lets `period` pass in its world first.
+
         Args:
-            time: Station time of this cycle [s].
+            time: Station time of this cycle [s], to which the state belongs.
             period: Time since the last cycle [s], >= 0.
         """
 
     def write(self, time: float, period: float) -> None:
         """Send the commands in the handles' storage to the hardware.
+
+        The commands act from now until the next call.
 
         Args:
             time: Station time of this cycle [s].

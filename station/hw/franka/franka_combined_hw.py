@@ -155,12 +155,12 @@ class FrankaCombinedHW(CombinedRobotHW):
         """Refuse to start anything that moves while an arm has an error.
 
         Raises:
-            SwitchRefusedError: An arm has an error, or refuses by itself.
+            SwitchRefusedError: An arm has an error, or refuses the switch.
         """
         robot = self.erroneous_arm()
         if robot is not None and claims_of(start):
             raise SwitchRefusedError(
-                f"{_why_stopped(robot)}: {robot.arm.remedy()}.",
+                f"Not all arms can move: {_why_stopped(robot)}; {robot.arm.remedy()}.",
                 remedy="Recover all arms first.",
                 details={"arm_id": robot.parameters.arm_id},
             )

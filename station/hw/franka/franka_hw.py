@@ -7,11 +7,12 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - A switch to a Cartesian motion is ongoing until the arm has come to rest.
 - At a switch the command buffers are seeded with the present state, so that nothing old
   is sent before a controller's first command.
-- The limits of the commanded kinds are enforced, those of the others are not.
+- Limits are enforced for the kinds of command that controllers give, and only there.
 - A command or a reading that is not finite stops the arm's motion instead of the
   process.
-- A late loop loses packets; with `realtime_config: ignore` world and time wait for it.
-- An unsupported mode is refused with its reason, before anything is stopped.
+- A late loop loses packets; with `realtime_config: ignore` the world and the station's
+  time wait for the loop.
+- An unsupported mode is refused with its reason, before any controller is stopped.
 """
 
 import logging
@@ -71,7 +72,8 @@ if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
-# Up to here franka_control's gains of effort-controlled joints are stable.
+# Longest period of the loop with which the gains that franka_control configures for
+# effort controllers are stable [s].
 _SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {mode: mode.name.lower() for mode in RobotMode}
 
@@ -102,9 +104,9 @@ class FrankaHW(RobotHW):
         self._world: FrankaWorld | None = None
         self._arm = arm
         self._time_due = 0.0
-        self._nominal_cycles = 1  # of the arm, in one of the loop
+        self._nominal_cycles = 1  # arm cycles per loop cycle
         self._fingers: FingerJoints | None = None
-        self._blind = ""  # which sensor reads no number
+        self._blind: str | None = None  # which reading is not finite
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -148,7 +150,8 @@ class FrankaHW(RobotHW):
             self.arm,
             self._motion,
             models.handles()[0],
-            self._parameters.collision_behavior,
+            collision_behavior=self._parameters.collision_behavior,
+            limits=self._parameters.service_limits,
         )
         services.register_handle(self._services)
         self.register_interface(state_interface(self.arm, arm_id))
@@ -193,7 +196,7 @@ class FrankaHW(RobotHW):
 
     @property
     def control_mode(self) -> ControlMode:
-        """What the running controllers command."""
+        """The kinds of command that the running controllers give."""
         return self._motion.mode
 
     @override
@@ -204,9 +207,11 @@ class FrankaHW(RobotHW):
     def read(self, time: float, period: float) -> None:
         """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
 
-        In the cycles of a nominal period the arm gets the last command again, on its
-        way through filter and limits. What a late loop has missed are lost packets:
-        the arm goes on by itself, and stops after 20 of them. Poses go on even so.
+        When the loop is slower than the arm, the arm gets the last command again in its
+        cycles within a nominal period, each time through filter and limits. The cycles
+        that a late loop has missed are lost packets: the arm extrapolates its motion,
+        and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
+        so that short delays lose no packet.
         """
         arm = self.arm
         self._time_due += period
@@ -220,8 +225,9 @@ class FrankaHW(RobotHW):
                 self._sender.send_again()
             arm.read_once()
         self._motion.advance(cycles)
+        # A controller that used a reading that is not finite would command garbage.
         self._blind = blind_sensor(arm.state)
-        if self._blind:
+        if self._blind is not None:
             arm.stop_motion()
         if self._fingers is not None:
             self._fingers.read()
@@ -249,7 +255,7 @@ class FrankaHW(RobotHW):
             period: Nominal period of the loop [s], > 0.
 
         Raises:
-            HardwareInterfaceError: It is shorter than the arm's own cycle.
+            HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
         cycle_time, arm_id = self.arm.cycle_time, self._parameters.arm_id
         if period < 0.999 * cycle_time:
@@ -291,7 +297,8 @@ class FrankaHW(RobotHW):
         """Check that the arm can be in the mode that the switch leads to.
 
         Raises:
-            SwitchRefusedError: It cannot; the message says why.
+            SwitchRefusedError: The arm is not connected, a reading is not finite, the
+                mode is not supported, or the arm refuses the motion.
         """
         try:
             settings = read_command_settings(self._hw_params)
@@ -304,10 +311,10 @@ class FrankaHW(RobotHW):
                 f"Arm '{arm_id}' is not connected.",
                 remedy="Connect the arm first.",
             )
-        if self._control_mode_of(start) and self._blind:
+        if self._control_mode_of(start) and self._blind is not None:
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' is blind: {self._blind}.",
-                remedy="Wait until the sensor reads numbers again.",
+                remedy="Wait until the sensor reads finite numbers again.",
             )
         if not is_supported(mode):
             raise SwitchRefusedError(
@@ -321,7 +328,7 @@ class FrankaHW(RobotHW):
             if refusal is not None:
                 raise SwitchRefusedError(
                     f"Arm '{arm_id}' cannot start {mode.describe()}: {refusal}.",
-                    remedy="Do that first, or choose other controllers.",
+                    remedy="Remove the reason first, or choose other controllers.",
                     details={"control_mode": mode.describe()},
                 )
         self._settings = settings
@@ -358,7 +365,7 @@ class FrankaHW(RobotHW):
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
         arm = self.arm
-        if self._blind:
+        if self._blind is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
         errors = "; ".join(error.description for error in arm.errors())
         causes = self._sender.refusal or errors

@@ -24,6 +24,7 @@ from station.hw.franka.arm.collision_behavior import (
     collision_behavior_problem,
 )
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, ControllerMode
+from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.commands.command_settings import CommandSettings
 
@@ -49,6 +50,7 @@ _KEYS = frozenset({
     "gravity",
     "realtime_config",
     "collision_config",
+    "service_limits",
     "supervisor",
     "limit_mode",
 })
@@ -77,6 +79,7 @@ class FrankaParameters:
         collision_behavior: Thresholds at the start (`collision_config`).
         limit_mode: How joint commands are limited.
         thresholds: Those that Franka does not publish (`supervisor`).
+        service_limits: The largest loads and pushes (`service_limits`).
     """
 
     arm_id: str
@@ -91,6 +94,7 @@ class FrankaParameters:
     collision_behavior: CollisionBehavior
     limit_mode: LimitMode
     thresholds: SupervisorLimits
+    service_limits: ServiceLimits
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
@@ -135,6 +139,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
         limit_mode=LimitMode.from_parameters(params),
         thresholds=_thresholds(params.namespace("supervisor")),
+        service_limits=_service_limits(params.namespace("service_limits")),
     )
 
 
@@ -234,6 +239,18 @@ def _thresholds(params: Parameters) -> SupervisorLimits:
         wanted = "below cartesian_upper"
         _refuse(params, "cartesian_lower", read.cartesian_lower, wanted)
     return read
+
+
+def _service_limits(params: Parameters) -> ServiceLimits:
+    default = ServiceLimits()
+    known = [one.name for one in fields(ServiceLimits)]
+    for key in sorted(set(params.keys()) - set(known)):
+        _refuse(params, key, params.get(key), f"one of {', '.join(known)}")
+    values = {key: params.get_float(key, getattr(default, key)) for key in known}
+    for key, value in values.items():
+        if value <= 0.0:
+            _refuse(params, key, value, "above 0")
+    return ServiceLimits(**values)
 
 
 def _walls(

@@ -1,4 +1,4 @@
-"""The joints of the mock: ideal, each in the mode of whoever claims it."""
+"""The ideal joints of the mock, each in the mode of the controller that claims it."""
 
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -15,7 +15,7 @@ POSITION_MODES = frozenset({
 })
 """Modes in which a joint goes where it is commanded."""
 IDLE = ""
-"""Mode of a joint that nobody claims; it stands still."""
+"""Mode of a joint that no controller claims; the joint stands still."""
 
 
 class MockJoints:
@@ -53,7 +53,7 @@ class MockJoints:
         self._damping = damping
 
     def place(self, positions: list[float]) -> None:
-        """Put the joints at rest somewhere; where they are commanded to be, too.
+        """Put the joints at rest at a pose, which becomes their commanded pose as well.
 
         Args:
             positions: [rad or m], shape (n,).

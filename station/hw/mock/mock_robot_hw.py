@@ -154,6 +154,8 @@ class MockRobotHW(RobotHW):
             self.clock.sleep_until(self.clock.now() + script.slow_cycles.pop(0))
         if script.read_error is not None:
             raise script.read_error
+        if period > 0.0:
+            self._world.advance(period)
         seen, true = self._measured, self.joints
         seen.position[:] = true.position
         seen.velocity[:] = true.velocity
@@ -164,7 +166,6 @@ class MockRobotHW(RobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
-        self._world.advance(period)
         for name, cycles in self._ready_in.items():
             if cycles > 0:
                 self._ready_in[name] = cycles - 1
@@ -182,7 +183,7 @@ class MockRobotHW(RobotHW):
         Raises:
             SwitchRefusedError: `script.refusal` is set.
         """
-        if self.script.refusal:
+        if self.script.refusal is not None:
             raise SwitchRefusedError(
                 f"The mock refuses the switch: {self.script.refusal}.",
                 remedy="Clear the refusal in its script.",

@@ -1,14 +1,14 @@
-"""What shall go wrong with the mock."""
+"""The faults that tests order of the mock."""
 
 from dataclasses import dataclass, field
 
 
 @dataclass(slots=True)
 class MockScript:
-    """Orders for the mock; nothing goes wrong by default.
+    """The faults of the mock; by default there are none.
 
     Attributes:
-        refusal: Why `prepare_switch` refuses; empty when it does not.
+        refusal: Why `prepare_switch` refuses; None when every switch is accepted.
         switch_cycles: Cycles that every switch of the hardware takes, >= 0.
         failing: Names of controllers for which the hardware cannot switch.
         nan_sensors: Names of joints whose position and velocity read NaN.
@@ -17,7 +17,7 @@ class MockScript:
         mode: The robot's mode, one word.
     """
 
-    refusal: str = ""
+    refusal: str | None = None
     switch_cycles: int = 0
     failing: set[str] = field(default_factory=set)
     nan_sensors: set[str] = field(default_factory=set)

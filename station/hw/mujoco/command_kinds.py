@@ -14,4 +14,4 @@ COMMAND_INTERFACES: Mapping[str, type[JointCommandInterface]] = {
     "velocity": VelocityJointInterface,
     "effort": EffortJointInterface,
 }
-"""Where controllers give commands of each quantity."""
+"""The interface through which controllers command each quantity."""

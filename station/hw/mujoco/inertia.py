@@ -8,7 +8,7 @@ from station.core.description.urdf import Inertial, Pose
 
 
 def is_rigid_body(inertial: Inertial) -> bool:
-    """Tell whether some rigid body of positive volume can have these properties.
+    """Return whether a rigid body of positive volume can have these properties.
 
     A point mass (inertia 0) cannot, nor can a tensor whose principal moments are not
     positive or violate the triangle inequality.

@@ -34,8 +34,8 @@ _Handles = Mapping[str, JointHandle]
 class JointCommandLimits:
     """Limit the commands of the kinds that are in use.
 
-    Limits come from the URDF and then from `joint_limits` in the parameters, which
-    win. A velocity limit of 0 in the URDF stands for a joint nobody limited.
+    Limits come from the URDF; `joint_limits` in the parameters override them. A
+    velocity limit of 0 in the URDF means that the joint has no velocity limit.
 
     Args:
         xml: The URDF.

@@ -17,7 +17,7 @@ _REST_VELOCITY = 0.01
 
 
 class JointCommandModes:
-    """The joints' modes, and the commands of those that nobody commands.
+    """The modes of the joints, and the commands of joints that no controller commands.
 
     A joint obeys the interface through which it is claimed. With gains, a position or
     velocity command becomes an effort here; without, the joint's drive is a servo. An
@@ -43,7 +43,7 @@ class JointCommandModes:
         self._joints = joints
         self._pids = [pids.get(name) for name in joints.names]
         self._drives = modes
-        # What a joint is commanded; empty: nothing.
+        # Quantity that each joint is commanded; empty for an unclaimed joint.
         self._commanded = [""] * count
         self._is_held = [False] * count
         self._held_position = [0.0] * count
@@ -54,7 +54,7 @@ class JointCommandModes:
     def switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Change the modes; new ones begin with what keeps a joint where it is."""
+        """Change the modes; a new mode begins with a command that holds the joint."""
         before = list(self._commanded)
         for info in stop:
             self._set(info, commanded=False)
@@ -73,11 +73,11 @@ class JointCommandModes:
     def release_bad_commands(self) -> bool:
         """Take joints with a command that is not finite off their controllers.
 
-        They are held until the next switch. To be asked before limits are enforced:
-        these may turn a NaN into a number.
+        Such joints are held until the next switch. Call it before limits are enforced:
+        a limit may turn a NaN into a finite number, and the joint would move.
 
         Returns:
-            Whether there were any.
+            Whether there were such joints.
         """
         total = 0.0
         for index, quantity in enumerate(self._commanded):
@@ -93,7 +93,7 @@ class JointCommandModes:
         return True
 
     def run(self, period: float) -> None:
-        """Hold what nobody commands, and run the PID controllers.
+        """Hold the joints that no controller commands, and run the PID controllers.
 
         Args:
             period: Time since the last cycle [s], > 0.

@@ -34,7 +34,7 @@ _SHARE_OF_ACCELERATION = 0.8
 
 
 class DriveMode(Enum):
-    """What the target of a joint's drive is."""
+    """The quantity that a joint's drive follows."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -100,7 +100,7 @@ class JointDrives:
         joints.set_damping(damping)
 
     def after_reset(self) -> None:
-        """Stay where the world was set to."""
+        """Hold the pose that the world was set to."""
         count = len(self.modes)
         self.position_target[:] = self._joints.read_positions()
         self.velocity_target[:] = [0.0] * count

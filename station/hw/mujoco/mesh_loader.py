@@ -86,7 +86,7 @@ def _is_binary_stl(path: Path) -> bool:
 
 
 def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
-    # Imported on demand: it takes half a second and most robots do not need it.
+    # Imported on demand: trimesh takes half a second, and most robots do not need it.
     import trimesh
 
     try:

@@ -195,7 +195,7 @@ class _RobotBuilder:
         parts = self._inertials_carried_by(link)
         if parts:
             inertial = combine(parts)
-            # What cannot move needs no valid inertia, and a broken one stops MuJoCo.
+            # A link that cannot move needs no inertia, and MuJoCo refuses invalid ones.
             if moves or is_rigid_body(inertial):
                 body.mass = inertial.mass
                 body.ipos = inertial.origin.xyz

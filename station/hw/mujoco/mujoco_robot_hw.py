@@ -5,8 +5,8 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 - The motors are on the actuator side of the transmissions (`simulated_motors`).
 - Every joint with a motor takes effort, velocity and position commands.
 - Without `pid_gains` a joint follows positions and velocities by a servo whose force
-  is limited (`joint_drives`); it does not jump there.
-- A joint that nobody commands holds its position.
+  is limited (`joint_drives`); it does not jump to the command.
+- A joint that no controller commands holds its position.
 - Mimic joints and joints without a motor have a state, too.
 """
 
@@ -63,10 +63,10 @@ from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
 from station.hw.urdf_loader import load_urdf
 
-# Steps of the world that are made up for in one cycle, or as many as make two cycles;
-# the rest is lost.
+# Most steps of the world in one cycle, unless two cycles of the loop take more; further
+# steps are lost, so that a very late cycle does not make the next cycle late, too.
 _MOST_STEPS_AT_ONCE = 20
-# Of a cycle: how much its steps may miss it before somebody should know.
+# Share of a cycle by which its steps may miss it before a warning.
 _UNEVEN = 0.01
 _logger = logging.getLogger(__name__)
 _ToActuators = (
@@ -120,8 +120,8 @@ class MujocoRobotHW(RobotHW):
         transmissions = read_transmissions(description, urdf)
         if not transmissions:
             raise RobotDescriptionError(
-                f"{description.urdf_path}: <robot>: has no joint that could be driven",
-                remedy="give it joints that move and whose effort limit is above 0",
+                f"{description.urdf_path}: <robot>: has no joint that could be driven.",
+                remedy="Add joints that move and whose effort limit is above 0.",
             )
         self.world = simulate_robot(
             description, urdf, parameters, read_scene(root_params)
@@ -150,7 +150,8 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the state of joints, actuators and sensors up to date."""
+        """Let `period` pass in the world, then read joints, actuators and sensors."""
+        self._advance(period)
         motors, world_joints = self._motors, self._world_joints
         motors.joint_state["position"][:] = world_joints.read_positions()
         motors.joint_state["velocity"][:] = world_joints.read_velocities()
@@ -163,7 +164,7 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
-        """Limit the commands, let them act through the motors, and let time pass."""
+        """Limit the commands and hand them to the motors for the steps to come."""
         if period <= 0.0:
             return
         if self._modes.release_bad_commands():
@@ -173,7 +174,6 @@ class MujocoRobotHW(RobotHW):
         for quantity in self._modes.quantities:
             self._to_actuators[quantity].propagate()
             self._motors.act(quantity)
-        self._advance(period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -189,7 +189,7 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def check_period(self, period: float) -> None:
-        """Refuse a loop faster than the simulation; warn of steps that fit no cycle.
+        """Refuse a loop faster than the simulation; warn when steps do not fit a cycle.
 
         Args:
             period: Nominal period of the loop [s], > 0.
@@ -225,7 +225,7 @@ class MujocoRobotHW(RobotHW):
         """Check that the simulation can run.
 
         Raises:
-            SwitchRefusedError: It has diverged.
+            SwitchRefusedError: The simulation has diverged.
         """
         if start and self.world.diverged_because:
             raise SwitchRefusedError(
@@ -307,7 +307,8 @@ class MujocoRobotHW(RobotHW):
         """Load one transmission.
 
         Raises:
-            RobotDescriptionError: It cannot be loaded for all its interfaces.
+            RobotDescriptionError: The transmission cannot be loaded for all of its
+                interfaces.
         """
         where = f'{description.urdf_path}: <transmission name="{info.name}">: '
         try:
@@ -319,7 +320,7 @@ class MujocoRobotHW(RobotHW):
         if loader.problems:
             raise RobotDescriptionError(
                 f"{where}{loader.problems[0]}",
-                remedy="correct that element of the URDF",
+                remedy="Correct that element of the URDF.",
             )
         self._motors.connect(info, loader.loaded[-1].transmission)
 

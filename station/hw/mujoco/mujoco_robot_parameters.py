@@ -60,7 +60,7 @@ class SensorType(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SensorRequest:
-    """A sensor that the robot shall have.
+    """A sensor of the robot.
 
     Attributes:
         name: Its name.
@@ -75,7 +75,7 @@ class SensorRequest:
 
 @dataclass(frozen=True, slots=True)
 class MujocoRobotParameters:
-    """What MujocoRobotHW is told; units and meaning stand in the module's text."""
+    """The parameters of MujocoRobotHW; the text of the module has units and meaning."""
 
     robot_description: str
     base: Pose

@@ -68,7 +68,8 @@ def _start_positions(urdf: Urdf, wanted: Mapping[str, float]) -> dict[str, float
     for name in wanted:
         if name not in moving:
             raise ParameterError(
-                f"initial_positions names '{name}', no joint that moves by itself.",
+                f"initial_positions names '{name}'; no joint of that name moves by "
+                "itself.",
                 remedy=f"Choose among {', '.join(moving) or 'none'}.",
                 details={"joint": name},
             )
@@ -83,7 +84,7 @@ def _start_positions(urdf: Urdf, wanted: Mapping[str, float]) -> dict[str, float
 
 
 def _start_position(joint: Joint, wanted: float | None) -> float:
-    """Return where a joint starts: as wanted, else 0, else the middle of its range.
+    """Return the start of a joint: as configured, else 0, else mid-range.
 
     Raises:
         ParameterError: The wanted position is outside of the range.

@@ -1,19 +1,19 @@
-"""Brakes that keep simulated joints from being faster than they are allowed to be.
+"""Brakes that keep simulated joints within their velocity limits.
 
 The limits of joint_limits_interface look at one joint at a time, once per cycle, and at
-commands only. What other joints, contacts and a late torque do to a joint they cannot
-know: with all joints of an arm commanded to their limits at once, one is thrown beyond
-its bound although its own motor gives nothing, or brakes as hard as it can. A real
-drive has a protection of its own against that, and so have these joints.
+commands only. They cannot know the effect of other joints, contacts and late torques:
+when all joints of an arm are commanded to their limits at once, a joint can be thrown
+beyond its limit although its own motor gives no torque or brakes as hard as it can.
+Real drives have a protection of their own against that, and so do these joints.
 
 After a step, joints that are faster than `OVERSPEED` times their limit are slowed down
 to just that by impulses p between their two links, against the motion:
 
     M (dq' - dq) = p,    |dq'_i| <= OVERSPEED * limit_i,    p_i = 0 or against dq'_i
 
-with the inertia M of that step. The way of the step changes with it. The brakes take
-energy out and never give any. Within the bounds nothing acts, so that what a controller
-does there is not touched. Joints that mimic another one have a brake of their own.
+with the inertia M of that step; the positions of the step are corrected accordingly.
+The brakes only take energy out. Within the limits they do nothing, so the motion that a
+controller commands there is not changed. Mimic joints have brakes of their own.
 """
 
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 OVERSPEED = 1.015
 """Share of its velocity limit above which a joint is braked."""
 _MOST_SWEEPS = 200
-# Of the bound; how exactly the impulses are found.
+# Accuracy of the impulses, relative to the limit.
 _TOLERANCE = 1e-6
 
 
@@ -75,7 +75,8 @@ class OverspeedBrakes:
             self._has_acted = False
         relative = self._relative
         np.multiply(self._qvel, self._shares, out=relative)
-        # The sum first: it is cheap, and mostly enough. NaN is not for brakes.
+        # The sum is a cheap test that mostly suffices. It also leaves out a NaN, which
+        # the world reports as a divergence.
         if not relative.dot(relative) > 1.0 or not np.abs(relative).max() > 1.0:
             return
         braked = np.flatnonzero(self._shares)
@@ -86,7 +87,7 @@ class OverspeedBrakes:
         change = impulses @ response
         self._qvel += change
         timestep = self._model.opt.timestep
-        # Semi-implicit: a step's way is that with the velocity at its end.
+        # The integrator is semi-implicit: it moves by the velocity at the step's end.
         dofs = np.flatnonzero(change)
         self._data.qpos[self._position_of_dof[dofs]] += timestep * change[dofs]
         self.forces[braked] = impulses / timestep

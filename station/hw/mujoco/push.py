@@ -55,12 +55,12 @@ class AppliedPush:
         self._force, self._torque = np.array(push.force), np.array(push.torque)
         self._point = None if push.point is None else np.array(push.point)
         self._left = steps
-        # Only what turns or moves with a body has to be computed in every step.
+        # Only a push that turns or moves with a body is computed anew in every step.
         self._is_constant = not self._frame and self._point is None
         self._apply()
 
     def is_over(self) -> bool:
-        """Count a step; tell whether the push has ended, which takes it off."""
+        """Count a step; return whether the push has ended and was taken off."""
         if self._left <= 0:
             self.end()
             return True
@@ -102,8 +102,8 @@ def _find_body(model: mujoco.MjModel, name: str) -> int:
     if number <= 0:
         known = [model.body(i).name for i in range(1, model.nbody)]
         raise HardwareInterfaceError(
-            f"the simulated world has no body {name!r}",
-            remedy=f"choose among {', '.join(known) or 'none'}",
+            f"The simulated world has no body {name!r}.",
+            remedy=f"Choose among {', '.join(known) or 'none'}.",
             details={"body": name},
         )
     return number

@@ -1,4 +1,4 @@
-"""Read the transmissions of a URDF for simulation; add those that it leaves out.
+"""Read the transmissions of a URDF, and add those that the URDF leaves out.
 
 Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim::initSim,
 for names of interfaces without package; differs: what cannot be loaded is refused and

@@ -1,4 +1,4 @@
-"""Things in the world besides robots: boxes, spheres, a table, a mesh."""
+"""The objects in the world besides robots: boxes, spheres, a table, a mesh."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,17 +20,17 @@ _FRICTION = 1.0
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
-    """A thing in the world.
+    """An object in the world.
 
     Attributes:
-        name: Its name, unlike every other in the world.
+        name: Name of the object, unique in the world.
         kind: `box`, `sphere`, `cylinder`, `table` or `mesh`. A table is a box whose
             `position` is the middle of its top.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder [m].
         position: Where it starts [m], shape (3,).
         rpy: Roll, pitch and yaw [rad], shape (3,).
-        mass: [kg]; 0 for a thing that cannot move.
+        mass: [kg]; 0 for an object that cannot move.
         friction: Coefficient of sliding friction, >= 0.
         file: STL or OBJ file of a mesh.
     """
@@ -46,13 +46,13 @@ class SceneObject:
 
 
 def read_scene(root_params: Parameters) -> list[SceneObject]:
-    """Return the things in `scene/objects` of the root namespace.
+    """Return the objects in `scene/objects` of the root namespace.
 
     Args:
         root_params: Parameters of the station's root namespace.
 
     Raises:
-        ParameterError: One of them is impossible, or a name is used twice.
+        ParameterError: An entry is malformed, or a name is used twice.
     """
     entries = root_params.get("scene/objects", [])
     if not isinstance(entries, list):
@@ -65,14 +65,14 @@ def read_scene(root_params: Parameters) -> list[SceneObject]:
 
 
 def read_object(values: object, where: str) -> SceneObject:
-    """Return what an entry of `scene/objects` describes.
+    """Return the object that an entry of `scene/objects` describes.
 
     Args:
         values: The entry.
         where: Its path in the configuration, for messages.
 
     Raises:
-        ParameterError: Something in it is unknown or impossible.
+        ParameterError: A key is unknown, or a value is impossible.
     """
     entry = values if isinstance(values, Mapping) else {}
     unknown = sorted(set(entry) - _KEYS)
@@ -121,7 +121,7 @@ def _check_mesh(file: object, where: str) -> None:
 
 
 def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
-    """Put a thing into the world; one with a mass can be pushed around.
+    """Put an object into the world; an object with a mass can be pushed.
 
     Args:
         spec: The world; changed.

@@ -1,17 +1,17 @@
 """The motors of a simulated robot: on the actuator side of its transmissions.
 
-A robot with hardware has actuators, and transmissions give it joints. The simulation
-has joints, so that behind the actuators the way is gone back: MuJoCo's joint state
-becomes actuator state, and what the motors are commanded acts on MuJoCo's joints. In a
-cycle:
+A real robot has actuators, and transmissions map them to joints. MuJoCo simulates
+joints, so behind the actuators the transmissions are applied the other way round:
+MuJoCo's joint state becomes actuator state, and the commands of the actuators act on
+MuJoCo's joints. In a cycle:
 
 | phase | way                                                                  |
 |-------|----------------------------------------------------------------------|
 | read  | MuJoCo's joints -> actuator state -> joint state                     |
 | write | joint commands -> actuator commands -> drives of MuJoCo's joints     |
 
-The first arrow of `read` and the last of `write` are of this module, the others are
-those of `TransmissionInterfaceLoader`.
+This module carries out the first arrow of `read` and the last arrow of `write`;
+`TransmissionInterfaceLoader` loads the others.
 """
 
 from collections.abc import Mapping, Sequence

@@ -65,7 +65,7 @@ def _find_function(name: str) -> Callable[..., None] | None:
                 continue
             function: Any = getattr(library, name)
         except (OSError, AttributeError):
-            # Not the library, or not one that can be called like this.
+            # The library is missing, or has no function of that name.
             continue
         function.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
         function.restype = None

@@ -17,16 +17,16 @@ from station.hw.mujoco.world_joints import (
     joint_position_address,
 )
 
-# Sum of squared joint velocities above which a simulation has gone wrong; no machine
-# comes near, and MuJoCo itself gives up at 1e10 for a single one.
+# Sum of squared joint velocities above which a simulation has diverged. No machine
+# comes near; MuJoCo itself gives up at 1e10 for a single velocity.
 _MAX_SQUARED_VELOCITY = 1e10
 # MuJoCo's warnings of the whole process; without a handler it writes them to a file in
-# the current directory, which is no business of a control thread.
+# the current directory, and the control thread does no I/O.
 _warnings: deque[str] = deque(maxlen=8)
 
 
 class WorldActor(Protocol):
-    """Something that drives joints of the world, e.g. an arm's own controller."""
+    """A part that drives joints of the world, e.g. an arm's own controller."""
 
     def before_step(self) -> None:
         """Write the controls of the coming step. Control thread; once per step."""
@@ -38,12 +38,12 @@ class WorldActor(Protocol):
 class World:
     """A MuJoCo simulation that several robots share.
 
-    When the simulated state is not finite any more, or absurdly fast, the world has
-    `diverged`: it goes back to the pose of the last reset and stands still there, its
-    time too, until it is reset. All readings stay finite throughout.
+    When the simulated state is not finite any more, or a velocity is impossibly high,
+    the world has diverged: it goes back to the pose of the last reset, and its state
+    and time stand still until it is reset. All readings stay finite throughout.
 
-    Threads: whoever calls `step` is the only one who may touch the world, its data and
-    its joints; in the station that is the control thread. `step` and the reading and
+    Threads: only the thread that calls `step` may touch the world, its data and its
+    joints; in the station that is the control thread. `step` and the reading and
     writing of joints neither wait, log, nor give up the interpreter lock, if
     `keeps_interpreter_lock` says so.
 
@@ -52,7 +52,7 @@ class World:
         objects: The things in it, as `add_object` has put them there.
 
     Attributes:
-        brakes: What keeps joints from being too fast.
+        brakes: The brakes that keep joints within their velocity limits.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class World:
 
     @property
     def diverged_because(self) -> str:
-        """Why the world stands still since it diverged; empty when it has not."""
+        """Why the world has diverged; empty while it has not."""
         return self._diverged_because
 
     def add_actor(self, actor: WorldActor) -> None:

@@ -22,7 +22,7 @@ class WorldJoints:
         model: The world's model.
         data: The world's data.
         names: Joints with one degree of freedom and a motor of the same name.
-        pushes: What is pushed from outside at present; empty when nothing is.
+        pushes: The pushes that act at present, by body.
         brake_forces: What `OverspeedBrakes` gave in the last step, shape (nv,); None
             where there are none.
 
@@ -227,8 +227,8 @@ def find_joint(model: mujoco.MjModel, name: str) -> int:
     if joint < 0 or int(model.jnt_type[joint]) not in _SINGLE_DOF:
         known = [model.joint(i).name for i in range(model.njnt)]
         raise HardwareInterfaceError(
-            f"the simulated world has no hinge or slide joint {name!r}",
-            remedy=f"choose among {', '.join(known) or 'none'}",
+            f"The simulated world has no hinge or slide joint {name!r}.",
+            remedy=f"Choose among {', '.join(known) or 'none'}.",
             details={"joint": name},
         )
     return joint
@@ -238,8 +238,8 @@ def _find_motor(model: mujoco.MjModel, name: str) -> int:
     motor: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
     if motor < 0:
         raise HardwareInterfaceError(
-            f"joint {name!r} has no motor in the simulated world",
-            remedy="joints that mimic another, or with an effort limit of 0, have none",
+            f"Joint {name!r} has no motor in the simulated world.",
+            remedy="Mimic joints and joints with an effort limit of 0 have none.",
             details={"joint": name},
         )
     return motor

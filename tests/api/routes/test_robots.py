@@ -146,6 +146,15 @@ def test_push_is_felt(panda, station):
         panda.apply_force(ExternalForce(link="nose"))
 
 
+def test_push_that_is_too_strong_is_refused_with_its_field(operator):
+    push = {"link": "panda_hand", "force": [0.0, 0.0, 1e308]}
+    answer = operator.post("/api/v1/robots/panda/external_force", json=push)
+
+    assert answer.status_code == 422
+    assert "at most 500 N" in answer.json()["detail"]
+    assert [one["field"] for one in answer.json()["errors"]] == ["body/force"]
+
+
 def test_viewer_may_look_and_not_touch(http):
     http.headers["Authorization"] = "Bearer viewer-token"
     assert http.get("/api/v1/robots/panda/state").status_code == 200
@@ -244,6 +253,20 @@ def test_blind_sensor_reads_null_and_no_controller_is_started(client, panda, sta
             "load",
             {"mass": -1.0, "F_x_center_load": [0.0] * 3, "load_inertia": [0.0] * 9},
             ["body/mass"],
+        ),
+        (
+            "load",
+            {"mass": 500.0, "F_x_center_load": [0.0] * 3, "load_inertia": [0.0] * 9},
+            ["body/mass"],
+        ),
+        (
+            "load",
+            {
+                "mass": 1.0,
+                "F_x_center_load": [1e308, 1e308, 0.0],
+                "load_inertia": [0.0] * 9,
+            },
+            ["body/F_x_center_load"],
         ),
         (
             "load",

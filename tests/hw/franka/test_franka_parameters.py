@@ -6,6 +6,7 @@ from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.robot_arm import ControllerMode
+from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.franka_parameters import (
     INITIAL_POSITIONS,
     read_command_settings,
@@ -114,3 +115,17 @@ def test_impossible_thresholds_are_refused(key: str, value: list[float]) -> None
     }
     with pytest.raises(ParameterError, match="collision_config"):
         read_parameters(Parameters(ParameterTree({"robot": values}), "robot"))
+
+
+def test_service_limits_are_those_of_the_payload_unless_configured():
+    assert read_parameters(params()).service_limits == ServiceLimits(load_mass=3.0)
+    read = read_parameters(params(service_limits={"load_mass": 5.0}))
+    assert read.service_limits == ServiceLimits(load_mass=5.0)
+
+
+@pytest.mark.parametrize(
+    "limits", [{"load_mass": 0.0}, {"push_force": -1.0}, {"lode_mass": 1.0}]
+)
+def test_impossible_service_limit_is_refused(limits):
+    with pytest.raises(ParameterError, match="service_limits/"):
+        read_parameters(params(service_limits=limits))

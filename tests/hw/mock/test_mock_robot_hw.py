@@ -99,9 +99,9 @@ def test_only_a_claimed_joint_moves(robot):
     robot.joints.velocity_command[:] = [1.0, 1.0]
 
     robot.do_switch([ARM], [])
-    robot.write(0.0, 0.1)
+    robot.read(0.1, 0.1)
     robot.do_switch([], [ARM])
-    robot.write(0.1, 0.1)
+    robot.read(0.2, 0.1)
 
     assert robot.joints.position == [pytest.approx(0.6), -0.5]
     assert robot.switches == [(("arm",), ()), ((), ("arm",))]

@@ -6,7 +6,7 @@ from station.hw.mock.mock_script import MockScript
 def test_the_empty_script_orders_nothing():
     script = MockScript()
 
-    assert not script.refusal
+    assert script.refusal is None
     assert not script.failing
     assert not script.nan_sensors
     assert not script.slow_cycles

@@ -24,6 +24,6 @@ def find_prefix(description: RobotFiles) -> str:
             return prefix
     raise RobotDescriptionError(
         f"{description.urdf_path} is no Franka arm: it has no joints "
-        f"<prefix>_joint1 to <prefix>_joint7",
-        remedy="use example-robot-data:panda, or a URDF with such joints",
+        f"<prefix>_joint1 to <prefix>_joint7.",
+        remedy="Use example-robot-data:panda, or a URDF with such joints.",
     )

@@ -18,7 +18,7 @@ _DOF = 7
 
 
 class ControlMode(IntFlag):
-    """What the running controllers command; a set of kinds."""
+    """The kinds of command that running controllers give; a set."""
 
     NONE = 0
     JOINT_TORQUE = 1
@@ -66,7 +66,7 @@ class Claim:
 
 
 def is_supported(mode: ControlMode) -> bool:
-    """Tell whether an arm can be in that mode."""
+    """Return whether an arm can be in that mode."""
     return mode & ~ControlMode.JOINT_TORQUE in GENERATOR_OF_MODE
 
 
@@ -109,7 +109,7 @@ def control_mode_of(controllers: Iterable[ControllerInfo], arm_id: str) -> Contr
 def find_conflicts(
     controllers: Sequence[ControllerInfo], arm_id: str
 ) -> list[ResourceConflict]:
-    """Say why some controllers cannot run together on an arm.
+    """Return why some controllers cannot run together on an arm.
 
     The first test that fails decides, so that one mistake is told once.
 

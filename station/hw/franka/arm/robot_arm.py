@@ -27,7 +27,7 @@ MOST_LOST_PACKETS = 20
 
 
 class ControllerMode(Enum):
-    """Who makes the torques during a motion."""
+    """Which controller makes the torques during a motion."""
 
     JOINT_IMPEDANCE = "joint_impedance"
     CARTESIAN_IMPEDANCE = "cartesian_impedance"
@@ -35,7 +35,7 @@ class ControllerMode(Enum):
 
 
 class MotionGeneratorMode(Enum):
-    """Which desired motion the client commands."""
+    """Which kind of motion the client commands."""
 
     NONE = "none"
     JOINT_POSITION = "joint_position"
@@ -47,14 +47,20 @@ class MotionGeneratorMode(Enum):
 class RobotArm(ABC):
     """An arm with 7 joints that is read and commanded once per cycle.
 
-    Order: `read_once` once per elapsed cycle; between reads, while a motion runs, the
-    commands that its modes ask for, each once per cycle. A cycle without a command is
-    one in which a packet was lost: the motion goes on with constant acceleration, and
-    ends after 20 of them. With no motion running the arm holds its pose itself.
+    Order: `read_once` is called once per elapsed cycle. While a motion runs, the
+    commands that its modes ask for follow between two reads, each once per cycle; a
+    command acts in the step to the next state. Before the first command of a motion
+    the arm stays where it is. After that, a cycle without a command counts as a lost
+    packet: the motion goes on with constant acceleration, and `MOST_LOST_PACKETS` lost
+    packets in a row end it with `communication_constraints_violation`. With no motion
+    running the arm holds its pose itself.
 
-    Threads: all methods belong to the control thread; `read_once`, `start_motion`,
-    `stop_motion` and the `command_…` methods neither wait for anything but the arm's
-    next state, nor log, nor raise once their arguments are valid.
+    Threads: all methods belong to the control thread. `read_once` may wait for the
+    arm's next state and for nothing else; `read_once`, `start_motion`, `stop_motion`
+    and the `command_…` methods do not log, and do not raise once their arguments are
+    valid.
+
+    `tests/conformance/test_robot_arms.py` holds every implementation to this contract.
 
     Attributes:
         cycle_time: Time from one state of the arm to the next [s].
@@ -82,7 +88,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def is_at_rest(self) -> bool:
-        """Say whether neither the arm nor what it is meant to do moves."""
+        """Return whether neither the arm nor its desired motion moves."""
 
     @abstractmethod
     def start_motion(
@@ -93,9 +99,9 @@ class RobotArm(ABC):
         """Begin a motion. Until its first command the arm stays where it is.
 
         Args:
-            controller_mode: Who makes the torques.
-            motion_generator_mode: What is commanded besides torques; NONE only with
-                the external controller.
+            controller_mode: Which controller makes the torques.
+            motion_generator_mode: Which motion is commanded; NONE only with the
+                external controller, for torques alone.
 
         Raises:
             ArmCommandError: A motion runs already, the modes do not go together, or
@@ -104,7 +110,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def stop_motion(self) -> None:
-        """End the motion: slow down to rest and hold. Nothing happens when idle."""
+        """End the motion: slow down to rest and hold. Does nothing without a motion."""
 
     @abstractmethod
     def command_joint_torques(self, tau: list[float]) -> None:
@@ -182,7 +188,10 @@ class RobotArm(ABC):
 
     @abstractmethod
     def refresh_state(self) -> None:
-        """Bring the derived fields of `state` up to date; cheap when they are."""
+        """Bring the derived fields of `state` up to date.
+
+        Costs next to nothing when they are up to date already.
+        """
 
     @abstractmethod
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
@@ -252,18 +261,18 @@ class RobotArm(ABC):
 
     @abstractmethod
     def check_recovery(self) -> None:
-        """Refuse when the arm cannot recover itself now; without errors it can.
+        """Refuse when the arm cannot recover itself now. An arm without errors can.
 
         Raises:
-            ArmCommandError: It cannot, e.g. because the user stop is pressed.
+            ArmCommandError: The arm cannot recover, e.g. the user stop is pressed.
         """
 
     @abstractmethod
     def automatic_error_recovery(self) -> None:
         """Return from Reflex to Idle and forget the errors; no motion starts.
 
-        The arm is in AutomaticErrorRecovery until it is at rest. Nothing happens when
-        it is not in Reflex.
+        The arm is in AutomaticErrorRecovery until it is at rest. Does nothing when the
+        arm is not in Reflex.
 
         Raises:
             ArmCommandError: The arm is in a state from which it cannot recover itself.
@@ -271,7 +280,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def errors(self) -> list[ArmError]:
-        """Return what the present errors, or else the last motion's, came from."""
+        """Return the present errors, or else those that ended the last motion."""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:

@@ -1,18 +1,18 @@
-"""Readings of an arm that are no numbers."""
+"""Find joint readings that are not finite."""
 
 from math import isfinite
 
 from station.core.franka.franka_robot_state import RobotState
 
 
-def blind_sensor(state: RobotState) -> str:
-    """Return which joint sensor reads no finite number; empty if all do. Cheap.
+def blind_sensor(state: RobotState) -> str | None:
+    """Return the first joint reading that is not finite; None when all are. Cheap.
 
     Args:
         state: The arm's state.
     """
     if isfinite(sum(state.q) + sum(state.dq) + sum(state.tau_J)):
-        return ""
+        return None
     for what, readings in (
         ("position", state.q),
         ("velocity", state.dq),
@@ -21,4 +21,4 @@ def blind_sensor(state: RobotState) -> str:
         for i, value in enumerate(readings):
             if not isfinite(value):
                 return f"the {what} of joint{i + 1} reads {value}"
-    return ""
+    return None

@@ -12,8 +12,8 @@ _UNIT_TOLERANCE = 1e-5
 _ROTATION_TOLERANCE = 1e-4
 
 
-def transform_problem(pose: Sequence[float]) -> str:
-    """Say why 16 numbers are no homogeneous transform; empty when they are one.
+def transform_problem(pose: Sequence[float]) -> str | None:
+    """Return why numbers are not a homogeneous transform; None when they are one.
 
     Orthogonality and handedness are not tested.
 
@@ -31,29 +31,29 @@ def transform_problem(pose: Sequence[float]) -> str:
     for x, y, z in ((a, b, c), (d, e, f), (g, h, i), (a, d, g), (b, e, h), (c, f, i)):
         if abs(sqrt(x * x + y * y + z * z) - 1.0) > _UNIT_TOLERANCE:
             return "the rows and columns of its rotation must have length 1"
-    return ""
+    return None
 
 
 def check_transform(pose: Sequence[float], what: str) -> list[float]:
     """Return the pose as a new list; stricter than `transform_problem`.
 
-    Axes that are not at right angles, or left-handed, are refused as well: frames that
-    are set stay for long, and every pose and wrench after it would be wrong.
+    Axes that are left-handed or not at right angles are refused as well. A frame is set
+    once and used in every later cycle: every pose and wrench would be wrong.
 
     Args:
         pose: The numbers.
-        what: What it is, for the message.
+        what: Name of the field, for the message.
 
     Raises:
-        InvalidCommandError: It is no homogeneous transform.
+        InvalidCommandError: The numbers are not a homogeneous transform.
     """
     problem = transform_problem(pose)
-    if not problem and abs(_determinant(pose) - 1.0) > _ROTATION_TOLERANCE:
+    if problem is None and abs(_determinant(pose) - 1.0) > _ROTATION_TOLERANCE:
         problem = "the axes of its rotation must be at right angles and right-handed"
-    if problem:
+    if problem is not None:
         raise InvalidCommandError(
-            f"{what} {list(pose)} is no transform: {problem}",
-            remedy="give a homogeneous transform, column by column",
+            f"'{what}' {list(pose)} is no transform: {problem}.",
+            remedy="Give a homogeneous transform, column by column.",
             details={
                 "errors": [
                     {"field": f"body/{what}", "message": problem, "value": str(pose)}

@@ -1,7 +1,6 @@
 """The services of one arm behind FrankaHW: setters, recovery, connection, faults."""
 
 from collections.abc import Sequence
-from math import isfinite
 
 import numpy as np
 from typing_extensions import override
@@ -20,6 +19,11 @@ from station.hw.franka.arm.collision_behavior import collision_behavior_problem
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.service_limits import (
+    ServiceLimits,
+    check_load,
+    field_error,
+)
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.motion_start import MotionStart
 
@@ -44,6 +48,7 @@ class ArmServices(FrankaServices):
         motion: What the running controllers command.
         model: The model of the arm.
         collision_behavior: The configured thresholds, set again at every connection.
+        limits: The largest load.
     """
 
     def __init__(
@@ -52,13 +57,16 @@ class ArmServices(FrankaServices):
         arm: RobotArm,
         motion: MotionStart,
         model: FrankaModelHandle,
+        *,
         collision_behavior: CollisionBehavior,
+        limits: ServiceLimits,
     ) -> None:
         super().__init__(arm_id)
         self._arm = arm
         self._motion = motion
         self._model = model
         self._collision_behavior = collision_behavior
+        self._limits = limits
         self._is_connected = True
 
     @override
@@ -125,23 +133,16 @@ class ArmServices(FrankaServices):
         load_inertia: Sequence[float],
     ) -> None:
         self._check_connected()
-        numbers = (mass, *F_x_center_load, *load_inertia)
-        if len(numbers) != 13 or not isfinite(sum(numbers)) or mass < 0.0:
-            raise InvalidCommandError(
-                f"a load of {mass} kg at {list(F_x_center_load)} with inertia "
-                f"{list(load_inertia)} is not possible",
-                remedy="give a mass of 0 or more, 3 and 9 finite numbers",
-                details=_field_error("mass", "must be 0 or more, all finite", mass),
-            )
+        check_load(mass, F_x_center_load, load_inertia, self._limits)
         tensor = np.reshape(load_inertia, (3, 3))
         if (
             np.abs(tensor - tensor.T).max() > _SYMMETRY
             or np.linalg.eigvalsh(tensor)[0] < -_SYMMETRY
         ):
             raise InvalidCommandError(
-                f"no body has the inertia {list(load_inertia)}",
-                remedy="give a symmetric tensor without negative moments",
-                details=_field_error(
+                f"No body has the inertia {list(load_inertia)} kg m^2.",
+                remedy="Give a symmetric tensor without negative moments.",
+                details=field_error(
                     "load_inertia",
                     "must be symmetric without negative moments",
                     list(load_inertia),
@@ -158,9 +159,9 @@ class ArmServices(FrankaServices):
             field, allowed = problem.field, problem.allowed
             value = getattr(behavior, field)
             raise InvalidCommandError(
-                f"the collision threshold '{field}' {list(value)} is not possible",
-                remedy=f"give {allowed}",
-                details=_field_error(field, f"must be {allowed}", list(value)),
+                f"The collision threshold '{field}' {list(value)} is not possible.",
+                remedy=f"Give {allowed}.",
+                details=field_error(field, f"must be {allowed}", list(value)),
             )
         self._arm.set_collision_behavior(behavior)
 
@@ -186,7 +187,7 @@ class ArmServices(FrankaServices):
     def connect(self) -> None:
         if self._is_connected:
             raise ArmCommandError(
-                f"arm '{self.name}' is connected already", remedy="use it"
+                f"Arm '{self.name}' is connected already.", remedy="Use it."
             )
         self._is_connected = True
         # Of the settings the thresholds alone are sent again, as franka_hw does.
@@ -197,16 +198,16 @@ class ArmServices(FrankaServices):
         self._check_connected()
         if self._motion.mode is not ControlMode.NONE:
             raise ArmCommandError(
-                f"arm '{self.name}' cannot be disconnected: a controller commands "
-                f"{self._motion.mode.describe()}",
-                remedy="stop the controllers of this arm first",
+                f"Arm '{self.name}' cannot be disconnected: a controller commands "
+                f"{self._motion.mode.describe()}.",
+                remedy="Stop the controllers of this arm first.",
             )
         self._is_connected = False
 
     def _check_connected(self) -> None:
         if not self._is_connected:
             raise ArmCommandError(
-                f"arm '{self.name}' is not connected", remedy="connect it first"
+                f"Arm '{self.name}' is not connected.", remedy="Connect it first."
             )
 
 
@@ -214,23 +215,15 @@ def _in_range(
     values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
 ) -> list[float]:
     found = [
-        _field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
+        field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
         for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
         if not low <= value <= high
     ]
     if len(values) != len(ranges) or found:
         allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
         raise InvalidCommandError(
-            f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers",
-            remedy=f"give numbers in these ranges: {allowed}",
+            f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers in range.",
+            remedy=f"Give numbers in these ranges: {allowed}.",
             details={"errors": found},
         )
     return list(values)
-
-
-def _field_error(
-    field: str, message: str, value: object
-) -> dict[str, list[dict[str, str]]]:
-    """Return what the API says about one field of a request."""
-    error = {"field": f"body/{field}", "message": message, "value": str(value)}
-    return {"errors": [error]}

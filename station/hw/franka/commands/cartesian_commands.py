@@ -99,7 +99,7 @@ class CartesianCommands:
         self._is_first = True
 
     def are_finite(self) -> bool:
-        """Tell whether all commands that are taken are finite."""
+        """Return whether all commands that are taken are finite."""
         total = 0.0
         if self.has_pose:
             total += sum(self._pose) + sum(self._pose_elbow)

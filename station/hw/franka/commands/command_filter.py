@@ -1,4 +1,4 @@
-"""What happens to joint commands between FrankaHW and the arm: filter, then limits."""
+"""Filter and limit joint commands between FrankaHW and the arm."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -18,9 +18,9 @@ from station.hw.franka.commands.rate_limiter import (
     velocity_range_of,
 )
 
-# How a goal is approached: braking with half of the acceleration limit, and for the
-# last bit with a velocity in proportion to the distance [1/s], which needs up to twice
-# that deceleration where the two meet.
+# A joint approaches its goal with half of the acceleration limit, and near the goal
+# with a velocity in proportion to the distance [1/s]. Where the two meet, the
+# deceleration is up to twice as large, which is why half of the limit is kept.
 _BRAKING_SHARE = 0.5
 _APPROACH_GAIN = 50.0
 _ANY_POSITION = [None] * 7
@@ -51,7 +51,7 @@ class CommandFilter:
         self._last_goals: list[float] | None = None
 
     def begin(self, *, cutoff_frequency: float, rate_limiting: bool) -> None:
-        """Forget the commands so far; called when a motion starts.
+        """Forget all previous commands; called when a motion starts.
 
         Args:
             cutoff_frequency: Of the low-pass [Hz], > 0.
@@ -128,7 +128,7 @@ class CommandFilter:
         return result
 
     def _velocity_ranges(self, q_d: Sequence[float]) -> Sequence[VelocityRange | None]:
-        """Return what the joints' positions allow; None where they do not matter."""
+        """Return the velocities that the positions allow; None without limits."""
         if not self._arm_limits.curves:
             return _ANY_POSITION
         return [
@@ -140,7 +140,7 @@ class CommandFilter:
 def _stoppable(
     position: float, q_d: float, goal: float, goal_velocity: float, limits: RateLimits
 ) -> float:
-    """Return how far to go now to be able to stop at the goal.
+    """Return the step after which a joint can still stop at its goal.
 
     Args:
         position: How far is asked for [rad].

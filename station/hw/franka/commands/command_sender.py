@@ -1,4 +1,4 @@
-"""What FrankaHW sends to the arm in each of its cycles: limited and filtered."""
+"""Send the commands of controllers to the arm, limited and filtered."""
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import RobotMode
@@ -56,7 +56,9 @@ class CommandSender:
         )
 
     def send_limited(self, period: float) -> None:
-        """Limit and send the controllers' commands; the arm stops if one is no number.
+        """Limit and send the controllers' commands.
+
+        The motion ends, and `refusal` has the reason, when a command is not finite.
 
         Args:
             period: Time since the last cycle [s], >= 0.
@@ -76,15 +78,16 @@ class CommandSender:
 
     @property
     def bridges_gaps(self) -> bool:
-        """Whether a loop that is late for some cycles leaves the arm no gap."""
+        """Whether FrankaHW fills the cycles that a late loop misses."""
         return self._cartesian.has_pose
 
     def send_again(self) -> None:
-        """Send the last commands in a cycle of the arm between two of the loop.
+        """Send the last commands again in an arm cycle between two loop cycles.
 
-        Poses go on by themselves; others only with rate limits, within which they go on
-        towards their goal: without, the same command twice would be a step in velocity,
-        and the arm goes on by itself.
+        Poses are extrapolated. Other commands are repeated only with rate limits, which
+        turn the repetition into a motion towards the command. Without rate limits the
+        same position twice would be a step in velocity, so nothing is sent and the arm
+        extrapolates.
         """
         limits_rates = self._settings is not None and self._settings.rate_limiting
         if limits_rates or self.bridges_gaps:
@@ -94,7 +97,7 @@ class CommandSender:
         """Filter and send the commands as they are, for one cycle of the arm.
 
         Args:
-            is_new: The controllers have had their say since the last time.
+            is_new: Controllers have updated since the last send.
         """
         arm, commands, state = self._arm, self._commands, self._arm.state
         if state.robot_mode is not RobotMode.MOVE:
@@ -112,5 +115,5 @@ class CommandSender:
             try:
                 self._cartesian.send(self._settings, is_new=is_new)
             except InvalidCommandError as error:
-                self.refusal = error.message
+                self.refusal = error.message.rstrip(".")
                 arm.stop_motion()

@@ -1,4 +1,4 @@
-"""The arm's joint interfaces: command buffers, handles on them, and their limits."""
+"""The arm's joint interfaces: command buffers, their handles, and their limits."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -32,8 +32,9 @@ from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.rate_limiter import RateLimits
 
 _DOF = 7
-# How far before the ends of its range a joint stops that is limited by rate [rad]: the
-# low-pass behind the limits lags, and the arm tolerates nothing beyond the range.
+# Distance from the ends of its range at which a joint that is limited by rate stops
+# [rad]. The low-pass filter behind the limits lags, so a joint that stopped exactly at
+# the end would pass it, and the arm raises an error for any position beyond its range.
 _RANGE_MARGIN = 2e-3
 _SOURCES = {
     "position": "urdf limit",
@@ -88,7 +89,7 @@ class JointCommands:
         self._position_limits = JointLimitsInterface[JointLimitsHandle]()
         self._velocity_limits = JointLimitsInterface[JointLimitsHandle]()
         self._effort_limits = JointLimitsInterface[JointLimitsHandle]()
-        # Kept here too: asking an interface for a handle claims its joint.
+        # Kept here, because asking an interface for a handle would claim its joint.
         self._handles: list[tuple[JointHandle, JointHandle, JointHandle]] = []
         for i, name in enumerate(names):
             measured = JointStateHandle(name, state.q, state.dq, state.tau_J, i)
@@ -182,7 +183,7 @@ class JointCommands:
     def begin(self, mode: ControlMode) -> None:
         """Take commands of the kinds in `mode` from now on.
 
-        They are seeded with what keeps the arm where it is; earlier ones are forgotten.
+        The buffers are seeded with commands that hold the arm; earlier ones are lost.
         """
         self.positions[:] = self._state.q_d
         self.velocities[:] = [0.0] * _DOF
@@ -203,9 +204,9 @@ class JointCommands:
         ]
 
     def are_finite(self) -> bool:
-        """Tell whether all commands that are taken are finite.
+        """Return whether all commands that are taken are finite.
 
-        To be asked first: limits and filters may turn a NaN into a number.
+        Call it before limits and filters: these may turn a NaN into a finite number.
         """
         total = 0.0
         if self.has_positions:

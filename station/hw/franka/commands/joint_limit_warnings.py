@@ -17,7 +17,7 @@ def joint_limit_warnings(
     Args:
         joints: The joints of the URDF, n of them.
         q: Their positions [rad], shape (n,).
-        threshold: How close is close [rad], >= 0.
+        threshold: Distance to a limit below which there is a warning [rad], >= 0.
     """
     warnings = []
     for joint, position in zip(joints, q, strict=True):

@@ -1,11 +1,12 @@
-"""When the arm begins a motion: by joint motions at once, else when it is at rest.
+"""Begin motions of the arm: joint motions at once, all others from rest.
 
 Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::prepareSwitch, which
 waits for the end of the running motion; differs: a joint motion takes over from a
-moving arm at once, because its limits are those of the joints. Those of a Cartesian
-motion say nothing about the joints: one that began within another would break them.
-Torques of a client act only once the arm rests: its controller starts there, too, and
-not at the pose and the braking torques of before.
+moving arm at once, because its limits are those of the joints. The limits of a
+Cartesian motion do not bound the joints: a Cartesian motion that began while the joints
+move could exceed their limits. Torques of a client act only when the arm is at rest, so
+that the torque controller starts from the pose that the arm keeps, without braking
+torques.
 """
 
 from station.core.franka.franka_robot_state import RobotMode
@@ -25,10 +26,10 @@ class MotionStart:
 
     Args:
         arm: The arm.
-        sender: What sends the commands; told what to seed them with.
+        sender: What sends the commands, and seeds them at the start of a motion.
 
     Attributes:
-        mode: What is commanded, from the switch on.
+        mode: The kinds of command that controllers give since the last switch.
         is_waiting: The arm is coming to rest before a motion.
         has_failed: The arm refused the last motion.
     """
@@ -50,7 +51,7 @@ class MotionStart:
         Args:
             mode: What would be commanded.
             settings: How it would be passed on.
-            kept: What of it is commanded already, by somebody who would not begin anew.
+            kept: The kinds that running controllers command already and go on with.
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
         reason = arm.refusal(*settings.arm_modes(mode))
@@ -59,7 +60,7 @@ class MotionStart:
         if reason is None and motion and mode & _FROM_REST and moves:
             reason = (
                 f"that would interrupt its motion by {motion.describe()}; let it come "
-                "to rest, or stop its controllers, then start them together"
+                "to rest, or stop its controllers and start all of them together"
             )
         return reason
 
@@ -71,7 +72,7 @@ class MotionStart:
         Args:
             mode: What is commanded.
             settings: How it is passed on.
-            started: What is commanded by somebody else than before.
+            started: The kinds that newly started controllers command.
         """
         arm = self._arm
         if mode != self.mode or started & _CARTESIAN:

@@ -1,4 +1,4 @@
-"""Poses for the cycles of the arm in which a slow or late loop has none of its own."""
+"""Predict poses for the arm cycles in which a slow or late loop commands no pose."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,19 +8,20 @@ from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.commands.rate_limiter import PERIOD
 
 FASTEST_RETURN = 25.0
-"""Of the arm to the commanded poses, as a critically damped third order [1/s]."""
-# Accelerations of a return that the joints can follow: of the translation [m/s^2], of
-# the rotation [rad/s^2], and of the elbow [rad/s^2].
+"""Fastest decay rate of the offset between commanded and predicted poses [1/s]; the
+offset decays as a critically damped system of third order."""
+# Accelerations of the decaying offset that the joints can follow: translation [m/s^2],
+# rotation [rad/s^2] and elbow [rad/s^2].
 _SCALES = (1.0, 1.0, 1.0, 3.0, 3.0, 3.0, 2.0)
-# Peak acceleration of a return at rate k that begins x away: _FROM_OFFSET k^2 x; one
-# that begins with v too fast: _FROM_RATE k v. Maxima of the closed forms.
+# Peak acceleration of a decay at rate k: _FROM_OFFSET k^2 x for an initial offset x,
+# _FROM_RATE k v for an initial rate v. Maxima of the closed forms.
 _FROM_OFFSET, _FROM_RATE = 0.23, 0.80
 _NEGLIGIBLE = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
 class _Command:
-    """A pose and an elbow, and in which cycle of the arm they were commanded."""
+    """A pose and an elbow, and the arm cycle in which they were commanded."""
 
     pose: list[float]
     elbow: list[float]
@@ -29,12 +30,12 @@ class _Command:
     def way_to(self, other: "_Command") -> list[float]:
         """Return twist and elbow that lead to another command, shape (7,)."""
         way = twist_between(self.pose, other.pose, 1.0)
-        # Elbows of different signs, or none, are not apart.
+        # Elbows of different signs have no distance, and neither have missing elbows.
         same = self.elbow[1:] == other.elbow[1:]
         return [*way, other.elbow[0] - self.elbow[0] if same and self.elbow else 0.0]
 
     def moved(self, way: Sequence[float], cycles: int) -> "_Command":
-        """Return what is commanded some cycles later and some way on."""
+        """Return the command of a later cycle, moved by a twist and an elbow."""
         pose, elbow = self.pose, self.elbow
         bent = [elbow[0] + way[6], elbow[1]] if elbow and elbow[1] else elbow
         shifted = displace(pose, way[:3], way[3:6])
@@ -42,15 +43,17 @@ class _Command:
 
 
 class PoseBridge:
-    """Lets poses go on between two commands, and returns to the commands smoothly.
+    """Extrapolates poses between two commands, and returns to the commands smoothly.
 
-    The arm takes a pose in each of its own cycles. One that stands still for some of
-    them, or that jumps by the way of several, breaks the limits of the joints: those of
-    the end effector, which the commands are kept to, allow much more. What is sent is
-    the course of the commands and an offset. Whenever a command is not where, or not as
-    fast or as accelerated as, the course was thought to be, the course leaps and the
-    offset leaps back; then it fades. Poses of a loop that is as fast as the arm pass
-    unchanged. Control thread only.
+    The arm takes a pose in each of its own cycles. A pose that stands still for some
+    cycles, or jumps by the distance of several cycles, exceeds the limits of the
+    joints; the limits of the end effector, which the commands obey, allow much more.
+
+    The pose that is sent is the sum of a prediction of the commands and an offset. When
+    a command differs from its prediction in position, velocity or acceleration, the
+    prediction jumps to the command and the offset jumps back by as much, so that the
+    sum stays continuous; then the offset decays. With a loop as fast as the arm, poses
+    pass unchanged. Control thread only.
     """
 
     def __init__(self) -> None:
@@ -62,7 +65,7 @@ class PoseBridge:
         # The last three commands, the newest last.
         self._before, self._earlier, self._last = rest
         self._cycle = 0
-        # Change and second change of the course per cycle, as far as it was estimated.
+        # First and second difference of the prediction per cycle.
         self._step, self._bend = [0.0] * 7, [0.0] * 7
         self._offset, self._rate, self._rise = [0.0] * 7, [0.0] * 7, [0.0] * 7
         self._gain = FASTEST_RETURN * PERIOD
@@ -71,7 +74,7 @@ class PoseBridge:
     def pass_on(
         self, pose: Sequence[float], elbow: Sequence[float]
     ) -> tuple[list[float], list[float]]:
-        """Return what to send for a new command.
+        """Return the pose and the elbow to send for a new command.
 
         Args:
             pose: The commanded pose, 16 numbers.
@@ -91,10 +94,10 @@ class PoseBridge:
         return self._sent(command)
 
     def bridge(self) -> tuple[list[float], list[float]]:
-        """Return what to send in a cycle of the arm without a command."""
+        """Return the pose and the elbow to send in an arm cycle without a command."""
         if self._cycle == self._last.cycle:
             self._estimate()
-            # The course goes on at its speed; what accelerates it fades.
+            # The prediction keeps its velocity; its acceleration decays in the offset.
             bend, self._bend = self._bend, [0.0] * 7
             self._leap([0.0] * 7, self._step, bend)
         self._cycle += 1
@@ -103,7 +106,7 @@ class PoseBridge:
         return self._sent(self._expected())
 
     def _expected(self) -> _Command:
-        """Return where the course was thought to be in this cycle; move it on."""
+        """Advance the prediction by a cycle and return it."""
         if self._bend_counts():
             self._step = [v + a for v, a in zip(self._step, self._bend, strict=True)]
         cycles = self._cycle - self._last.cycle
@@ -113,12 +116,12 @@ class PoseBridge:
         return self._cycle - self._last.cycle == 1 and any(self._bend)
 
     def _estimate(self) -> None:
-        """Work out how the course goes on from its last three commands."""
+        """Estimate velocity and acceleration of the prediction from three commands."""
         first = self._earlier.cycle - self._before.cycle
         second = self._last.cycle - self._earlier.cycle
         before = self._before.way_to(self._earlier)
         now = self._earlier.way_to(self._last)
-        # The mean of a longer step is the speed in its middle.
+        # The mean velocity of a longer step is the velocity in its middle.
         self._bend = [
             2.0 * (v / second - u / first) / (first + second)
             for u, v in zip(before, now, strict=True)
@@ -131,10 +134,10 @@ class PoseBridge:
     def _leap(
         self, way: Sequence[float], step: Sequence[float], bend: Sequence[float]
     ) -> None:
-        """Keep what is sent going as it goes, when the course leaps.
+        """Change the offset so that the pose that is sent stays continuous.
 
         Args:
-            way: From the new course to the old one, shape (7,).
+            way: From the new prediction to the old prediction, shape (7,).
             step: Change of the old one per cycle, shape (7,).
             bend: Second change of the old one per cycle, shape (7,).
         """
@@ -146,7 +149,7 @@ class PoseBridge:
         self._is_on_commands = False
 
     def _fade(self) -> None:
-        """Move the offset on by a cycle; nothing is left of it some time."""
+        """Let the offset decay by a cycle; a negligible offset becomes zero."""
         k = self._gain
         for i in range(7):
             x, v, a = self._offset[i], self._rate[i], self._rise[i]
@@ -164,7 +167,7 @@ class PoseBridge:
 
 
 def _rate_of_return(offset: Sequence[float], rate: Sequence[float]) -> float:
-    """Return the rate with which no acceleration is above its scale [1/s].
+    """Return the decay rate with which no acceleration exceeds its scale [1/s].
 
     Args:
         offset: In m and rad, shape (7,).

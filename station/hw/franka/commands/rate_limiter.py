@@ -15,9 +15,9 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimi
 PERIOD = 0.001
 """Cycle of the arm [s]."""
 MAX_CUTOFF_FREQUENCY = 1000.0
-"""From here on the low-pass is off [Hz]."""
+"""Cutoff frequency from which on the low-pass filter is off [Hz]."""
 MARGIN = 1e-3
-"""Subtracted from every limit."""
+"""Margin subtracted from every limit, in the unit of the limit."""
 
 
 VelocityRange = tuple[float, float]
@@ -66,7 +66,7 @@ def rate_limits_of(limits: ArmLimits) -> tuple[RateLimits, ...]:
 
 
 def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
-    """Return limits less libfranka's margins.
+    """Return limits reduced by libfranka's margins.
 
     Args:
         limits: The arm's own limits of a motion.
@@ -83,7 +83,7 @@ def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
 def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> VelocityRange:
     """Return the velocities that the limiter allows a joint at a position.
 
-    Without reserve for lost packets: limits that depend on the position have none.
+    Limits that depend on the position have no reserve for lost packets.
 
     Args:
         limits: The arm's own limits.
@@ -138,8 +138,8 @@ def limit_velocity(
 ) -> float:
     """Return the velocity nearest to a command that all limits allow.
 
-    Close to the velocity limit the acceleration is limited further, so that it can end
-    in time without breaking the jerk limit.
+    Close to the velocity limit the acceleration is limited further, so that it can
+    reach zero at the limit without exceeding the jerk limit.
 
     Args:
         velocity: The new command [rad/s].

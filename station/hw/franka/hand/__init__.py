@@ -1,1 +1,1 @@
-"""The Franka hand: fingers, gripper services, the simulated gripper."""
+"""The Franka hand: finger joints, gripper services, motions of the fingers."""

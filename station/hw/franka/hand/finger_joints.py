@@ -25,12 +25,12 @@ _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
 
 class FingerJoints:
-    """Handles on the two fingers, and what becomes of their commands.
+    """Handles of the two fingers; passes their commands on to the motor.
 
-    The fingers are coupled: a position is that of both, efforts act on both. Whoever
-    claims one claims the hand, through one kind of interface at a time.
+    The fingers are coupled: they have one position, and an effort acts on both. A
+    controller that claims a finger claims the hand, through one kind of interface.
 
-    While nobody claims them they obey `hand`, the gripper's own commands.
+    While no controller claims the fingers, they obey `hand`, the gripper's commands.
 
     Args:
         gripper: The fingers' motor.
@@ -89,7 +89,7 @@ class FingerJoints:
         self._efforts[:] = [gripper.read_force()] * size
 
     def write(self) -> None:
-        """Hand the commands of the claimed fingers on; the others follow."""
+        """Pass the commands of the claimed fingers on; an unclaimed finger follows."""
         if not self._claimed:
             self.hand.advance()
             return
@@ -110,7 +110,7 @@ class FingerJoints:
     def find_conflicts(
         self, controllers: Sequence[ControllerInfo]
     ) -> list[ResourceConflict]:
-        """Say why some controllers cannot share the fingers.
+        """Return why some controllers cannot share the fingers.
 
         Args:
             controllers: All controllers that would be running.

@@ -1,17 +1,17 @@
-"""How the fingers of a hand move, grasp and stand still.
+"""The motions of the fingers of a hand: moves, grasps, homing and rest.
 
 Source: franka_ros@c11f000 franka_gazebo/src/franka_gripper_sim.cpp; differs:
 
 - Both fingers together are one motion, and the fingers' motor is a servo with a limit
   on its force.
-- Each finger presses with the whole force of a grasp, which is what an object feels
-  from either side, and not with half of it.
-- Fingers stand still when they have been slow for a time, not for a number of samples;
-  in a slow motion, slower.
-- A grasp of what is between the fingers already does not open them, and one that opens
-  ends as one that closes does.
-- Fingers that are told to stop brake, press no more, and then hold their width.
-- Homing ends with the first end that it does not reach.
+- Each finger presses with the whole force of a grasp, so that the object feels this
+  force from either side; upstream gives each finger half of the force.
+- Fingers are at rest when they have been slow for a time, not for a number of samples;
+  the threshold is lower in a slow motion.
+- A grasp of an object that is between the fingers already does not open them, and a
+  grasp that opens the fingers ends in the same way as a grasp that closes them.
+- A stop brakes the fingers, ends their force, and then holds their width.
+- Homing ends at the first end of the range that the fingers do not reach.
 """
 
 from dataclasses import dataclass
@@ -20,20 +20,20 @@ from typing import Protocol
 from station.core.franka import GraspRequest, GripperActivity
 
 MOVE_TOLERANCE = 0.001
-"""A width as close as this is reached [m]."""
+"""Distance from the commanded width at which a move has arrived [m]."""
 REST_SPEED = 0.003
-"""Fingers whose width changes slower stand still [m/s]."""
+"""Rate of the width below which the fingers count as at rest [m/s]."""
 REST_DURATION = 0.1
-"""For so long they have to, before it counts [s]."""
+"""Time for which the fingers must be slow before they count as at rest [s]."""
 MOVE_FORCE = 70.0
-"""What a finger presses with at most on its way [N]. Source: continuous force in the
+"""Largest force of a finger during a move [N]. Source: continuous force in the
 datasheet of the Franka Hand."""
 HOMING_SPEED = 0.02
 _SLOWEST_PART = 0.25
 
 
 class GripperMotor(Protocol):
-    """What moves the fingers; see `SimulatedGripper`."""
+    """The motor that moves the fingers; see `SimulatedGripper`."""
 
     def read_position(self) -> float:
         """Return how far each finger is from the middle [m]."""
@@ -42,7 +42,7 @@ class GripperMotor(Protocol):
         """Return how fast each finger moves [m/s]."""
 
     def read_time(self) -> float:
-        """Return for how long it has moved [s]."""
+        """Return the time of the motor [s]; never goes back."""
 
     def hold(self, width: float, *, speed: float, force: float | None) -> None:
         """Go to a width and stay there."""
@@ -56,7 +56,7 @@ class GripperOutcome:
     """How a motion ended.
 
     Attributes:
-        message: Why it did not reach its aim; empty when it did.
+        message: Why the motion did not reach its aim; empty when it did.
     """
 
     message: str = ""
@@ -94,7 +94,7 @@ class GripperMotion:
         return max(0.0, 2.0 * self._motor.read_position())
 
     def is_grasped(self) -> bool:
-        """Say whether something of the expected width is held."""
+        """Return whether an object of the expected width is held."""
         is_holding = self.activity is GripperActivity.HOLDING
         return is_holding and self._grasp.accepts(self.width())
 
@@ -128,12 +128,12 @@ class GripperMotion:
         self._motor.press(0.0, is_damped=True)
 
     def give_up(self) -> None:
-        """Leave the motor to somebody else."""
+        """End the motion without a command to the motor: a controller takes over."""
         self.activity = GripperActivity.IDLE
         self._settles = False
 
     def advance(self) -> GripperOutcome | None:
-        """Look at the fingers and go on; once per cycle.
+        """Continue the motion from the present state of the fingers; once per cycle.
 
         Returns:
             How the motion ended, in the cycle in which it does.

@@ -1,4 +1,4 @@
-"""The services of a simulated hand: its commands, their checks, and how they ended."""
+"""The services of a simulated hand: its commands, their checks, and their results."""
 
 from dataclasses import replace
 from math import isfinite
@@ -24,13 +24,13 @@ FASTEST = 0.4
 WEAKEST = 0.1
 """Smallest force of a grasp [N]; below it the fingers hardly move."""
 MAX_FORCE = 140.0
-"""What each finger can press with [N]. Source: datasheet of the Franka Hand."""
+"""Largest force of each finger [N]. Source: datasheet of the Franka Hand."""
 ROOM_TEMPERATURE = 20.0
-"""What a simulated hand has [degree Celsius]."""
+"""Temperature of a simulated hand [degree Celsius]."""
 
 
 class HandMotor(GripperMotor, Protocol):
-    """A motor that tells its range and its force.
+    """A motor that reports its range and its force.
 
     Attributes:
         effort_limit: Largest force that a controller may give each finger [N].
@@ -43,7 +43,7 @@ class HandMotor(GripperMotor, Protocol):
         """Lowest and highest position of a finger [m]."""
 
     def read_force(self) -> float:
-        """Return what the motor gave each finger [N]."""
+        """Return the force that the motor gave each finger [N]."""
 
 
 class HandServices(GripperServices):
@@ -51,7 +51,7 @@ class HandServices(GripperServices):
 
     Args:
         arm_id: The arm it belongs to.
-        motor: What moves the fingers.
+        motor: The motor of the fingers.
 
     Attributes:
         owner: The controller that claims the fingers; empty while none does.
@@ -131,7 +131,7 @@ class HandServices(GripperServices):
             self._motion.rest()
 
     def give_to(self, owner: str) -> None:
-        """Leave the fingers to a controller, or take them back.
+        """Give the fingers to a controller, or take them back.
 
         Args:
             owner: Its name; empty when none claims them any more.
@@ -142,12 +142,12 @@ class HandServices(GripperServices):
         self.owner = owner
 
     def begin_anew(self) -> None:
-        """Forget what the fingers did: the world was reset."""
+        """End the present command: the world was reset."""
         self._end(GoalStatus.PREEMPTED, "A reset put the hand back to its start.")
         self._motion.give_up()
 
     def advance(self) -> None:
-        """Let a motion go on; once per cycle."""
+        """Continue the present motion; once per cycle."""
         outcome = self._motion.advance()
         if outcome is not None:
             done = GoalStatus.ABORTED if outcome.message else GoalStatus.SUCCEEDED

@@ -48,7 +48,7 @@ class ArmFrames:
     def set_end_effector(
         self, end_effector: Load, nominal_frame: Sequence[float]
     ) -> None:
-        """Say what is mounted at the flange.
+        """Set the end effector that is mounted at the flange.
 
         Args:
             end_effector: Its mass, centre and inertia.

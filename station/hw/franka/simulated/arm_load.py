@@ -1,4 +1,4 @@
-"""What a load that was configured with `set_load` needs of the motors."""
+"""The torques that a load configured with `set_load` needs of the motors."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ _NO_LOAD = Load()
 class ArmLoad:
     """The difference that the configured load makes to the arm's dynamics.
 
-    Free while no load is configured. Control thread only.
+    Costs nothing while no load is configured. Control thread only.
 
     Args:
         description: The URDF of the arm.

@@ -31,6 +31,8 @@ DEFAULT_CARTESIAN_IMPEDANCE = (3000.0, 3000.0, 3000.0, 300.0, 300.0, 300.0)
 """Stiffness of the internal Cartesian controller [N/m, Nm/rad]. Source: as above."""
 # Of the null space: holds the elbow [Nm/rad].
 _NULL_SPACE_STIFFNESS = 20.0
+# Damping ratio zeta of the internal controllers.
+_DAMPING_RATIO = 1.0
 _DAMPING_OF_INVERSE = 1e-4
 _ZEROS = [0.0] * 7
 
@@ -41,7 +43,6 @@ class ArmMotors:
     Args:
         joints: The arm's joints in the world.
         state: The arm's state; `tau_J_d`, `tau_J` and `dtau_J` are written.
-        damping_ratio: Damping ratio zeta of the internal controllers, > 0.
 
     Attributes:
         torques_act: The motors follow the client's torques, not an impedance.
@@ -50,13 +51,10 @@ class ArmMotors:
         cartesian_stiffness: Of the Cartesian impedance [N/m, Nm/rad], shape (6,).
     """
 
-    def __init__(
-        self, joints: WorldJoints, state: RobotState, damping_ratio: float
-    ) -> None:
+    def __init__(self, joints: WorldJoints, state: RobotState) -> None:
         self._joints = joints
         self._state = state
         self._limits = joints.effort_limits
-        self._damping_ratio = damping_ratio
         self._damping = _ZEROS
         self._is_cartesian = False
         self.torques_act = False
@@ -68,7 +66,7 @@ class ArmMotors:
         """Let the joint impedance act from the next step on."""
         self.torques_act = self._is_cartesian = False
         self._damping = [
-            2.0 * self._damping_ratio * sqrt(k * inertia)
+            2.0 * _DAMPING_RATIO * sqrt(k * inertia)
             for k, inertia in zip(
                 self.joint_stiffness, self._joints.read_inertia(), strict=True
             )
@@ -175,7 +173,7 @@ class ArmMotors:
         rate = (np.array(state.dq_d) - dq) @ jacobian
         axes = np.reshape((*pose[0:3], *pose[4:7], *pose[8:11]), (3, 3))  # rows: K axes
         stiffness = np.array(self.cartesian_stiffness)
-        damping = 2.0 * self._damping_ratio * np.sqrt(stiffness)
+        damping = 2.0 * _DAMPING_RATIO * np.sqrt(stiffness)
         wrench = np.empty(6)
         for part in (slice(0, 3), slice(3, 6)):
             local = stiffness[part] * (axes @ error[part])

@@ -20,6 +20,7 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
         parameters.initial_positions,
         parameters.limits,
         parameters.thresholds,
+        parameters.service_limits,
     )
 
 

@@ -36,11 +36,12 @@ _Cycle = tuple[float, _Floats, _Floats, _Floats, _Floats, _Floats, _Floats]
 class ArmSupervisor:
     """Finds errors in the measured state, and keeps those of the arm.
 
-    What is still out of its range when the arm recovers, e.g. a joint beyond its limit,
-    is an error again only when it gets worse, so that the arm can be moved back.
+    A value that is still out of its range when the arm recovers, e.g. a joint beyond
+    its limit, is an error again only when it gets worse, so that the arm can be moved
+    back.
 
-    Where the links and the end effector are is looked at only when the joints may have
-    turned far enough since the last look to bring them too close.
+    The distances of links and end effector are computed only when the joints may have
+    turned far enough since the last computation to bring them too close.
 
     Control thread only.
 
@@ -105,7 +106,7 @@ class ArmSupervisor:
     def measured_errors(
         self, q: Sequence[float], *, is_following: bool = False
     ) -> list[ArmError]:
-        """Return what of the measured state is out of its range for too long.
+        """Return errors of measured values that were out of range for too long.
 
         Args:
             q: Positions [rad], shape (7,).
@@ -196,7 +197,7 @@ class ArmSupervisor:
         self._known = {(e.name, e.where): _excess(e) for e in found}
 
     def look_again(self) -> None:
-        """Note that the arm is elsewhere: look at once at what may be too close."""
+        """Compute all distances in the next cycle: the arm has been put elsewhere."""
         self._room = 0.0
         self._known = {}
 
@@ -205,7 +206,10 @@ class ArmSupervisor:
         return away * _REACH > translation or away > rotation or away > elbow
 
     def _is_fast_near_limits(self, q: Sequence[float]) -> bool:
-        """Tell whether a joint is too fast for its position; see `ArmLimits.curves`."""
+        """Return whether a joint is too fast for its position.
+
+        Source: `ArmLimits.curves`.
+        """
         for i, velocity in enumerate(self._state.dtheta):
             slowest, fastest = self._limits.velocity_range(i, q[i])
             slack = self._velocity[i] - self._limits.velocity[i]
@@ -273,7 +277,7 @@ class ArmSupervisor:
         return found
 
     def _find_too_close(self, q: Sequence[float]) -> list[ArmError]:
-        """Look at links and walls if need be, and note how far away they are."""
+        """Compute the distances of links and walls, if they may be too short."""
         if self._room > 0.0:
             return []
         limits, found = self._thresholds, []

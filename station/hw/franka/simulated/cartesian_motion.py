@@ -1,4 +1,4 @@
-"""From Cartesian commands to joint motion: kinematics completion with an elbow.
+"""Turn Cartesian commands into joint motion, by an inverse kinematics with an elbow.
 
 Source: Franka Control Interface documentation, Cartesian motion generators; differs:
 the inverse kinematics of the arm is not public; here it is a Newton step per cycle with
@@ -28,7 +28,8 @@ from station.hw.franka.simulated.motion_checks import (
     twist_errors,
 )
 
-# Of the Newton step, as a share of the matrix: full accuracy, and near singular poses.
+# Damping of the Newton step, relative to the matrix: for full accuracy, and for poses
+# near a singularity, where an undamped step would be too large.
 _FINE_DAMPING = 1e-9
 _COARSE_DAMPING = 1e-3
 _LARGEST_STEP = 0.05
@@ -36,11 +37,11 @@ _LARGEST_STEP = 0.05
 
 @dataclass(frozen=True, slots=True)
 class CartesianCommand:
-    """What a client commands.
+    """One Cartesian command of a client.
 
     Attributes:
         values: Pose O_T_EE, 16 numbers, or twist O_dP_EE, 6 numbers.
-        elbow: Position of joint 3 [rad] and sign of joint 4; None: up to the arm.
+        elbow: Position of joint 3 [rad] and sign of joint 4; None lets the arm choose.
     """
 
     values: tuple[float, ...]
@@ -71,7 +72,7 @@ class CartesianMotion:
         self._next_elbow = (0.0, 0.0, 0.0)
 
     def begin(self) -> None:
-        """Start where the desired joint motion is, as fast as it is."""
+        """Start from the pose and the velocity of the desired joint motion."""
         state = self._state
         state.O_T_EE_c[:], jacobian = pose_and_jacobian(state.q_d, state.F_T_EE)
         state.O_dP_EE_c[:] = _twist_of(jacobian, state.dq_d)
@@ -83,7 +84,7 @@ class CartesianMotion:
         self._is_first = True
 
     def receive(self, command: CartesianCommand) -> list[ArmError]:
-        """Take a command for the coming cycle; return what is wrong with it."""
+        """Take a command for the next cycle; return its errors."""
         errors = self._plan(command)
         if not errors:
             errors = self._plan_elbow(command.elbow)
@@ -91,7 +92,7 @@ class CartesianMotion:
         return errors
 
     def extrapolate(self) -> None:
-        """Go on with constant acceleration, because no command has arrived."""
+        """Continue with constant acceleration, because no command has arrived."""
         state, period = self._state, self._period
         self._next_twist = [
             v + a * period
@@ -102,10 +103,7 @@ class CartesianMotion:
         self._next_elbow = (self._elbow + rate * period, rate, state.ddelbow_c[0])
 
     def solve(self) -> tuple[list[float], list[ArmError]]:
-        """Accept what was received; return the next q_d [rad] and what is wrong.
-
-        The errors are those of the joint motion.
-        """
+        """Accept the command; return the next q_d [rad] and the errors of that step."""
         self._accept()
         q = self._inverse_kinematics()
         state, period = self._state, self._period
@@ -127,7 +125,7 @@ class CartesianMotion:
             self._next_twist = values
             self._next_pose = _moved(state.O_T_EE_c, values, period)
         else:
-            if transform_problem(values):
+            if transform_problem(values) is not None:
                 name = "cartesian_position_motion_generator_invalid_frame"
                 return [ArmError(name, "O_T_EE", 0.0, 0.0, "")]
             self._next_pose = values

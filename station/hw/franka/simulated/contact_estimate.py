@@ -1,8 +1,8 @@
 """External torques and wrench, and the contacts and collisions that follow from them.
 
-A torque sensor's reading less what the model of arm, end effector and load needs is
-what the robot does to its environment: the reverse of every force on the arm that no
-motor, weight or inertia makes. MuJoCo knows those forces exactly.
+The external torque is the reading of a torque sensor minus the torque that the model of
+arm, end effector and load needs. It is the torque that the arm exerts on its
+environment. MuJoCo knows the forces of contacts and pushes exactly.
 
 Source: Franka Control Interface documentation, RobotState; differs: contact forces are
 those of the simulation, so nothing is estimated but the load.
@@ -22,9 +22,10 @@ from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 
 CUTOFF_FREQUENCY = 100.0
-"""Of the low-pass on the external torques [Hz]."""
+"""Cutoff frequency of the low-pass filter on the external torques [Hz]."""
 SINGULAR = 0.05
-"""Smallest singular value of the Jacobian below which the wrench is 0."""
+"""Smallest singular value of the Jacobian for which a wrench is computed; below it the
+wrench is 0, because small torques would become arbitrarily large forces."""
 # Share of the acceleration limit above which the motion counts as accelerating.
 _ACCELERATING = 0.05
 _NEGLIGIBLE = 1e-6
@@ -70,7 +71,7 @@ class ContactEstimate:
         self._known = [0.0] * 13
 
     def update(self) -> list[ArmError]:
-        """Take in the forces of the last step; return the new collisions."""
+        """Bring torques, wrench and contacts up to date; return the new collisions."""
         external = self._joints.read_external_forces()
         load = self._load_torques()
         if self._is_quiet and load is None and not any(external):
@@ -96,7 +97,7 @@ class ContactEstimate:
         state.cartesian_collision[:] = [0.0] * 6
 
     def reset(self) -> None:
-        """Begin anew, with nothing touching the arm."""
+        """Start again without any contact."""
         self._state.tau_ext_hat_filtered[:] = _ZEROS
         self._is_quiet = True
         self._known = [0.0] * 13

@@ -1,4 +1,4 @@
-"""The desired joint motion inside the arm: what q_d, dq_d and ddq_d do."""
+"""The desired joint motion inside the arm: q_d, dq_d and ddq_d."""
 
 
 class DesiredMotion:
@@ -39,11 +39,11 @@ class DesiredMotion:
 
     @property
     def is_at_rest(self) -> bool:
-        """All desired velocities are zero."""
+        """Whether all desired velocities are zero."""
         return not any(self._dq_d)
 
     def seed(self, q: list[float], dq: list[float]) -> None:
-        """Begin from another motion, e.g. the measured one.
+        """Continue from another motion, e.g. the measured motion.
 
         Args:
             q: Positions [rad], shape (n,).
@@ -84,7 +84,8 @@ class DesiredMotion:
         for i, velocity in enumerate(dq):
             q_d = self._q_d[i] + velocity * period
             reached = velocity
-            # A joint that is outside already may stay and may come back.
+            # A joint that is outside already may stay or come back; otherwise it could
+            # never be moved out of there.
             if q_d > self._upper[i] and velocity > 0.0:
                 q_d, reached = max(self._upper[i], self._q_d[i]), 0.0
             elif q_d < self._lower[i] and velocity < 0.0:

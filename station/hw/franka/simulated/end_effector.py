@@ -1,4 +1,4 @@
-"""What a URDF mounts at the flange: its mass properties and its nominal frame."""
+"""Mass properties and nominal frame of the end effector that a URDF mounts."""
 
 from station.core.description.urdf import Inertial, JointType, Pose, Urdf
 from station.hw.franka.arm.franka_kinematics import IDENTITY

@@ -11,6 +11,7 @@ from station.core.description.urdf import Pose, Urdf
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
+from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.end_effector import (
@@ -56,6 +57,7 @@ class ArmPlacement:
         positions: Where it starts [rad], joints 1 to 7.
         limits: What this kind of arm can do.
         thresholds: Thresholds that Franka does not publish.
+        service_limits: The largest pushes.
     """
 
     arm_id: str
@@ -64,6 +66,7 @@ class ArmPlacement:
     positions: tuple[float, ...] = INITIAL_POSITIONS
     limits: ArmLimits = PANDA_LIMITS
     thresholds: SupervisorLimits = field(default_factory=SupervisorLimits)
+    service_limits: ServiceLimits = field(default_factory=ServiceLimits)
 
 
 class FrankaWorld(SharedWorld):
@@ -168,6 +171,7 @@ def _make_arm(
         description=placement.description,
         limits=placement.limits,
         thresholds=placement.thresholds,
+        service_limits=placement.service_limits,
         hand=hand if hand in urdf.links else f"{prefix}link7",
         gravity=local,
     )

@@ -1,4 +1,4 @@
-"""What a commanded motion must keep to, tested as the arm receives it. Pure functions.
+"""Check a commanded motion as the arm receives it. Pure functions.
 
 Derivatives are backward differences over one cycle, from the values accepted last.
 
@@ -21,11 +21,11 @@ START_ROTATION_TOLERANCE = 0.01
 """How far a first pose may be turned against O_T_EE_d [rad]; not published."""
 START_ELBOW_TOLERANCE = 0.01
 """How far a first elbow may be from elbow_d [rad]; not published by Franka."""
-# Rounding of a third difference over 1 ms of positions of some rad.
+# Relative rounding error of a third difference over 1 ms of positions of a few rad.
 _ROUNDING = 1e-4
-# A command may be at a position limit, rounding included [rad].
+# Rounding error allowed for a command at a position limit [rad].
 _AT_LIMIT = 1e-6
-# So may a velocity, as the difference over 1 ms of positions of some rad [rad/s].
+# Rounding error allowed for a velocity, a difference over 1 ms of positions [rad/s].
 _AT_VELOCITY_LIMIT = 1e-9
 _JOINT_ERRORS = (
     "joint_motion_generator_position_limits_violation",
@@ -51,7 +51,7 @@ def joint_motion_errors(
     period: float,
     from_pose: bool = False,
 ) -> list[ArmError]:
-    """Return what is wrong with the next step of a joint motion.
+    """Return the errors of the next step of a joint motion.
 
     Args:
         q: Next positions [rad], shape (7,).
@@ -75,8 +75,8 @@ def joint_motion_errors(
         is_too_fast = not (
             lowest - _AT_VELOCITY_LIMIT <= velocity <= highest + _AT_VELOCITY_LIMIT
         )
-        # Who is outside already may stay, and may come back. Limits that depend on the
-        # position bring the velocity to 0 in time.
+        # A joint that is outside already may stay or come back. Limits that depend on
+        # the position bring the velocity to 0 in time.
         goes_out = not limits.curves and (
             (q[i] > limits.upper[i] + _AT_LIMIT and velocity > 0.0)
             or (q[i] < limits.lower[i] - _AT_LIMIT and velocity < 0.0)
@@ -112,7 +112,7 @@ def _is_well_inside(
     limits: ArmLimits,
     period: float,
 ) -> bool:
-    """Tell in the usual case, and cheaply, that there is nothing wrong at all."""
+    """Return whether a joint motion is surely free of errors; a cheap test."""
     for position, velocity, last, last_rate, low, high, fastest, rate, jerk in zip(
         q,
         dq,
@@ -137,7 +137,7 @@ def _is_well_inside(
 
 
 def start_position_errors(q: Sequence[float], q_d: Sequence[float]) -> list[ArmError]:
-    """Return what is wrong with the first positions of a motion.
+    """Return the errors of the first positions of a motion.
 
     Args:
         q: First positions [rad], shape (7,).
@@ -158,7 +158,7 @@ def torque_errors(
     limits: ArmLimits,
     period: float,
 ) -> list[ArmError]:
-    """Return what is wrong with the next torques.
+    """Return the errors of the next torques.
 
     Args:
         tau: Commanded torques [Nm], shape (7,).
@@ -190,7 +190,7 @@ def twist_errors(
     limits: ArmLimits,
     period: float,
 ) -> list[ArmError]:
-    """Return what is wrong with the next twist of the end effector.
+    """Return the errors of the next twist of the end effector.
 
     Args:
         twist: Linear [m/s], then angular velocity [rad/s], shape (6,).
@@ -218,7 +218,7 @@ def twist_errors(
 def elbow_errors(
     rates: tuple[float, float, float], limits: ArmLimits
 ) -> list[ArmError]:
-    """Return what is wrong with the next step of the elbow.
+    """Return the errors of the next step of the elbow.
 
     Args:
         rates: Velocity [rad/s], acceleration [rad/s^2] and jerk [rad/s^3].

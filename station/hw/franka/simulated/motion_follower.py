@@ -1,4 +1,4 @@
-"""The commands of a motion: received, checked, followed, and missed.
+"""Receive, check and follow the commands of a motion, and count the missing ones.
 
 Source: Franka Control Interface documentation, what happens with lost packets.
 """
@@ -47,7 +47,7 @@ class MotionFollower:
 
     Attributes:
         torques: The client's torques [Nm], shape (7,).
-        command: What the client sent last, of whatever kind.
+        command: The last command of the client, of any kind.
         is_begun: A command of this motion has been followed.
     """
 
@@ -70,7 +70,7 @@ class MotionFollower:
         """Wait for the first command of a motion.
 
         Args:
-            generator: What is commanded besides torques.
+            generator: Which motion is commanded.
         """
         self._generator = generator
         self.torques: Sequence[float] = _ZEROS
@@ -121,22 +121,22 @@ class MotionFollower:
         if elbow is not None:
             if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
                 raise InvalidCommandError(
-                    f"an elbow of {elbow} is not possible",
-                    remedy="give the position of joint 3 and a sign of +1 or -1",
+                    f"An elbow of {elbow} is not possible.",
+                    remedy="Give the position of joint 3 and a sign of +1 or -1.",
                 )
             chosen = (elbow[0], elbow[1])
         self._cartesian_target = CartesianCommand(tuple(values), chosen)
         self._is_fresh = True
 
     def ignore(self) -> None:
-        """Let this cycle's command pass without following it; come to rest."""
+        """Discard this cycle's command and slow down to rest."""
         self._is_fresh = False
         self._motion.hold()
         if self._generator in CARTESIAN_GENERATORS:
             self._cartesian.begin()
 
     def advance(self, *, torques_act: bool, is_lossy: bool) -> list[ArmError]:
-        """Advance the desired motion by a cycle; return what is wrong with that.
+        """Advance the desired motion by a cycle; return the errors.
 
         Args:
             torques_act: The motors follow `torques`.
@@ -232,6 +232,6 @@ def _checked(values: Sequence[float], what: str, size: int) -> list[float]:
     if len(values) != size or not isfinite(sum(values)):
         raise InvalidCommandError(
             f"{what} must be {size} finite numbers, not {values}",
-            remedy="correct the controller that commands them",
+            remedy="Correct the controller that commands them.",
         )
     return list(values)

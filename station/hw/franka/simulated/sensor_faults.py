@@ -1,4 +1,4 @@
-"""Faults of one simulated arm: what goes wrong on request, and for how long."""
+"""Faults of one simulated arm: what fails on request, and for how many cycles."""
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.arm_simulation import FaultKind, SimulatedFault
@@ -9,7 +9,7 @@ from station.hw.mujoco.world_joints import WorldJoints
 
 LONGEST_DELAY = 500
 """Most nominal periods by which a cycle of the loop can be delayed."""
-# Of a joint that is stuck [Nm s/rad].
+# Damping of a stuck joint [Nm s/rad].
 _STUCK_DAMPING = 1e6
 _NAN = float("nan")
 
@@ -20,7 +20,7 @@ class SensorFaults:
     Args:
         world: The world.
         joints: The arm's joints in it.
-        hand: Body that a collision hits; empty when there is none.
+        hand: Body that a collision hits.
     """
 
     def __init__(self, world: World, joints: WorldJoints, hand: str) -> None:
@@ -86,14 +86,14 @@ class SensorFaults:
                 self._free(index)
 
     def loses_packet(self) -> bool:
-        """Tell whether this cycle's command is lost."""
+        """Return whether this cycle's command is lost; counts the cycle."""
         if not self._lost:
             return False
         self._lost -= 1
         return True
 
     def disturb(self, state: RobotState) -> None:
-        """Falsify what the sensors report."""
+        """Replace the readings of blind sensors in the state by NaN."""
         for index, left in list(self._blind.items()):
             state.q[index] = _NAN
             if left > 1:
@@ -109,7 +109,8 @@ class SensorFaults:
 def _check_delay(cycles: int) -> None:
     if cycles > LONGEST_DELAY:
         raise InvalidCommandError(
-            f"'cycles' of a delayed cycle is {cycles}",
-            remedy=f"give at most {LONGEST_DELAY}: nothing answers in that time",
+            f"'cycles' of a delayed cycle is {cycles}; allowed are at most "
+            f"{LONGEST_DELAY}.",
+            remedy="Give fewer cycles: the station does not answer meanwhile.",
             details={"cycles": cycles},
         )

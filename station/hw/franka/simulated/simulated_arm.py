@@ -18,6 +18,7 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
     RobotArm,
 )
+from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_frames import ArmFrames
@@ -63,7 +64,7 @@ class SimulatedArm(RobotArm):
         thresholds: Thresholds that Franka does not publish.
         hand: Body that a simulated collision hits.
         gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
-        damping_ratio: Damping ratio of the internal controllers, > 0.
+        service_limits: The largest pushes.
 
     Attributes:
         frames: Frames and derived state.
@@ -80,7 +81,7 @@ class SimulatedArm(RobotArm):
         thresholds: SupervisorLimits | None = None,
         hand: str = "",
         gravity: Sequence[float] = GRAVITY_EARTH,
-        damping_ratio: float = 1.0,
+        service_limits: ServiceLimits | None = None,
     ) -> None:
         self.cycle_time = world.timestep
         state = self.state = RobotState()
@@ -98,7 +99,7 @@ class SimulatedArm(RobotArm):
             period=world.timestep,
         )
         self._follower = MotionFollower(state, self._motion, limits, world.timestep)
-        self.motors = ArmMotors(joints, state, damping_ratio)
+        self.motors = ArmMotors(joints, state)
         self.load = ArmLoad(description, gravity)
         self._description = description
         self.frames = ArmFrames(state)
@@ -138,7 +139,9 @@ class SimulatedArm(RobotArm):
             faults=self._faults,
             period=world.timestep,
         )
-        self._controls = SimulatedArmControls(world, self._modes, self._faults)
+        self._controls = SimulatedArmControls(
+            world, self._modes, self._faults, service_limits or ServiceLimits()
+        )
         self._cycle = world.step_count
         self._cycle_of_state = world.step_count
         self.after_reset()
@@ -323,7 +326,7 @@ class SimulatedArm(RobotArm):
                 self._modes.raise_errors(errors)
 
     def _is_following(self) -> bool:
-        """Tell whether the arm itself follows a desired motion."""
+        """Return whether an internal controller follows a desired motion."""
         return self._modes.controller in _INTERNAL_CONTROLLERS
 
     def _not_commandable(self, what: str) -> ArmCommandError:

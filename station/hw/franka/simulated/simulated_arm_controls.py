@@ -4,7 +4,14 @@ from collections.abc import Sequence
 
 from typing_extensions import override
 
-from station.core.franka.arm_simulation import ArmSimulation, SimulatedFault
+from station.core.errors import InvalidCommandError
+from station.core.franka.arm_simulation import ArmSimulation, FaultKind, SimulatedFault
+from station.hw.franka.arm.service_limits import (
+    PUSH_DISTANCE,
+    ServiceLimits,
+    check_vector,
+    field_error,
+)
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.push import WORLD, as_push
@@ -18,10 +25,18 @@ class SimulatedArmControls(ArmSimulation):
         world: The world of the arm.
         modes: The modes of the arm.
         faults: The faults of the arm.
+        limits: The largest pushes.
     """
 
-    def __init__(self, world: World, modes: ArmModes, faults: SensorFaults) -> None:
+    def __init__(
+        self,
+        world: World,
+        modes: ArmModes,
+        faults: SensorFaults,
+        limits: ServiceLimits,
+    ) -> None:
         self._world = world
+        self._limits = limits
         self._modes = modes
         self._faults = faults
 
@@ -44,11 +59,23 @@ class SimulatedArmControls(ArmSimulation):
         frame: str = WORLD,
         point: Sequence[float] | None = None,
     ) -> None:
+        self._check_force(force)
+        largest = self._limits.push_torque
+        check_vector(
+            torque, largest, field="torque", what="torque of a push", unit="Nm"
+        )
+        if point is not None:
+            check_vector(
+                point, PUSH_DISTANCE, field="point", what="point of a push", unit="m"
+            )
+        self._check_duration(duration)
         push = as_push(link, force, torque, frame=frame, point=point)
         self._world.push(push, max(1, round(duration / self._world.timestep)))
 
     @override
     def inject(self, fault: SimulatedFault) -> None:
+        if fault.kind is FaultKind.COLLISION:
+            self._check_force(fault.force)
         self._faults.inject(fault)
 
     @override
@@ -58,3 +85,17 @@ class SimulatedArmControls(ArmSimulation):
     @override
     def clear_faults(self) -> None:
         self._faults.clear()
+
+    def _check_force(self, force: Sequence[float]) -> None:
+        largest = self._limits.push_force
+        check_vector(force, largest, field="force", what="force of a push", unit="N")
+
+    def _check_duration(self, duration: float) -> None:
+        longest = self._limits.push_duration
+        if not 0.0 < duration <= longest:
+            allowed = f"above 0 s and at most {longest:g} s"
+            raise InvalidCommandError(
+                f"A push of {duration} s is not possible; allowed is {allowed}.",
+                remedy="Choose a duration in this range.",
+                details=field_error("duration", f"must be {allowed}", duration),
+            )

@@ -33,7 +33,7 @@ def test_disconnected_arm_takes_no_settings(services):
     "inertia", [[1.0, 0.1, 0, 0, 1, 0, 0, 0, 1], [-1.0, 0, 0, 0, 1, 0, 0, 0, 1]]
 )
 def test_impossible_inertia_is_refused(services, inertia):
-    with pytest.raises(InvalidCommandError, match="no body has the inertia"):
+    with pytest.raises(InvalidCommandError, match="No body has the inertia"):
         services.set_load(1.0, [0.0] * 3, inertia)
 
 
