@@ -10,17 +10,16 @@ from typing import ClassVar
 
 from typing_extensions import override
 
+from station.controllers.franka_arm import read_arm_id, read_arm_joints
 from station.core.control.controller import Controller
 from station.core.control.joint_states import JointStates
 from station.core.control.publish_timer import PublishTimer
-from station.core.errors import ParameterError
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names
 from station.core.parameters import Parameters
 
 RATE_HZ = 30.0
 """Default of `publish_rate`."""
-_DOF = 7
 _ERRORS = ("current_errors", "last_motion_errors")
 
 
@@ -60,14 +59,8 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
     @override
     def init(self, interface: FrankaStateInterface, params: Parameters) -> None:
-        self._arm_id = params.get_str("arm_id")
-        self.joint_names = params.get_str_list("joint_names")
-        if len(set(self.joint_names)) != _DOF:
-            raise ParameterError(
-                f"Parameter '{params.resolve('joint_names')}' is {self.joint_names}; "
-                f"it must name {_DOF} joints.",
-                remedy="Name the joints from base to flange.",
-            )
+        self._arm_id = read_arm_id(params)
+        self.joint_names = read_arm_joints(params)
         self._timer = PublishTimer(params.get_float("publish_rate", RATE_HZ))
         self._handle: FrankaStateHandle = interface.get_handle(f"{self._arm_id}_robot")
         self.franka_states: FrankaStates | None = None

@@ -11,7 +11,7 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
 )
 from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
 from station.core.control.controller import ControllerSample
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import InvalidGainError, ParameterError
 from station.core.franka import Frame
 from station.core.franka.franka_robot_state import RobotState
@@ -48,6 +48,13 @@ class CartesianJogController(CartesianMotionController):
                 details={"parameter": params.resolve(_FRAME)},
             )
         self._frame = FRAMES.index(name)
+        text = "axes of the twist: 0 of the base, 1 of the end effector"
+        self.tunables = Tunables(
+            {_FRAME: Tunable("", 0.0, 1.0, text)},
+            {_FRAME: float(self._frame)},
+            check=_check_frame,
+            apply=self._set_frame,
+        )
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -84,23 +91,13 @@ class CartesianJogController(CartesianMotionController):
         errors = [d - a for d, a in zip(desired, actual, strict=True)]
         return ControllerSample(time, desired, actual, errors, desired)
 
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        text = "axes of the twist: 0 of the base, 1 of the end effector"
-        return {_FRAME: Tunable("", 0.0, 1.0, text)}
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return {_FRAME: float(self._frame)}
-
-    @override
-    def check_gains(self, values: Mapping[str, float]) -> None:
-        if values[_FRAME] not in {0.0, 1.0}:
-            raise InvalidGainError(
-                f"Gain '{_FRAME}' is {values[_FRAME]}; it must be 0 or 1.",
-                remedy="0: axes of the base; 1: axes of the end effector.",
-            )
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
+    def _set_frame(self, values: Mapping[str, float]) -> None:
         self._frame = int(values[_FRAME])
+
+
+def _check_frame(values: Mapping[str, float]) -> None:
+    if values[_FRAME] not in {0.0, 1.0}:
+        raise InvalidGainError(
+            f"Gain '{_FRAME}' is {values[_FRAME]}; it must be 0 or 1.",
+            remedy="0: axes of the base; 1: axes of the end effector.",
+        )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from station.controllers.smoothed_motion.motion_limits import MotionLimits
+from station.controllers.smoothed_motion.axis_limits import AxisLimits
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters
 
@@ -51,11 +51,11 @@ class CartesianLimits:
     translation: VectorLimits
     rotation: VectorLimits
 
-    def of_axes(self) -> MotionLimits:
+    def of_axes(self) -> AxisLimits:
         """Return bounds along x y z and about x y z that keep within all of these."""
         three = [SHARE_OF_AN_AXIS] * 3
         both = (self.translation, self.rotation)
-        return MotionLimits(
+        return AxisLimits(
             velocity=tuple(each.velocity * s for each in both for s in three),
             acceleration=tuple(each.acceleration * s for each in both for s in three),
             jerk=tuple(each.jerk * s for each in both for s in three),
@@ -71,39 +71,23 @@ def read_cartesian_limits(params: Parameters) -> CartesianLimits:
     Raises:
         ParameterError: A value is not above 0, or beyond what the arms allow.
     """
-    translation = VectorLimits(
-        _read(
-            params,
-            "max_translational_velocity",
-            TRANSLATION.velocity,
-            LARGEST_TRANSLATION.velocity,
-        ),
-        _read(
-            params,
-            "max_translational_acceleration",
-            TRANSLATION.acceleration,
-            LARGEST_TRANSLATION.acceleration,
-        ),
-        _read(
-            params, "max_translational_jerk", TRANSLATION.jerk, LARGEST_TRANSLATION.jerk
-        ),
+    return CartesianLimits(
+        _read_vector(params, "translational", TRANSLATION, LARGEST_TRANSLATION),
+        _read_vector(params, "rotational", ROTATION, LARGEST_ROTATION),
     )
-    rotation = VectorLimits(
-        _read(
-            params,
-            "max_rotational_velocity",
-            ROTATION.velocity,
-            LARGEST_ROTATION.velocity,
-        ),
-        _read(
-            params,
-            "max_rotational_acceleration",
-            ROTATION.acceleration,
-            LARGEST_ROTATION.acceleration,
-        ),
-        _read(params, "max_rotational_jerk", ROTATION.jerk, LARGEST_ROTATION.jerk),
+
+
+def _read_vector(
+    params: Parameters, kind: str, default: VectorLimits, largest: VectorLimits
+) -> VectorLimits:
+    def read(key: str, usual: float, bound: float) -> float:
+        return _read(params, f"max_{kind}_{key}", usual, bound)
+
+    return VectorLimits(
+        read("velocity", default.velocity, largest.velocity),
+        read("acceleration", default.acceleration, largest.acceleration),
+        read("jerk", default.jerk, largest.jerk),
     )
-    return CartesianLimits(translation, rotation)
 
 
 def _read(params: Parameters, key: str, default: float, largest: float) -> float:

@@ -25,9 +25,11 @@ from station.controllers.forward_command_controller.command_timeout import (
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
-from station.controllers.franka_example_controllers.start_pose import (
+from station.controllers.franka_arm import (
+    find_model,
     read_arm_id,
-    read_joint_names,
+    read_arm_joints,
+    require,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.franka import (
@@ -78,16 +80,11 @@ class CartesianMotionController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, names = read_arm_id(params), read_joint_names(params)
-        poses, models = (
-            hw.get(FrankaPoseCartesianInterface),
-            hw.get(FrankaModelInterface),
-        )
-        if poses is None or models is None:
-            return  # refused before, by required_interfaces
+        arm_id, names = read_arm_id(params), read_arm_joints(params)
+        poses = require(hw, FrankaPoseCartesianInterface)
         description = require_robot_description(params)
         self.handle: FrankaCartesianPoseHandle = poses.get_handle(f"{arm_id}_robot")
-        self.model: FrankaModelHandle = models.get_handle(f"{arm_id}_model")
+        self.model: FrankaModelHandle = find_model(hw, arm_id)
         self.limits = read_cartesian_limits(params)
         self.generator = CartesianMotionGenerator(self.limits)
         self.lookahead = JointLookahead(

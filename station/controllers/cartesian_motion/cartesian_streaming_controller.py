@@ -7,7 +7,7 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     LONGEST_TIMEOUT,
     CartesianMotionController,
 )
-from station.controllers.cartesian_motion.pose_set_point import PoseSetPointPort
+from station.controllers.franka_arm import PosePort
 from station.core.control.controller import ControllerSample
 from station.core.franka import Frame
 from station.core.franka.franka_robot_state import RobotState
@@ -36,7 +36,9 @@ class CartesianStreamingController(CartesianMotionController):
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
-        return PoseSetPointPort(timeout=timeout, longest=LONGEST_TIMEOUT)
+        return PosePort(
+            "xyzw", tolerance=0.01, timeout=timeout, longest=LONGEST_TIMEOUT
+        )
 
     @override
     def rest(self) -> list[float]:

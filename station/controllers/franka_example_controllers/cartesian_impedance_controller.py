@@ -5,33 +5,30 @@ src/cartesian_impedance_example_controller.cpp; differs: the equilibrium pose ar
 a set-point of 7 numbers that may time out, the stiffnesses are gains.
 """
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
     find_state,
+    read_arm_id,
+    read_arm_joints,
 )
 from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
     Stiffness,
 )
-from station.controllers.franka_example_controllers.pose_port import PoseTarget
+from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     quaternion_of,
 )
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
-)
 from station.core.control.controller import MultiInterfaceController
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -66,7 +63,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, names = read_arm_id(params), read_joint_names(params)
+        arm_id, names = read_arm_id(params), read_arm_joints(params)
         self._spring = CartesianSpring(
             claim_torques(hw, names),
             find_state(hw, arm_id),
@@ -76,12 +73,12 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self.joint_names = names
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
         self.set_points = self._target.port
-        self._gains = dict(_DEFAULTS)
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS)
 
     @override
     def starting(self, time: float) -> None:
         """Take the present pose as equilibrium; the spring begins without force."""
-        self._spring.begin(self._gains["nullspace_stiffness"])
+        self._spring.begin(self.tunables.values["nullspace_stiffness"])
         self._target.begin()
 
     @override
@@ -89,7 +86,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         pose = self._target.newest()
         if pose is not None:
             self._spring.set_target(*pose)
-        gains = self._gains
+        gains = self.tunables.values
         self._spring.update(
             Stiffness(
                 gains["translational_stiffness"],
@@ -97,18 +94,6 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
                 gains["nullspace_stiffness"],
             )
         )
-
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return _SCHEMA
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return dict(self._gains)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._gains = dict(values)
 
 
 def _rotation_error(

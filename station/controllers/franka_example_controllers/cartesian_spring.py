@@ -19,9 +19,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from station.controllers.franka_example_controllers.arm_handles import (
-    saturate_torque_rate,
-)
+from station.controllers.franka_arm import saturate_torque_rate
 from station.controllers.franka_example_controllers.quaternion import (
     quaternion_of,
     slerp,

@@ -10,10 +10,8 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_arm_id,
-)
+from station.controllers.franka_arm import read_arm_id
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.franka import (
     FrankaCartesianVelocityHandle,

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
     find_state,
+    read_arm_id,
+    read_arm_joints,
 )
 from station.controllers.franka_example_controllers.base_transform import (
     base_transform,
@@ -26,19 +28,15 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
     Stiffness,
 )
-from station.controllers.franka_example_controllers.pose_port import PoseTarget
+from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     matrix_of,
     quaternion_of,
 )
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
-)
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_description import ROBOT_DESCRIPTION
@@ -48,15 +46,16 @@ from station.core.parameters import Parameters
 RATE_HZ = 30.0
 """How often the centering frame is published."""
 ARMS = ("left", "right")
-_DEFAULTS = {"translational": 200.0, "rotational": 10.0, "nullspace": 0.0}
+_STIFFNESSES = (
+    ("translational", 200.0, Tunable("N/m", 0.0, 400.0)),
+    ("rotational", 10.0, Tunable("Nm/rad", 0.0, 30.0)),
+    ("nullspace", 0.0, Tunable("Nm/rad", 0.0, 100.0)),
+)
+_DEFAULTS = {
+    f"{arm}_{kind}_stiffness": value for arm in ARMS for kind, value, _ in _STIFFNESSES
+}
 _SCHEMA = {
-    f"{arm}_{kind}_stiffness": tunable
-    for arm in ARMS
-    for kind, tunable in (
-        ("translational", Tunable("N/m", 0.0, 400.0)),
-        ("rotational", Tunable("Nm/rad", 0.0, 30.0)),
-        ("nullspace", Tunable("Nm/rad", 0.0, 100.0)),
-    )
+    f"{arm}_{kind}_stiffness": each for arm in ARMS for kind, _, each in _STIFFNESSES
 }
 
 
@@ -86,7 +85,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self.joint_names = []
         for arm in ARMS:
             own = params.namespace(arm)
-            arm_id, names = read_arm_id(own), read_joint_names(own)
+            arm_id, names = read_arm_id(own), read_arm_joints(own)
             self._springs[arm] = CartesianSpring(
                 claim_torques(hw, names),
                 find_state(hw, arm_id),
@@ -100,11 +99,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self._frame_id = left
         self._target = PoseTarget(params, "the centering frame", self._center)
         self.set_points = self._target.port
-        self._gains = {
-            f"{arm}_{kind}_stiffness": value
-            for arm in ARMS
-            for kind, value in _DEFAULTS.items()
-        }
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS)
         self._right_to_left = self._left_to_center = np.eye(4)
         self._timer = PublishTimer(RATE_HZ)
         self._centering_frame: dict[str, object] | None = None
@@ -113,7 +108,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
     def starting(self, time: float) -> None:
         """Take both poses as they are; the springs begin without force."""
         for arm, spring in self._springs.items():
-            spring.begin(self._gains[f"{arm}_nullspace_stiffness"])
+            spring.begin(self.tunables.values[f"{arm}_nullspace_stiffness"])
         left, right = (self._springs[arm].pose() for arm in ARMS)
         self._right_to_left = np.linalg.inv(self._left_T_right @ right) @ left
         back = self._right_to_left[:3, :3].T @ self._right_to_left[:3, 3]
@@ -127,28 +122,17 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         target = self._target.newest()
         if target is not None:
             self._set_target(*target)
+        gains = self.tunables.values
         for arm, spring in self._springs.items():
             spring.update(
                 Stiffness(
-                    self._gains[f"{arm}_translational_stiffness"],
-                    self._gains[f"{arm}_rotational_stiffness"],
-                    self._gains[f"{arm}_nullspace_stiffness"],
+                    gains[f"{arm}_translational_stiffness"],
+                    gains[f"{arm}_rotational_stiffness"],
+                    gains[f"{arm}_nullspace_stiffness"],
                 )
             )
         if self._timer.is_due(time):
             self._publish(time)
-
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return _SCHEMA
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return dict(self._gains)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._gains = dict(values)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

@@ -10,24 +10,21 @@ differs: mass and gains are gains of the controller, and every start begins with
 force.
 """
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
     find_state,
+    read_arm_id,
+    read_arm_joints,
     saturate_torque_rate,
 )
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
-)
 from station.core.control.controller import ControllerSample, MultiInterfaceController
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.franka import Frame, FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -58,12 +55,12 @@ class ForceExampleController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, self.joint_names = read_arm_id(params), read_joint_names(params)
+        arm_id, self.joint_names = read_arm_id(params), read_arm_joints(params)
         self._joints = claim_torques(hw, self.joint_names)
         self._state = find_state(hw, arm_id)
         self._model = find_model(hw, arm_id)
-        self._gains = dict.fromkeys(_SCHEMA, 0.0)
-        self._present = dict(self._gains)
+        self._present = dict.fromkeys(_SCHEMA, 0.0)
+        self.tunables = Tunables(_SCHEMA, self._present)
         self._bias = self._integral = np.zeros(7)
 
     @override
@@ -86,20 +83,8 @@ class ForceExampleController(MultiInterfaceController):
         tau = tau_d + present["k_p"] * error + present["k_i"] * self._integral
         command = saturate_torque_rate(tau, state.tau_J_d)
         self._joints.set_commands(command)
-        for name, value in self._gains.items():
+        for name, value in self.tunables.values.items():
             present[name] += FILTER * (value - present[name])
         self.sample = ControllerSample(
             time, tau_d.tolist(), tau_ext.tolist(), error.tolist(), command
         )
-
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return _SCHEMA
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return dict(self._gains)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._gains = dict(values)

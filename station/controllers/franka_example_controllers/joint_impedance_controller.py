@@ -20,15 +20,13 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
+    read_arm_id,
+    read_arm_joints,
     require,
     saturate_torque_rate,
-)
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
@@ -80,7 +78,7 @@ class JointImpedanceExampleController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, self.joint_names = read_arm_id(params), read_joint_names(params)
+        arm_id, self.joint_names = read_arm_id(params), read_arm_joints(params)
         radius = params.get_float("radius", RADIUS)
         self._radius = RADIUS if abs(radius) < SMALLEST_RADIUS else radius
         self._vel_max = params.get_float("vel_max", 0.05)

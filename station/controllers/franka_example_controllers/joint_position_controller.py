@@ -10,10 +10,8 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_joint_names,
-)
+from station.controllers.franka_arm import read_arm_joints
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.hardware.interfaces import JointGroup, PositionJointInterface
 from station.core.parameters import Parameters
@@ -39,7 +37,7 @@ class JointPositionExampleController(Controller[PositionJointInterface]):
 
     @override
     def init(self, interface: PositionJointInterface, params: Parameters) -> None:
-        names = read_joint_names(params)
+        names = read_arm_joints(params)
         self._joints = JointGroup([interface.get_handle(name) for name in names])
         self.joint_names = names
 

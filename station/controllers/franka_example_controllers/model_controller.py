@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import read_arm_id
+from station.controllers.franka_arm import read_arm_id
 from station.core.control.controller import Controller
 from station.core.control.publish_timer import PublishTimer
 from station.core.franka import Frame, FrankaModelHandle, FrankaModelInterface

@@ -11,7 +11,7 @@ from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 from typing_extensions import override
 
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunables
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
@@ -70,6 +70,7 @@ class ControllerBase:
         set_points: Where set-points arrive; None when it takes none.
         goals: Where goals arrive; None when it takes none.
         trajectories: Where trajectories without a goal arrive; None when it takes none.
+        tunables: The run-time parameters; none unless `init` replaces the object.
         joint_names: Names of what `sample` describes.
         sample: What it did last; a new object each time, None before the first.
     """
@@ -79,6 +80,7 @@ class ControllerBase:
         self.set_points: SetPointPort | None = None
         self.goals: GoalPort | None = None
         self.trajectories: TrajectoryPort | None = None
+        self.tunables = Tunables()
         self.joint_names: list[str] = []
         self.sample: ControllerSample | None = None
 
@@ -118,27 +120,6 @@ class ControllerBase:
             StationError: Whatever the controller's `init` raises.
         """
         raise NotImplementedError
-
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        """Return the run-time parameters by name; empty when there are none."""
-        return {}
-
-    def gains(self) -> dict[str, float]:
-        """Return the present value of every run-time parameter."""
-        return {}
-
-    def check_gains(self, values: Mapping[str, float]) -> None:
-        """Refuse a complete set that is impossible as a whole.
-
-        Called outside of the control thread with a value for every name in the
-        schema, each already in its range.
-
-        Raises:
-            InvalidGainError: The values do not fit together.
-        """
-
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        """Take over a complete, checked set. Called between two cycles."""
 
     def published(self) -> Mapping[str, Mapping[str, object]]:
         """Return the latest messages by topic; empty when it publishes none.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.control.tunables import Tunable, check_tunables
+from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import InvalidGainError
 
 SCHEMA = {"p": Tunable("Nm/rad", 0.0, 100.0), "d": Tunable("", -1.0, 1.0)}
@@ -10,11 +10,11 @@ CURRENT = {"p": 10.0, "d": 0.0}
 
 
 def test_changes_are_merged_into_the_present_values():
-    assert check_tunables(SCHEMA, CURRENT, {"p": 20}) == {"p": 20, "d": 0.0}
+    assert Tunables(SCHEMA, CURRENT).checked({"p": 20}) == {"p": 20, "d": 0.0}
 
 
 def test_limits_are_allowed():
-    assert check_tunables(SCHEMA, CURRENT, {"p": 100.0, "d": -1.0})["d"] == -1.0
+    assert Tunables(SCHEMA, CURRENT).checked({"p": 100.0, "d": -1.0})["d"] == -1.0
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def test_limits_are_allowed():
 )
 def test_anything_else_is_refused_by_name(name, value, words):
     with pytest.raises(InvalidGainError, match=f"'{name}'.*{words}") as caught:
-        check_tunables(SCHEMA, CURRENT, {name: value})
+        Tunables(SCHEMA, CURRENT).checked({name: value})
 
     (error,) = caught.value.details["errors"]
     assert error["field"] == name
@@ -39,7 +39,7 @@ def test_anything_else_is_refused_by_name(name, value, words):
 
 def test_all_problems_are_listed():
     with pytest.raises(InvalidGainError, match="1 more") as caught:
-        check_tunables(SCHEMA, CURRENT, {"p": -1.0, "q": 0.0, "d": 0.5})
+        Tunables(SCHEMA, CURRENT).checked({"p": -1.0, "q": 0.0, "d": 0.5})
 
     assert [e["field"] for e in caught.value.details["errors"]] == ["p", "q"]
     assert CURRENT == {"p": 10.0, "d": 0.0}
