@@ -1,6 +1,6 @@
-"""Where the base of one arm stands, seen from the base of another.
+"""Read the pose of one arm's base in the frame of another arm's base.
 
-Both are links of one robot description that fixed joints connect.
+Both bases are links of one robot description, and fixed joints connect them.
 """
 
 from xml.etree import ElementTree as ET
@@ -17,19 +17,20 @@ def base_transform(xml: str, link: str, other: str) -> NDArray[np.float64]:
 
     Args:
         xml: The URDF.
-        link: A link.
-        other: Another one.
+        link: The link in whose frame the pose is given.
+        other: The link whose pose is returned.
 
     Raises:
-        RobotDescriptionError: A link is missing, or one moves against the other.
+        RobotDescriptionError: A link is missing, or the links can move against each
+            other.
     """
     root = parse_robot_description(xml)
     first, root_of_first = _pose_in_root(root, link)
     second, root_of_second = _pose_in_root(root, other)
     if root_of_first != root_of_second:
         raise RobotDescriptionError(
-            f"Links '{link}' and '{other}' do not stand on the same ground: the one is "
-            f"fixed to '{root_of_first}', the other to '{root_of_second}'.",
+            f"Links '{link}' and '{other}' are not fixed to the same link: the first "
+            f"is fixed to '{root_of_first}', the second to '{root_of_second}'.",
             remedy="Connect them by fixed joints in the robot description.",
             details={"links": [link, other]},
         )
@@ -38,7 +39,7 @@ def base_transform(xml: str, link: str, other: str) -> NDArray[np.float64]:
 
 
 def _pose_in_root(root: ET.Element, link: str) -> tuple[NDArray[np.float64], str]:
-    """Return a link's pose in the last link that fixed joints lead back to.
+    """Return the pose of a link in the farthest link that fixed joints lead to.
 
     Raises:
         RobotDescriptionError: The link is missing.

@@ -1,8 +1,8 @@
-"""Hold the end effector with the stiffness of a spring, by torques.
+"""Hold the end effector like a spring, by torques.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_impedance_example_controller.cpp; differs: the equilibrium pose arrives as
-a set-point of 7 numbers that may time out, the stiffnesses are gains.
+a set-point of 7 numbers that may expire, and the stiffnesses are run-time parameters.
 """
 
 from typing import ClassVar
@@ -52,7 +52,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
     Parameters: `arm_id`; `joint_names`, 7 names; `command_timeout` and
     `command_timeout_action`, see `TimeoutAction`. Set-point, topic `equilibrium_pose`
     of the original: position [m], then quaternion w x y z, of the end effector in the
-    base frame. When it is no longer valid, the equilibrium stays where it has come to.
+    base frame. When the set-point expires, the equilibrium stays where it is then.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -77,7 +77,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def starting(self, time: float) -> None:
-        """Take the present pose as equilibrium; the spring begins without force."""
+        """Make the present pose the equilibrium, at which the spring has no force."""
         self._spring.begin(self.tunables.values["nullspace_stiffness"])
         self._target.begin()
 
@@ -100,6 +100,6 @@ def _rotation_error(
     R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
     desired: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return what is missing as the vector part of a quaternion."""
+    """Return the rotation error as the vector part of a quaternion, shape (3,)."""
     result: NDArray[np.float64] = -R @ error_between(quaternion_of(R), desired)
     return result

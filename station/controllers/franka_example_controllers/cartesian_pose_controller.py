@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_pose_example_controller.cpp; differs: the start pose is checked at every
-start, not once when it is loaded.
+start, not once when the controller is loaded.
 """
 
 from math import cos, pi, sin
@@ -17,11 +17,11 @@ from station.core.franka import FrankaCartesianPoseHandle, FrankaPoseCartesianIn
 from station.core.parameters import Parameters
 
 RADIUS = 0.15
-"""Of the arc [m]."""
+"""Radius of the arc [m]."""
 
 
 class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
-    """Goes along a quarter of a vertical circle and back, in 10 s.
+    """Moves along a quarter of a vertical circle and back, in 10 s.
 
     Parameters: `arm_id`.
     """
@@ -37,7 +37,7 @@ class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin where the end effector is meant to be.
+        """Start at the desired pose of the end effector.
 
         Raises:
             ControllerStateError: The arm is not near the start pose.

@@ -1,9 +1,10 @@
-"""Hold something between two arms: two springs that one frame moves.
+"""Hold an object between two arms by two springs that follow one frame.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/dual_arm_cartesian_impedance_example_controller.cpp; differs: the target of the
 centering frame arrives as a set-point of 7 numbers in the base frame of the left arm,
-the stiffnesses are gains, and where the arms stand is read from the robot description.
+the stiffnesses are run-time parameters, and the poses of the arms' bases are read from
+the robot description.
 """
 
 from collections.abc import Mapping
@@ -60,7 +61,7 @@ _SCHEMA = {
 
 
 class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
-    """Two springs; the right end effector keeps its place relative to the left one.
+    """Two springs; the right end effector keeps its pose relative to the left one.
 
     The centering frame is in the middle between the end effectors as they are at the
     start, with the axes of the left one.
@@ -69,8 +70,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
     7 names each; `command_timeout` and `command_timeout_action`, see `TimeoutAction`.
     Set-point, topic `centering_frame_target_pose` of the original:
     position [m], then quaternion w x y z, of the centering frame in
-    `<left/arm_id>_link0`. When it is no longer valid, the frame stays where it has come
-    to.
+    `<left/arm_id>_link0`. When the set-point expires, the frame stays where it is then.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -106,7 +106,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def starting(self, time: float) -> None:
-        """Take both poses as they are; the springs begin without force."""
+        """Make the present poses the equilibria, at which the springs have no force."""
         for arm, spring in self._springs.items():
             spring.begin(self.tunables.values[f"{arm}_nullspace_stiffness"])
         left, right = (self._springs[arm].pose() for arm in ARMS)
@@ -136,12 +136,12 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return `centering_frame`, in the form of a set-point."""
+        """Return the topic `centering_frame`, in the form of a set-point."""
         found = self._centering_frame
         return {} if found is None else {"centering_frame": found}
 
     def _center(self) -> list[float]:
-        """Return where the springs want the centering frame, as a set-point."""
+        """Return the equilibrium of the centering frame in the form of a set-point."""
         pose = self._springs["left"].equilibrium()
         left = np.eye(4)
         left[:3, :3], left[:3, 3] = matrix_of(np.array(pose[3:])), pose[:3]
@@ -173,7 +173,7 @@ def _rotation_error(
     R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
     desired: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return axis times angle of the rotation from the desired one."""
+    """Return the rotation vector from the desired rotation, shape (3,)."""
     missing = error_between(quaternion_of(R), desired)
     sine = float(np.linalg.norm(missing))
     if sine == 0.0:

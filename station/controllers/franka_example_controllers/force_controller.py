@@ -3,10 +3,10 @@
     tau_d = J^T (0, 0, -9.81 m, 0, 0, 0)
     tau = tau_d + k_p (tau_d - tau_ext) + k_i integral(tau_d - tau_ext)
 
-where tau_ext is the measured torque without gravity, less what it was at the start.
+where tau_ext is the measured torque without gravity, minus its value at the start.
 
 Source: franka_ros@c11f000 franka_example_controllers, src/force_example_controller.cpp;
-differs: mass and gains are gains of the controller, and every start begins without
+differs: the mass and the gains are run-time parameters, and every start begins without
 force.
 """
 
@@ -31,18 +31,18 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 
 FILTER = 0.001
-"""Share of the way to a new mass or gain that is gone per cycle."""
+"""Share of the distance to a new mass or gain that is covered per cycle."""
 GRAVITY = 9.81
-"""[m/s^2]."""
+"""Acceleration of gravity [m/s^2]."""
 _SCHEMA = {
-    "desired_mass": Tunable("kg", 0.0, 2.0, "whose weight is pressed with"),
+    "desired_mass": Tunable("kg", 0.0, 2.0, "mass whose weight is pressed with"),
     "k_p": Tunable("", 0.0, 2.0),
     "k_i": Tunable("1/s", 0.0, 2.0),
 }
 
 
 class ForceExampleController(MultiInterfaceController):
-    """Presses down; the end effector must be on something horizontal before.
+    """Presses down; the end effector must touch a horizontal surface at the start.
 
     Parameters: `arm_id`; `joint_names`, 7 names.
     """
@@ -65,7 +65,7 @@ class ForceExampleController(MultiInterfaceController):
 
     @override
     def starting(self, time: float) -> None:
-        """Take what is felt now for nothing, and begin without force."""
+        """Make the present external torques the zero, and start without force."""
         measured = self._state.get_robot_state().tau_J
         self._bias = np.subtract(measured, self._model.get_gravity())
         self._integral = np.zeros(7)

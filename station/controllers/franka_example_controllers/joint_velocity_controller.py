@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/joint_velocity_example_controller.cpp; differs: the start pose is checked at every
-start, not once when it is loaded.
+start, not once when the controller is loaded.
 """
 
 from math import cos, floor, pi
@@ -19,11 +19,11 @@ from station.core.parameters import Parameters
 PEAK = 0.1
 """Highest velocity [rad/s]."""
 HALF_PERIOD = 8.0
-"""After this the direction changes [s]."""
+"""Time after which the direction changes [s]."""
 
 
 class JointVelocityExampleController(Controller[VelocityJointInterface]):
-    """Moves all joints alike, to and fro.
+    """Moves all joints back and forth at the same velocity.
 
     Parameters: `joint_names`, 7 names.
     """
@@ -43,7 +43,7 @@ class JointVelocityExampleController(Controller[VelocityJointInterface]):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin at rest.
+        """Start at rest.
 
         Raises:
             ControllerStateError: The arm is not near the start pose.

@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/teleop_joint_pd_example_controller.cpp; differs: the phase is published
-besides, and a robot description without soft limits is refused.
+as well, and a robot description without soft limits is refused.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,9 +45,9 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 
 RATE_HZ = 60.0
-"""How often targets and contacts are published."""
+"""Rate at which targets and contacts are published [Hz]."""
 DECREASE = 0.95
-"""Share of the torques that is left after each cycle in which an arm has an error."""
+"""Factor of the torques in each cycle in which an arm has an error."""
 _CONTACT_INCREASE = 0.3
 _WALLS = [
     WallShape(0.12, 0.12, 2000.0, 30.0, 30.0),
@@ -70,15 +70,17 @@ class _Arm:
     contact: float = 0.0
 
     def command(self, tau: NDArray[np.float64], state: RobotState) -> None:
-        """Command torques, and what the joint walls add."""
+        """Command torques plus those of the joint walls."""
         self.tau = tau + wall_torques(self.walls, state.q, state.dq)
         self.joints.set_commands(self.tau.tolist())
 
 
 class TeleopJointPDExampleController(MultiInterfaceController):
-    """A leader that is guided by hand and a follower.
+    """Lets a follower arm track a leader arm that is guided by hand.
 
-    While they are aligned, the leader holds still and the follower comes to its pose.
+    After the start the leader holds still while the follower moves to the leader's
+    pose. Once the arms are aligned, the follower tracks the leader, and the leader
+    feels the external torques of the follower.
 
     Parameters, in `leader` and `follower` each: `arm_id`; `joint_names`, 7 names;
     `contact_force_threshold` [N]. In `leader`: `d_gains_lower`, `d_gains_upper`
@@ -108,7 +110,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin to align the follower.
+        """Start to align the follower.
 
         Raises:
             ControllerStateError: A joint is beyond its soft limits.
@@ -150,7 +152,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the original's topics of targets and contacts, and the `phase`."""
+        """Return the original's topics of targets and contacts, and `phase`."""
         return self._published
 
     def _set_bounds(self, gains: Mapping[str, float]) -> None:
@@ -224,6 +226,6 @@ def _find_walls(params: Parameters, names: Sequence[str]) -> list[JointWall]:
 
 
 def _contact(state: RobotState, threshold: float) -> float:
-    """Return how much an arm is in contact, 0 to 1."""
+    """Return the degree to which an arm is in contact, 0 to 1."""
     force = float(np.linalg.norm(state.K_F_ext_hat_K[:3]))
     return ramp(force, 0.0, 1.0, threshold, _CONTACT_INCREASE)
