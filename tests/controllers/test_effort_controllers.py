@@ -89,7 +89,7 @@ def test_a_set_point_beyond_the_limits_is_refused(robot):
         controller.set_points.check([0.6, 0.0, 0.0])
 
 
-def test_it_needs_a_robot_description(make_robot):
+def test_the_position_controller_needs_a_robot_description(make_robot):
     with pytest.raises(RobotDescriptionError, match="robot_description"):
         _start(make_robot(urdf=""))
 

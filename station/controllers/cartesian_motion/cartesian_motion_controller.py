@@ -47,7 +47,7 @@ from station.core.ports.set_point import SetPointPort
 DEFAULT_TIMEOUT = 0.2
 """Default of `command_timeout` [s]."""
 LONGEST_TIMEOUT = 1.0
-"""Longest validity of a set-point [s]; whoever commands must repeat set-points."""
+"""Longest validity of a set-point [s], so that set-points must be repeated."""
 # Time for which an obstacle is still published after it was found last [s]. An obstacle
 # may be found in every second cycle only; without this the message would flicker.
 _PUBLISHED_FOR = 0.1

@@ -1,4 +1,4 @@
-"""Guide one arm by hand; another one follows, and what it touches is felt.
+"""Let one arm follow another arm that is guided by hand, and feels its contacts.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/teleop_joint_pd_example_controller.cpp; differs: the phase is published

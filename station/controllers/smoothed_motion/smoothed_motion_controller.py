@@ -22,7 +22,7 @@ from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters
 
 LONGEST_TIMEOUT = 1.0
-"""Longest validity of a set-point [s]; whoever commands must repeat set-points."""
+"""Longest validity of a set-point [s], so that set-points must be repeated."""
 
 
 class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):

@@ -12,12 +12,12 @@ def port():
 
 
 @pytest.mark.parametrize("length", [1.0, 0.995, 1.005])
-def test_rounding_of_a_quaternion_is_taken(port, length):
+def test_a_rounded_quaternion_is_accepted(port, length):
     port.check([0.3, 0.0, 0.5, 0.6 * length, 0.0, -0.8 * length, 0.0])
 
 
 @pytest.mark.parametrize("length", [0.0, 0.98, 1.02])
-def test_another_length_is_refused_with_what_to_do(port, length):
+def test_a_quaternion_of_another_length_is_refused_with_a_remedy(port, length):
     with pytest.raises(InvalidCommandError, match="allowed is 1") as caught:
         port.check([0.3, 0.0, 0.5, 0.6 * length, 0.0, -0.8 * length, 0.0])
 

@@ -19,7 +19,7 @@ def make_target(**params):
     return target
 
 
-def test_pose_is_taken_once():
+def test_a_pose_is_returned_once():
     target = make_target()
     assert target.newest() is None
     target.port.check(POSE)
@@ -31,7 +31,7 @@ def test_pose_is_taken_once():
     assert target.newest() is None
 
 
-def test_pose_that_is_no_longer_valid_gives_way_to_rest():
+def test_rest_replaces_an_expired_pose():
     target = make_target(command_timeout=0.2)
     target.port.post(POSE)
     target.newest()
@@ -42,7 +42,7 @@ def test_pose_that_is_no_longer_valid_gives_way_to_rest():
     assert position.tolist() == REST[:3]
 
 
-def test_silence_can_end_the_controller():
+def test_the_timeout_of_a_pose_can_fail_the_controller():
     target = make_target(command_timeout=0.2, command_timeout_action="stop")
     target.port.post(POSE)
     target.newest()
@@ -53,6 +53,6 @@ def test_silence_can_end_the_controller():
 
 
 @pytest.mark.parametrize("rotation", [[0.0] * 4, [0.5, 0.0, 0.0, 0.0]])
-def test_quaternion_of_another_length_is_refused(rotation):
+def test_a_quaternion_whose_length_is_not_1_is_refused(rotation):
     with pytest.raises(InvalidCommandError, match="has the length"):
         make_target().port.check([*POSE[:3], *rotation])

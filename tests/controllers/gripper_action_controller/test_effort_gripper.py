@@ -16,14 +16,14 @@ def gripper(robot):
     return robot.start(EffortGripperActionController, joint="slide", **GAINS)
 
 
-def test_starting_commands_nothing(robot, gripper):
+def test_the_effort_gripper_commands_no_effort_after_the_start(robot, gripper):
     robot.position[0] = 0.0
     robot.step(gripper, 5)
 
     assert robot.efforts_commanded[0] == 0.0
 
 
-def test_it_moves_a_mass_to_its_goal(robot, gripper, submit):
+def test_the_effort_gripper_moves_a_mass_to_its_goal(robot, gripper, submit):
     goal = submit(gripper, 0.3, max_effort=20.0)
 
     robot.run_with_effort(gripper, 1_500)
@@ -43,7 +43,7 @@ def test_the_effort_stays_within_that_of_the_goal(robot, gripper, submit, limit)
     assert robot.efforts_commanded[0] == -limit
 
 
-def test_gains_change_by_name(robot, gripper, submit):
+def test_gains_of_the_effort_gripper_change_by_name(robot, gripper, submit):
     values = gripper.tunables.values | {"slide/p": 100.0}
     assert set(gripper.tunables.schema) == set(values)
     gripper.tunables.apply(gripper.tunables.checked(values))
@@ -53,6 +53,6 @@ def test_gains_change_by_name(robot, gripper, submit):
     assert robot.efforts_commanded[0] == pytest.approx(30.0)
 
 
-def test_gains_are_required(robot):
+def test_the_effort_gripper_requires_gains(robot):
     with pytest.raises(ParameterError, match="slide"):
         robot.load(EffortGripperActionController, joint="slide")

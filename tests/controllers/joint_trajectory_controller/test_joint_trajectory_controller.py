@@ -379,6 +379,6 @@ def test_impossible_parameters_are_refused(start, values):
         start(**values)
 
 
-def test_it_needs_a_robot_description(make_robot):
+def test_a_trajectory_controller_needs_a_robot_description(make_robot):
     with pytest.raises(RobotDescriptionError):
         make_robot(urdf="").load(PositionJointTrajectoryController, joints=JOINTS)

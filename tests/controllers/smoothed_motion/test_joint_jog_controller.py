@@ -21,7 +21,7 @@ def test_a_held_button_moves_at_its_velocity(jog, send):
 
 
 @pytest.mark.parametrize("silence", [True, False])
-def test_letting_go_or_falling_silent_ends_the_motion(jog, send, silence):
+def test_zero_or_missing_set_points_end_a_jog(jog, send, silence):
     hold(jog, send, [0.1, -0.5], 10)
     if not silence:
         send(jog.controller, [0.0, 0.0])

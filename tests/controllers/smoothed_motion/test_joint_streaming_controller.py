@@ -41,7 +41,7 @@ def test_a_stream_at_any_pace_is_followed_smoothly(stream, send, every):
             assert found <= limit * 1.01
 
 
-def test_silence_brakes_and_holds(stream, send):
+def test_a_stream_without_set_points_brakes_and_holds(stream, send):
     send(stream.controller, TARGET)
     stream.run(201)
     moving = stream.controller.generator.velocities
@@ -56,7 +56,7 @@ def test_silence_brakes_and_holds(stream, send):
     assert stream.controller.set_points.last == pytest.approx(held)
 
 
-def test_silence_counts_while_the_simulation_is_paused(stream, send):
+def test_the_timeout_of_a_stream_elapses_while_the_simulation_is_paused(stream, send):
     send(stream.controller, TARGET)
     stream.run(100)
     stream.clock.advance(5.0)
@@ -65,7 +65,7 @@ def test_silence_counts_while_the_simulation_is_paused(stream, send):
     assert stream.track[-1][0] < 0.2
 
 
-def test_a_stream_goes_on_after_silence(stream, send):
+def test_a_stream_continues_after_a_timeout(stream, send):
     send(stream.controller, TARGET)
     stream.run(1_000)
     for _ in range(20):
@@ -75,7 +75,7 @@ def test_a_stream_goes_on_after_silence(stream, send):
     assert stream.track[-1] == pytest.approx(TARGET, abs=1e-9)
 
 
-def test_silence_can_fail_the_controller(robot, send):
+def test_the_timeout_of_a_stream_can_fail_the_controller(robot, send):
     from station.controllers.smoothed_motion import (
         PositionJointStreamingController,
     )
@@ -91,7 +91,7 @@ def test_silence_can_fail_the_controller(robot, send):
         runner.run(300)
 
 
-def test_what_is_void_brakes(stream, send):
+def test_a_void_set_point_brakes_a_stream(stream, send):
     send(stream.controller, TARGET)
     stream.run(150)
     stream.controller.set_points.clear()

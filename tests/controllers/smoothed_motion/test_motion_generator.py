@@ -20,7 +20,7 @@ def run(generator, cycles, period=0.001):
         generator.advance(period)
 
 
-def test_it_rests_where_it_started(generator):
+def test_a_motion_without_target_rests_where_it_started(generator):
     run(generator, 100)
 
     assert generator.positions == [0.0, 0.5]

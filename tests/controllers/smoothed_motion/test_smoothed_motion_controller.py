@@ -46,13 +46,13 @@ def test_impossible_parameters_are_refused(robot, kind, values):
 
 
 @BOTH
-def test_it_needs_a_robot_description(make_robot, kind):
+def test_smoothed_motion_needs_a_robot_description(make_robot, kind):
     with pytest.raises(RobotDescriptionError):
         make_robot(JOINTS, "").load(kind, joints=JOINTS)
 
 
 @BOTH
-def test_the_sample_tells_the_smoothed_motion(robot, kind):
+def test_the_desired_positions_of_a_sample_are_the_smoothed_ones(robot, kind):
     controller = robot.start(kind, **LIMITS)
     robot.step(controller)
 
@@ -64,7 +64,7 @@ def test_the_sample_tells_the_smoothed_motion(robot, kind):
 @pytest.mark.parametrize(
     "kind", [PositionJointJogController, PositionJointStreamingController]
 )
-def test_it_claims_its_joints_for_position_commands(robot, kind):
+def test_smoothed_motion_claims_its_joints_for_position_commands(robot, kind):
     (claim,) = robot.load(kind, **LIMITS).claims
 
     assert claim.hardware_interface == "hardware_interface::PositionJointInterface"
