@@ -95,7 +95,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
 
     @override
     def starting(self, time: float) -> None:
-        self._end_goals(GoalStatus.PREEMPTED, "The controller was started anew.")
+        self._end_goals(GoalStatus.PREEMPTED, "The controller was restarted.")
         self._hold()
         self._last_movement = time
 
@@ -117,7 +117,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._port.waiting.popleft()
         goal = self._goal
         if goal is not None and goal.cancel_requested:
-            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "It was cancelled."))
+            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "The goal was cancelled."))
             self._goal = None
             self._hold()
         position = handle.get_position()
@@ -131,7 +131,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
 
     def _take_up(self, goal: Goal, target: GripperTarget, time: float) -> None:
         if self._goal is not None:
-            replaced = GoalResult(0, "Another goal replaced it.")
+            replaced = GoalResult(0, "Another goal replaced this goal.")
             self._goal.finish(GoalStatus.PREEMPTED, replaced)
         if not goal.is_final():
             goal.status = GoalStatus.ACTIVE

@@ -56,7 +56,7 @@ class GoalSupervision:
             now: Trajectory time [s].
             trajectory: The trajectory that is executed from now on.
         """
-        self.end(GoalStatus.PREEMPTED, "Another trajectory replaced it.")
+        self.end(GoalStatus.PREEMPTED, "Another trajectory replaced this goal.")
         self.goal = goal
         self._reached.clear()
         self._start = now

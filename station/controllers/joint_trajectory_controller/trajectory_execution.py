@@ -143,7 +143,7 @@ class TrajectoryExecution:
             velocities: Measured velocities [rad/s or m/s], shape (n,).
         """
         size = len(self._joints)
-        self.end_goals(GoalStatus.PREEMPTED, "The controller was started anew.")
+        self.end_goals(GoalStatus.PREEMPTED, "The controller was restarted.")
         self._moment = _Moment(time)
         self.positions = positions
         self.velocities = velocities
@@ -227,7 +227,7 @@ class TrajectoryExecution:
             self._requests.popleft()
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
-            self._supervision.end(GoalStatus.PREEMPTED, "It was cancelled.")
+            self._supervision.end(GoalStatus.PREEMPTED, "The goal was cancelled.")
             self._follow(self._resting(positions))
         active = self._sample(now, positions, velocities)
         if self._supervision.check(active, self._trajectory, self.errors, now):
