@@ -6,8 +6,7 @@ of the type is loaded.
 
 CONTROLLERS: dict[str, str] = {
     "effort_controllers/GripperActionController": (
-        "station.controllers.gripper_action_controller.effort_controllers"
-        ":GripperActionController"
+        "station.controllers.gripper_action_controller:EffortGripperActionController"
     ),
     "effort_controllers/JointEffortController": (
         "station.controllers.effort_controllers:JointEffortController"
@@ -19,15 +18,14 @@ CONTROLLERS: dict[str, str] = {
         "station.controllers.effort_controllers:JointGroupPositionController"
     ),
     "effort_controllers/JointJogController": (
-        "station.controllers.smoothed_motion.effort_controllers:JointJogController"
+        "station.controllers.smoothed_motion:EffortJointJogController"
     ),
     "effort_controllers/JointStreamingController": (
-        "station.controllers.smoothed_motion.effort_controllers"
-        ":JointStreamingController"
+        "station.controllers.smoothed_motion:EffortJointStreamingController"
     ),
     "effort_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller.effort_controllers"
-        ":JointTrajectoryController"
+        "station.controllers.joint_trajectory_controller"
+        ":EffortJointTrajectoryController"
     ),
     "effort_controllers/JointPositionController": (
         "station.controllers.effort_controllers:JointPositionController"
@@ -87,30 +85,28 @@ CONTROLLERS: dict[str, str] = {
         "station.controllers.joint_state_controller:JointStateController"
     ),
     "pos_vel_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller.pos_vel_controllers"
-        ":JointTrajectoryController"
+        "station.controllers.joint_trajectory_controller"
+        ":PosVelJointTrajectoryController"
     ),
     "pos_vel_acc_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller.pos_vel_acc_controllers"
-        ":JointTrajectoryController"
+        "station.controllers.joint_trajectory_controller"
+        ":PosVelAccJointTrajectoryController"
     ),
     "position_controllers/GripperActionController": (
-        "station.controllers.gripper_action_controller.position_controllers"
-        ":GripperActionController"
+        "station.controllers.gripper_action_controller:PositionGripperActionController"
     ),
     "position_controllers/JointGroupPositionController": (
         "station.controllers.position_controllers:JointGroupPositionController"
     ),
     "position_controllers/JointJogController": (
-        "station.controllers.smoothed_motion.position_controllers:JointJogController"
+        "station.controllers.smoothed_motion:PositionJointJogController"
     ),
     "position_controllers/JointStreamingController": (
-        "station.controllers.smoothed_motion.position_controllers"
-        ":JointStreamingController"
+        "station.controllers.smoothed_motion:PositionJointStreamingController"
     ),
     "position_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller.position_controllers"
-        ":JointTrajectoryController"
+        "station.controllers.joint_trajectory_controller"
+        ":PositionJointTrajectoryController"
     ),
     "position_controllers/JointPositionController": (
         "station.controllers.position_controllers:JointPositionController"
@@ -119,8 +115,8 @@ CONTROLLERS: dict[str, str] = {
         "station.controllers.velocity_controllers:JointGroupVelocityController"
     ),
     "velocity_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller.velocity_controllers"
-        ":JointTrajectoryController"
+        "station.controllers.joint_trajectory_controller"
+        ":VelocityJointTrajectoryController"
     ),
     "velocity_controllers/JointPositionController": (
         "station.controllers.velocity_controllers:JointPositionController"

@@ -37,16 +37,16 @@ class WrenchStamped(NamedTuple):
 class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
     """Publishes all force-torque sensors; commands nothing.
 
-    Parameters: `publish_rate` [Hz], required, nothing is published when it is not
-    positive.
+    Parameters: `publish_rate` [Hz], required; nothing is published when the rate is
+    not positive.
 
     Attributes:
-        wrenches: What was published last by sensor name, a new object each time; empty
-            before the first time. Read it from any thread.
+        wrenches: The last publication by sensor name, a new object each time; empty
+            before the first. Any thread may read it.
 
     Source:
-        ForceTorqueSensorController; differs: publications that were missed are not
-        caught up in a burst, and a restart keeps the rhythm.
+        ForceTorqueSensorController; differs: missed publications are not made
+        up for in a burst, and a restart keeps the times of publication.
     """
 
     hardware_interface: ClassVar[type] = ForceTorqueSensorInterface
@@ -68,7 +68,7 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
 
     @override
     def update(self, time: float, period: float) -> None:
-        """Publish when it is due."""
+        """Publish when a publication is due."""
         if self._timer.is_due(time):
             self.wrenches = {
                 sensor.name: WrenchStamped(

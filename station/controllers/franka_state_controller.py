@@ -1,7 +1,7 @@
 """Publish the whole state of an arm at a fixed rate.
 
-Source: franka_ros@c11f000 franka_control/src/franka_state_controller.cpp; differs: what
-is published is kept as one object for any thread, instead of being sent to topics.
+Source: franka_ros@c11f000 franka_control/src/franka_state_controller.cpp; differs: the
+last publication is kept as one object for any thread, instead of being sent to topics.
 """
 
 from collections.abc import Mapping
@@ -10,32 +10,32 @@ from typing import ClassVar
 
 from typing_extensions import override
 
+from station.controllers.franka_arm import read_arm_id, read_arm_joints
 from station.core.control.controller import Controller
 from station.core.control.joint_states import JointStates
 from station.core.control.publish_timer import PublishTimer
-from station.core.errors import ParameterError
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names
 from station.core.parameters import Parameters
 
 RATE_HZ = 30.0
 """Default of `publish_rate`."""
-_DOF = 7
 _ERRORS = ("current_errors", "last_motion_errors")
 
 
 @dataclass(frozen=True, slots=True)
 class FrankaStates:
-    """What one publication holds.
+    """The content of one publication.
 
     Attributes:
-        sequence: Number of the publication, from 0.
+        sequence: Number of the publication, starting at 0.
         stamp: Station time [s].
-        state: The whole state, a copy.
+        state: A copy of the whole state.
         joint_states: Measured positions, velocities and torques.
-        joint_states_desired: The desired ones.
+        joint_states_desired: Desired positions, velocities and torques.
         F_ext: Wrench in the stiffness frame `<arm_id>_K` [N, Nm], shape (6,).
-        transforms: (parent, child, pose of the child) of the flange's frames.
+        transforms: Parent, child and pose of the child in the parent, for the frames
+            at the flange.
     """
 
     sequence: int
@@ -53,21 +53,15 @@ class FrankaStateController(Controller[FrankaStateInterface]):
     Parameters: `arm_id`; `joint_names`, 7 names; `publish_rate` [Hz], 30 by default.
 
     Attributes:
-        franka_states: What was published last, a new object each time; None before.
+        franka_states: The last publication, a new object each time; None before that.
     """
 
     hardware_interface: ClassVar[type] = FrankaStateInterface
 
     @override
     def init(self, interface: FrankaStateInterface, params: Parameters) -> None:
-        self._arm_id = params.get_str("arm_id")
-        self.joint_names = params.get_str_list("joint_names")
-        if len(set(self.joint_names)) != _DOF:
-            raise ParameterError(
-                f"Parameter '{params.resolve('joint_names')}' is {self.joint_names}; "
-                f"it must name {_DOF} joints.",
-                remedy="Name the joints from base to flange.",
-            )
+        self._arm_id = read_arm_id(params)
+        self.joint_names = read_arm_joints(params)
         self._timer = PublishTimer(params.get_float("publish_rate", RATE_HZ))
         self._handle: FrankaStateHandle = interface.get_handle(f"{self._arm_id}_robot")
         self.franka_states: FrankaStates | None = None
@@ -79,7 +73,7 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
     @override
     def update(self, time: float, period: float) -> None:
-        """Publish when it is due."""
+        """Publish when a publication is due."""
         if not self._timer.is_due(time):
             return
         state = self._handle.get_robot_state().copy()
@@ -103,7 +97,7 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the original's topics: whole state, joints, wrench, transforms."""
+        """Return the original's topics: state, joints, wrench and transforms."""
         found = self.franka_states
         if found is None:
             return {}
@@ -131,7 +125,7 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
 
 def _as_message(state: RobotState) -> dict[str, object]:
-    """Return a state's fields; the mode and the errors by their names."""
+    """Return the fields of a state; mode and errors are given by name."""
     message: dict[str, object] = {
         one.name: getattr(state, one.name) for one in fields(state)
     }

@@ -20,17 +20,17 @@ _UNKNOWN = [-1.0] + [0.0] * 8
 class Imu(NamedTuple):
     """One measurement of an inertial measurement unit.
 
-    What the unit does not measure is zero and has -1 as first element of its
-    covariance; a covariance that is not known is zero.
+    A quantity that the unit does not measure is zero, and the first element of its
+    covariance is -1. A covariance that is not known is zero.
 
     Attributes:
         stamp: Station time of the cycle [s].
         frame_id: Frame of the sensor.
         orientation: Quaternion x, y, z, w as in the message, shape (4,).
         orientation_covariance: Row-major [rad^2], shape (9,).
-        angular_velocity: [rad/s], shape (3,).
+        angular_velocity: Angular velocity [rad/s], shape (3,).
         angular_velocity_covariance: Row-major [rad^2/s^2], shape (9,).
-        linear_acceleration: [m/s^2], shape (3,).
+        linear_acceleration: Linear acceleration [m/s^2], shape (3,).
         linear_acceleration_covariance: Row-major [m^2/s^4], shape (9,).
     """
 
@@ -47,16 +47,16 @@ class Imu(NamedTuple):
 class ImuSensorController(Controller[ImuSensorInterface]):
     """Publishes all inertial measurement units; commands nothing.
 
-    Parameters: `publish_rate` [Hz], required, nothing is published when it is not
-    positive.
+    Parameters: `publish_rate` [Hz], required; nothing is published when the rate is
+    not positive.
 
     Attributes:
-        readings: What was published last by sensor name, a new object each time; empty
-            before the first time. Read it from any thread.
+        readings: The last publication by sensor name, a new object each time; empty
+            before the first. Any thread may read it.
 
     Source:
-        ImuSensorController; differs: publications that were missed are not caught up
-        in a burst, and a restart keeps the rhythm.
+        ImuSensorController; differs: missed publications are not made up for in a
+        burst, and a restart keeps the times of publication.
     """
 
     hardware_interface: ClassVar[type] = ImuSensorInterface
@@ -78,7 +78,7 @@ class ImuSensorController(Controller[ImuSensorInterface]):
 
     @override
     def update(self, time: float, period: float) -> None:
-        """Publish when it is due."""
+        """Publish when a publication is due."""
         if self._timer.is_due(time):
             self.readings = {
                 sensor.name: _reading(sensor, time) for sensor in self._sensors
@@ -116,7 +116,7 @@ def _reading(sensor: ImuSensorHandle, time: float) -> Imu:
 def _measured(
     values: list[float] | None, covariance: list[float] | None, size: int
 ) -> tuple[list[float], list[float]]:
-    """Return values and covariance with the message's marks for what is unknown."""
+    """Return values and covariance, marked as the message requires when unknown."""
     if covariance is None:
         covariance = list(_UNKNOWN) if values is None else [0.0] * 9
     return [0.0] * size if values is None else values, covariance

@@ -22,18 +22,18 @@ _logger = logging.getLogger(__name__)
 class JointStateController(Controller[JointStateInterface]):
     """Publishes joint states; commands nothing.
 
-    Parameters: `publish_rate` [Hz], required, nothing is published when it is not
-    positive; `joints`, the joints and their order, all of the robot by default;
+    Parameters: `publish_rate` [Hz], required; nothing is published when the rate is
+    not positive; `joints`, the joints and their order, all joints by default;
     `extra_joints`, a list of `{name, position, velocity, effort}` with constant
-    values for joints the robot does not report.
+    values for joints that the robot does not report.
 
     Attributes:
-        joint_states: What was published last, a new object each time; None before
-            the first time. Read it from any thread.
+        joint_states: The last publication, a new object each time; None before the
+            first. Any thread may read it.
 
     Source:
         JointStateController; differs: whole numbers are valid values of extra joints,
-        and publications that were missed are not caught up in a burst.
+        and missed publications are not made up for in a burst.
     """
 
     hardware_interface: ClassVar[type] = JointStateInterface
@@ -59,12 +59,12 @@ class JointStateController(Controller[JointStateInterface]):
 
     @override
     def starting(self, time: float) -> None:
-        """Let the first cycle publish; a restart keeps the rhythm."""
+        """Publish in the first cycle; a restart keeps the times of publication."""
         self._timer.start(time, at_once=True)
 
     @override
     def update(self, time: float, period: float) -> None:
-        """Publish when it is due."""
+        """Publish when a publication is due."""
         if self._timer.is_due(time):
             self.joint_states = JointStates(
                 stamp=time,
@@ -85,19 +85,24 @@ def _read_extra_joints(
 ) -> dict[str, dict[str, float]]:
     """Return position, velocity and effort of the extra joints by name.
 
-    An entry that cannot be used is left out with a warning, as in the original:
-    robots' configurations rely on it.
+    An entry that cannot be used is ignored with a warning, as in the original, because
+    configurations of existing robots contain such entries.
     """
     extra: dict[str, dict[str, float]] = {}
     entries = params.get("extra_joints", [])
     if not isinstance(entries, list):
-        _logger.warning("'%s' is no list; ignored", params.resolve("extra_joints"))
+        _logger.warning(
+            "Parameter '%s' is not a list and is ignored.",
+            params.resolve("extra_joints"),
+        )
         return extra
     for entry in entries:
         values = dict(entry) if isinstance(entry, dict) else {}
         name = values.pop("name", None)
         if not isinstance(name, str) or name in known or name in extra:
-            _logger.warning("extra joint %r has no new name; ignored", entry)
+            _logger.warning(
+                "The extra joint %r has no name of its own and is ignored.", entry
+            )
             continue
         view = Parameters()
         view.set("", values)
@@ -107,5 +112,5 @@ def _read_extra_joints(
                 for key in ("position", "velocity", "effort")
             }
         except ParameterError as error:
-            _logger.warning("extra joint '%s' ignored: %s", name, error)
+            _logger.warning("The extra joint '%s' is ignored: %s", name, error)
     return extra

@@ -22,7 +22,7 @@ from station.core.control.controller_status import (
     ControllerStatus,
 )
 from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import (
     ControllerLoadError,
     HardwareInterfaceError,
@@ -189,6 +189,7 @@ __all__ = [
     "Transmission",
     "TransmissionInterfaceLoader",
     "Tunable",
+    "Tunables",
     "VelocityActuatorInterface",
     "VelocityJointInterface",
     "VelocityJointSoftLimitsHandle",

@@ -4,7 +4,7 @@ from station.core.clock import ManualClock
 from station.core.control.controller import Controller, ControllerSample
 from station.core.control.controller_loader import TableLoader
 from station.core.control.controller_manager import ControllerManager
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.facade.station import Station
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -26,7 +26,9 @@ class Spring(Controller[EffortJointInterface]):
     def init(self, interface, params):
         """Claim the joint."""
         self.joint = interface.get_handle(params.get_str("joint"))
-        self.k = params.get_float("k", 1.0)
+        self.tunables = Tunables(
+            {"k": Tunable("Nm/rad", 0.0, 10.0)}, {"k": params.get_float("k", 1.0)}
+        )
         self.target = 0.0
         self.joint_names = ["j"]
         self.set_points = SetPointPort([SetPointElement("j", "rad", -1.0, 1.0)])
@@ -41,23 +43,11 @@ class Spring(Controller[EffortJointInterface]):
         if command is not None:
             self.target = command[0]
         position = self.joint.get_position()
-        effort = self.k * (self.target - position)
+        effort = self.tunables.values["k"] * (self.target - position)
         self.joint.set_command(effort)
         self.sample = ControllerSample(
             time, [self.target], [position], [self.target - position], [effort]
         )
-
-    def gain_schema(self):
-        """Return the stiffness."""
-        return {"k": Tunable("Nm/rad", 0.0, 10.0)}
-
-    def gains(self):
-        """Return the stiffness."""
-        return {"k": self.k}
-
-    def apply_gains(self, values):
-        """Take the stiffness over."""
-        self.k = values["k"]
 
 
 class OneJointHW(RobotHW):

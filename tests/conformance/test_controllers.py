@@ -104,15 +104,14 @@ def test_it_survives_a_cycle_of_another_length(bench, period):
 
 
 def test_its_gains_fit_their_schema_and_can_be_set_again(bench):
-    controller = bench.manager.get_controller("it")
-    gains, schema = controller.gains(), controller.gain_schema()
+    tunables = bench.manager.get_controller("it").tunables
+    gains, schema = tunables.values, tunables.schema
 
     assert set(gains) == set(schema)
     for name, value in gains.items():
         assert schema[name].minimum <= value <= schema[name].maximum
-    controller.check_gains(gains)
-    controller.apply_gains(gains)
-    assert controller.gains() == gains
+    tunables.apply(tunables.checked(gains))
+    assert tunables.values == gains
 
 
 def test_its_set_point_has_names_units_and_ranges(bench):

@@ -27,7 +27,7 @@ def sensing_robot(robot, force):
     return robot
 
 
-def test_it_publishes_every_sensor_at_the_rate(sensing_robot):
+def test_every_force_torque_sensor_is_published_at_the_rate(sensing_robot):
     controller = sensing_robot.start(ForceTorqueSensorController, publish_rate=50)
     published = set()
     for _ in range(1000):
@@ -50,7 +50,7 @@ def test_a_published_object_never_changes(sensing_robot, force):
     assert controller.wrenches["wrist"].force == [9.0, 2.0, 3.0]
 
 
-def test_it_needs_a_publish_rate_and_claims_nothing(sensing_robot):
+def test_force_torque_sensors_need_a_publish_rate_and_claim_nothing(sensing_robot):
     with pytest.raises(ParameterError, match="'arm/publish_rate' is missing"):
         sensing_robot.load(ForceTorqueSensorController)
     controller = sensing_robot.load(ForceTorqueSensorController, publish_rate=50)

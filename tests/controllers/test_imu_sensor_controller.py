@@ -16,7 +16,7 @@ def _start(robot, **readings):
     return robot.start(ImuSensorController, publish_rate=100)
 
 
-def test_it_publishes_what_is_measured(robot):
+def test_measurements_of_an_imu_are_published(robot):
     controller = _start(
         robot,
         orientation=[0.0, 0.0, 0.0, 1.0],
@@ -46,7 +46,7 @@ def test_what_is_not_measured_is_marked(robot):
     assert reading.linear_acceleration_covariance == unknown
 
 
-def test_it_publishes_at_the_rate(robot):
+def test_imus_are_published_at_the_rate(robot):
     controller = _start(robot)
     stamps = set()
     for _ in range(1000):
@@ -55,7 +55,7 @@ def test_it_publishes_at_the_rate(robot):
     assert 98 <= len(stamps) <= 100
 
 
-def test_it_needs_a_publish_rate(robot):
+def test_imus_need_a_publish_rate(robot):
     robot.register_interface(ImuSensorInterface())
     with pytest.raises(ParameterError, match="'arm/publish_rate' is missing"):
         robot.load(ImuSensorController)

@@ -2,7 +2,7 @@
 
 The seven of ros_controllers@678b92a joint_state_controller_test.cpp are here as:
 initOk, valuesOk: `test_the_originals_file_publishes_what_the_robot_reports`;
-initKo: `test_it_needs_a_publish_rate`;
+initKo: `test_joint_states_need_a_publish_rate`;
 publishOk: `test_the_originals_file_publishes_ten_times_a_second`;
 publishKo: `test_the_originals_file_with_no_rate_publishes_nothing`;
 extraJointsOk: `test_the_originals_extra_joints_have_constant_values`;
@@ -84,19 +84,19 @@ def _published(robot, controller, duration, period):
     return stamps
 
 
-def test_it_needs_a_publish_rate(robot):
+def test_joint_states_need_a_publish_rate(robot):
     with pytest.raises(ParameterError, match="'arm/publish_rate' is missing"):
         robot.load(JointStateController)
 
 
-def test_it_claims_nothing(robot):
+def test_the_joint_state_controller_claims_nothing(robot):
     controller = robot.load(JointStateController, publish_rate=50)
     (claimed,) = controller.claims
     assert claimed.hardware_interface == "hardware_interface::JointStateInterface"
     assert claimed.resources == ()
 
 
-def test_it_publishes_in_the_first_cycle_and_then_at_the_rate(robot):
+def test_joint_states_are_published_in_the_first_cycle_and_then_at_the_rate(robot):
     controller = robot.start(JointStateController, publish_rate=50)
     stamps = _published(robot, controller, duration=1.0, period=0.001)
     assert stamps[0] == pytest.approx(100.001)
@@ -116,7 +116,7 @@ def test_missed_publications_are_not_caught_up(robot):
     assert len(_published(robot, controller, duration=0.1, period=0.001)) <= 6
 
 
-def test_it_publishes_what_the_robot_reports(robot):
+def test_joint_states_are_those_that_the_robot_reports(robot):
     controller = robot.start(JointStateController, publish_rate=50)
     robot.position[:] = [0.1, 0.2, 0.3]
     robot.velocity[:] = [1.0, 2.0, 3.0]

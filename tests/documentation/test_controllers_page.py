@@ -199,7 +199,7 @@ def test_run_time_parameters_and_their_ranges_are_told(reading):
     }
     schema = {
         re.sub("|".join(JOINTS), "<joint>", name): tunable
-        for name, tunable in reading.controller.gain_schema().items()
+        for name, tunable in reading.controller.tunables.schema.items()
     }
 
     assert {

@@ -1,7 +1,7 @@
-"""Cartesian motion that is smoothed within limits of velocity, acceleration and jerk.
+"""Cartesian motion that is smooth within limits of velocity, acceleration and jerk.
 
-`CartesianStreamingController` follows poses that arrive 10 to 100 times a second,
-`CartesianJogController` moves an end effector while somebody holds a button.
+`CartesianStreamingController` follows poses that arrive 10 to 100 times a second;
+`CartesianJogController` moves an end effector while a button is held.
 """
 
 from station.controllers.cartesian_motion.cartesian_jog_controller import (

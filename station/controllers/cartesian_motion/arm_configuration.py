@@ -1,7 +1,7 @@
-"""What joint positions make of the end effector, and its motion of the joints.
+"""Inverse kinematics of an arm with seven joints around one configuration.
 
-The six coordinates of the end effector and the position of joint 3, which stays, make
-the motion of the seven joints unique.
+Six coordinates of the end effector do not determine the motion of seven joints. The
+arm therefore keeps the position of joint 3, which makes the motion unique.
 """
 
 from collections.abc import Sequence
@@ -9,26 +9,28 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-# Full accuracy, and no failure at a singular pose.
+# Small enough for full accuracy; keeps the matrix invertible at a singular pose.
 _DAMPING = 1e-9
 _DOF = 7
 ELBOW = 2
-"""Index of the joint that stays."""
-# Of the products dq_i dq_j in the acceleration of the end effector: its translation
-# counts those of different joints twice, its rotation has none of one joint.
+"""Index of joint 3, whose position is kept."""
+# Weights of the products dq_i dq_j, i <= j, in the acceleration of the end effector.
+# In the translation, products of different joints occur twice; in the rotation,
+# products of a joint with itself do not occur.
 _OF_TRANSLATION = np.triu(np.full((_DOF, _DOF), 2.0)) - np.eye(_DOF)
 _OF_ROTATION = np.triu(np.ones((_DOF, _DOF)), 1)
 
 
 class ArmConfiguration:
-    """One configuration of an arm with seven joints, and what holds around it.
+    """The linearised kinematics at one configuration of an arm with seven joints.
 
     Args:
         q: Joint positions [rad], shape (7,).
-        jacobian: Of the end effector in the axes of the base, 42 numbers, column-major.
+        jacobian: Jacobian of the end effector in the axes of the base, 42 numbers,
+            column-major.
 
     Attributes:
-        q: As given.
+        q: Joint positions [rad], shape (7,).
     """
 
     def __init__(self, q: list[float], jacobian: Sequence[float]) -> None:
@@ -44,15 +46,20 @@ class ArmConfiguration:
         self._drift = self._of_twist @ _drift_of(matrix)  # (7, 49)
 
     def dexterity(self) -> float:
-        """Return the least singular value of the map from joints to end effector."""
+        """Return the smallest singular value of the extended Jacobian.
+
+        The extended Jacobian maps joint velocities to the twist of the end effector and
+        the velocity of joint 3. The value is 0 at a singular pose.
+        """
         return float(np.linalg.svd(self._matrix, compute_uv=False)[-1])
 
     def joint_step(self, step: Sequence[float], elbow: float) -> list[float]:
-        """Return the small motion of the joints that makes one of the end effector.
+        """Return the joint motion that displaces the end effector by a small step.
 
         Args:
-            step: Shift [m], then turn [rad], in the axes of the base, shape (6,).
-            elbow: Where joint 3 shall be [rad].
+            step: Translation [m], then rotation vector [rad], in the axes of the base,
+                shape (6,).
+            elbow: Desired position of joint 3 [rad].
 
         Returns:
             Changes of the joint positions [rad], shape (7,).
@@ -64,16 +71,18 @@ class ArmConfiguration:
     def joint_motion(
         self, twist: Sequence[float], accelerations: Sequence[Sequence[float]]
     ) -> NDArray[np.float64]:
-        """Return the motion of the joints that belongs to one of the end effector.
+        """Return velocities and accelerations of the joints for end effector motions.
 
         Args:
-            twist: Of the end effector [m/s, rad/s], axes of the base, shape (6,).
-            accelerations: Of the end effector [m/s^2, rad/s^2], same axes, shape
-                (n, 6).
+            twist: Twist of the end effector [m/s, rad/s] in the axes of the base, shape
+                (6,).
+            accelerations: Accelerations of the end effector [m/s^2, rad/s^2] in the
+                same axes, shape (n, 6).
 
         Returns:
-            Velocities [rad/s], then for each of the accelerations those of the joints
-            [rad/s^2], then those without any; shape (n + 2, 7).
+            Joint velocities [rad/s]; then the joint accelerations [rad/s^2] for each of
+            the given accelerations; then the joint accelerations for an end effector
+            without acceleration. Shape (n + 2, 7).
         """
         count = len(accelerations)
         result = np.zeros((count + 2, _DOF))
@@ -85,7 +94,7 @@ class ArmConfiguration:
 
 
 def _drift_of(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what the products of joint velocities accelerate, shape (6, 49)."""
+    """Return the acceleration per product of joint velocities, shape (6, 49)."""
     result = np.empty((6, _DOF, _DOF))
     (a, b, c), z = matrix[3:6, :, None], matrix[3:6]
     for rows, (x, y, w), weight in (

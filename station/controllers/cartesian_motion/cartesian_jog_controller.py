@@ -1,4 +1,4 @@
-"""Move an end effector while somebody holds a button."""
+"""Move an end effector at a twist for as long as the set-point is repeated."""
 
 from collections.abc import Mapping
 
@@ -11,7 +11,7 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
 )
 from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
 from station.core.control.controller import ControllerSample
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import InvalidGainError, ParameterError
 from station.core.franka import Frame
 from station.core.franka.franka_robot_state import RobotState
@@ -21,19 +21,19 @@ from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
 
 FRAMES = ("O", "EE")
-"""In whose axes a twist may be: the base's, or the end effector's."""
+"""Axes in which a twist may be given: of the base O, or of the end effector EE."""
 _FRAME = "frame"
 
 
 class CartesianJogController(CartesianMotionController):
-    """Moves at the twist of the set-point, for as long as it is repeated.
+    """Moves the end effector at the twist of the set-point, while a button is held.
 
     A set-point is the velocity of the end effector's origin [m/s] and the angular
-    velocity [rad/s]. Every set-point is a heartbeat: when the next one stays out for
-    `command_timeout`, or is zero, the end effector comes to rest.
+    velocity [rad/s]. Every set-point is a heartbeat: when no set-point arrives within
+    `command_timeout`, or the set-point is zero, the end effector comes to rest.
 
-    Parameters, besides those of the base: `frame`, `O` or `EE`, whose axes set-points
-    are in; at run time 0 or 1.
+    Parameters: those of the base class, and `frame`, `O` or `EE`, the axes in which
+    set-points are given. The run-time parameter `frame` is 0 for `O` and 1 for `EE`.
     """
 
     @override
@@ -44,10 +44,17 @@ class CartesianJogController(CartesianMotionController):
             raise ParameterError(
                 f"Parameter '{params.resolve(_FRAME)}' is '{name}'; it must be O, the "
                 "base, or EE, the end effector.",
-                remedy="Choose one of them.",
+                remedy="Choose O or EE.",
                 details={"parameter": params.resolve(_FRAME)},
             )
         self._frame = FRAMES.index(name)
+        text = "axes of the twist: 0 of the base, 1 of the end effector"
+        self.tunables = Tunables(
+            {_FRAME: Tunable("", 0.0, 1.0, text)},
+            {_FRAME: float(self._frame)},
+            check=_check_frame,
+            apply=self._set_frame,
+        )
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -84,23 +91,13 @@ class CartesianJogController(CartesianMotionController):
         errors = [d - a for d, a in zip(desired, actual, strict=True)]
         return ControllerSample(time, desired, actual, errors, desired)
 
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        text = "axes of the twist: 0 of the base, 1 of the end effector"
-        return {_FRAME: Tunable("", 0.0, 1.0, text)}
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return {_FRAME: float(self._frame)}
-
-    @override
-    def check_gains(self, values: Mapping[str, float]) -> None:
-        if values[_FRAME] not in {0.0, 1.0}:
-            raise InvalidGainError(
-                f"Gain '{_FRAME}' is {values[_FRAME]}; it must be 0 or 1.",
-                remedy="0: axes of the base; 1: axes of the end effector.",
-            )
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
+    def _set_frame(self, values: Mapping[str, float]) -> None:
         self._frame = int(values[_FRAME])
+
+
+def _check_frame(values: Mapping[str, float]) -> None:
+    if values[_FRAME] not in {0.0, 1.0}:
+        raise InvalidGainError(
+            f"Gain '{_FRAME}' is {values[_FRAME]}; it must be 0 or 1.",
+            remedy="Send 0 for the axes of the base, 1 for the end effector's.",
+        )

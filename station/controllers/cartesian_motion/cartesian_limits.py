@@ -1,24 +1,24 @@
-"""Limits of smoothed Cartesian motion: the parameters and what they may be."""
+"""Limits of smoothed Cartesian motion: parameters, defaults and bounds."""
 
 from dataclasses import dataclass
 from math import sqrt
 
-from station.controllers.smoothed_motion.motion_limits import MotionLimits
+from station.controllers.smoothed_motion.axis_limits import AxisLimits
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters
 
 SHARE_OF_AN_AXIS = 1.0 / sqrt(3.0)
-"""With this share of a limit along each of three axes, no vector is beyond it."""
+"""Share of a limit for each of three axes, so that no vector exceeds the limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class VectorLimits:
-    """Bounds of the length of a vector, translation [m] or rotation [rad].
+    """Bounds of the length of a vector, a translation or a rotation.
 
     Attributes:
-        velocity: Per second, > 0.
-        acceleration: Per second squared, > 0.
-        jerk: Per second cubed, > 0.
+        velocity: Largest velocity, > 0 [m/s or rad/s].
+        acceleration: Largest acceleration, > 0 [m/s^2 or rad/s^2].
+        jerk: Largest jerk, > 0 [m/s^3 or rad/s^3].
     """
 
     velocity: float
@@ -27,35 +27,35 @@ class VectorLimits:
 
 
 TRANSLATION = VectorLimits(0.3, 1.0, 10.0)
-"""Defaults of the end effector's translation."""
+"""Default limits of the end effector's translation."""
 ROTATION = VectorLimits(1.0, 2.5, 25.0)
-"""Defaults of its rotation."""
+"""Default limits of the end effector's rotation."""
 LARGEST_TRANSLATION = VectorLimits(1.7, 9.0, 4500.0)
-"""What both kinds of Franka arms allow.
+"""Largest limits of the translation that both kinds of Franka arms allow.
 
 Source: Franka Control Interface documentation, Robot and interface specifications.
 """
 LARGEST_ROTATION = VectorLimits(2.5, 17.0, 8500.0)
-"""The same for the rotation."""
+"""Largest limits of the rotation that both kinds of Franka arms allow."""
 
 
 @dataclass(frozen=True, slots=True)
 class CartesianLimits:
-    """Bounds of a motion of the end effector.
+    """Limits of a motion of the end effector.
 
     Attributes:
-        translation: Of its origin.
-        rotation: Of its orientation.
+        translation: Limits of the motion of its origin.
+        rotation: Limits of the change of its orientation.
     """
 
     translation: VectorLimits
     rotation: VectorLimits
 
-    def of_axes(self) -> MotionLimits:
-        """Return bounds along x y z and about x y z that keep within all of these."""
+    def of_axes(self) -> AxisLimits:
+        """Return limits along and about each axis that keep vectors within these."""
         three = [SHARE_OF_AN_AXIS] * 3
         both = (self.translation, self.rotation)
-        return MotionLimits(
+        return AxisLimits(
             velocity=tuple(each.velocity * s for each in both for s in three),
             acceleration=tuple(each.acceleration * s for each in both for s in three),
             jerk=tuple(each.jerk * s for each in both for s in three),
@@ -63,47 +63,31 @@ class CartesianLimits:
 
 
 def read_cartesian_limits(params: Parameters) -> CartesianLimits:
-    """Read `max_translational_velocity` and its like.
+    """Read the limits `max_translational_…` and `max_rotational_…`.
 
     Args:
         params: The controller's namespace.
 
     Raises:
-        ParameterError: A value is not above 0, or beyond what the arms allow.
+        ParameterError: A value is not above 0, or is larger than the arms allow.
     """
-    translation = VectorLimits(
-        _read(
-            params,
-            "max_translational_velocity",
-            TRANSLATION.velocity,
-            LARGEST_TRANSLATION.velocity,
-        ),
-        _read(
-            params,
-            "max_translational_acceleration",
-            TRANSLATION.acceleration,
-            LARGEST_TRANSLATION.acceleration,
-        ),
-        _read(
-            params, "max_translational_jerk", TRANSLATION.jerk, LARGEST_TRANSLATION.jerk
-        ),
+    return CartesianLimits(
+        _read_vector(params, "translational", TRANSLATION, LARGEST_TRANSLATION),
+        _read_vector(params, "rotational", ROTATION, LARGEST_ROTATION),
     )
-    rotation = VectorLimits(
-        _read(
-            params,
-            "max_rotational_velocity",
-            ROTATION.velocity,
-            LARGEST_ROTATION.velocity,
-        ),
-        _read(
-            params,
-            "max_rotational_acceleration",
-            ROTATION.acceleration,
-            LARGEST_ROTATION.acceleration,
-        ),
-        _read(params, "max_rotational_jerk", ROTATION.jerk, LARGEST_ROTATION.jerk),
+
+
+def _read_vector(
+    params: Parameters, kind: str, default: VectorLimits, largest: VectorLimits
+) -> VectorLimits:
+    def read(key: str, usual: float, bound: float) -> float:
+        return _read(params, f"max_{kind}_{key}", usual, bound)
+
+    return VectorLimits(
+        read("velocity", default.velocity, largest.velocity),
+        read("acceleration", default.acceleration, largest.acceleration),
+        read("jerk", default.jerk, largest.jerk),
     )
-    return CartesianLimits(translation, rotation)
 
 
 def _read(params: Parameters, key: str, default: float, largest: float) -> float:
@@ -112,7 +96,7 @@ def _read(params: Parameters, key: str, default: float, largest: float) -> float
         raise ParameterError(
             f"Parameter '{params.resolve(key)}' is {value}; it must be above 0 and at "
             f"most {largest}.",
-            remedy="Give a value that the arm allows, or leave it out.",
+            remedy="Give a value in that range, or leave the parameter out.",
             details={"parameter": params.resolve(key)},
         )
     return value

@@ -25,9 +25,11 @@ from station.controllers.forward_command_controller.command_timeout import (
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
-from station.controllers.franka_example_controllers.start_pose import (
+from station.controllers.franka_arm import (
+    find_model,
     read_arm_id,
-    read_joint_names,
+    read_arm_joints,
+    require,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.description.robot_description import require_robot_description
@@ -43,11 +45,12 @@ from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
 
 DEFAULT_TIMEOUT = 0.2
-"""How long a set-point is valid without `command_timeout` [s]."""
+"""Default of `command_timeout` [s]."""
 LONGEST_TIMEOUT = 1.0
-"""Longest validity of a set-point [s]: whoever commands has to go on saying so."""
-# So long what was in the way is still told, when it is not in every cycle [s].
-_TOLD_FOR = 0.1
+"""Longest validity of a set-point [s], so that set-points must be repeated."""
+# Time for which an obstacle is still published after it was found last [s]. An obstacle
+# may be found in every second cycle only; without this the message would flicker.
+_PUBLISHED_FOR = 0.1
 _TEXTS = {
     Obstacle.NONE: "",
     Obstacle.JOINT_LIMIT: "{joint} is near its position limit; the arm waits there.",
@@ -60,10 +63,11 @@ _TEXTS = {
 class CartesianMotionController(MultiInterfaceController):
     """Moves an end effector within limits of velocity, acceleration and jerk.
 
-    When it starts, and when set-points stay out, it comes to rest within the limits and
-    holds. It does so too before the joints reach what they cannot do, and says it in
-    `published`; it goes on by itself when the set-point leads elsewhere. Subclasses say
-    what a set-point means.
+    When the controller starts, and when no set-point arrives in time, the end effector
+    comes to rest within the limits and holds. It also comes to rest before the joints
+    would reach a limit, a singular pose or a collision of the arm with itself;
+    `published` then names the obstacle, and the motion continues when the set-point
+    leads elsewhere. A subclass defines what a set-point means.
 
     Parameters: `arm_id`; `joint_names`, 7 names; see `read_cartesian_limits`,
     `read_lookahead_settings`; `command_timeout` [s], 0.2, at most 1.0;
@@ -78,16 +82,11 @@ class CartesianMotionController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, names = read_arm_id(params), read_joint_names(params)
-        poses, models = (
-            hw.get(FrankaPoseCartesianInterface),
-            hw.get(FrankaModelInterface),
-        )
-        if poses is None or models is None:
-            return  # refused before, by required_interfaces
+        arm_id, names = read_arm_id(params), read_arm_joints(params)
+        poses = require(hw, FrankaPoseCartesianInterface)
         description = require_robot_description(params)
         self.handle: FrankaCartesianPoseHandle = poses.get_handle(f"{arm_id}_robot")
-        self.model: FrankaModelHandle = models.get_handle(f"{arm_id}_model")
+        self.model: FrankaModelHandle = find_model(hw, arm_id)
         self.limits = read_cartesian_limits(params)
         self.generator = CartesianMotionGenerator(self.limits)
         self.lookahead = JointLookahead(
@@ -101,23 +100,24 @@ class CartesianMotionController(MultiInterfaceController):
         self.set_points = self.make_port(self.limits, timeout)
         self.joint_names = [element.name for element in self.set_points.elements]
         self._watched = WatchedSetPoint(self.set_points, action, arm_id, self.rest)
-        self._obstacle, self._joint, self._until = Obstacle.NONE, "", 0.0
+        self._obstacle, self._until = Obstacle.NONE, 0.0
+        self._joint: str | None = None
 
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
-        """Return where set-points arrive.
+        """Return the port that receives the set-points.
 
         Args:
-            limits: Of the motion.
+            limits: Limits of the motion.
             timeout: How long a set-point is valid [s].
         """
         raise NotImplementedError
 
     def rest(self) -> list[float]:
-        """Brake; return the set-point that means rest."""
+        """Return the set-point at which the end effector rests."""
         raise NotImplementedError
 
     def steer(self, set_point: list[float]) -> None:
-        """Tell the generator where to go in this cycle.
+        """Set the target of the generator in this cycle.
 
         Args:
             set_point: The set-point in force.
@@ -125,27 +125,27 @@ class CartesianMotionController(MultiInterfaceController):
         raise NotImplementedError
 
     def sample_of(self, time: float, state: RobotState) -> ControllerSample:
-        """Return what was done, in the terms of the set-point.
+        """Return the sample of this cycle, in the coordinates of the set-point.
 
         Args:
             time: Station time [s].
-            state: The arm's state, without what has to be worked out from it.
+            state: The arm's live state.
         """
         raise NotImplementedError
 
     @override
     def starting(self, time: float) -> None:
-        """Begin where the end effector is meant to be."""
+        """Start at the desired pose of the end effector."""
         self._state = state = self.handle.get_robot_state()
         self.generator.start(state.O_T_EE_d)
         self.lookahead.start(state)
-        self._obstacle, self._joint, self._until = Obstacle.NONE, "", time
+        self._obstacle, self._joint, self._until = Obstacle.NONE, None, time
         self.handle.set_command(self.generator.pose)
         self._watched.begin()
 
     @override
     def update(self, time: float, period: float) -> None:
-        """Go on if the joints can, else brake; report the smoothed motion."""
+        """Advance the motion if the joints can follow, else brake."""
         self.steer(self._watched.newest())
         self._advance(time, period)
         self.handle.set_command(self.generator.pose)
@@ -153,12 +153,12 @@ class CartesianMotionController(MultiInterfaceController):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return `state`: what is in the way, and of which joint."""
+        """Return the topic `state`: the obstacle, its joint, and a message."""
         obstacle, joint = self._obstacle, self._joint
         return {
             "state": {
                 "obstacle": obstacle.value,
-                "joint": joint,
+                "joint": joint or "",
                 "message": _TEXTS[obstacle].format(joint=joint),
             }
         }
@@ -167,18 +167,22 @@ class CartesianMotionController(MultiInterfaceController):
         generator = self.generator
         generator.advance(period)
         if period == 0.0 or generator.is_at_rest():
-            self._tell(Obstacle.NONE, "", time)
+            self._note(Obstacle.NONE, None, time)
             return
         can_rest = self.lookahead.allows(generator)
-        self._tell(self.lookahead.obstacle, self.lookahead.joint, time)
+        self._note(self.lookahead.obstacle, self.lookahead.joint, time)
         if not can_rest or not generator.stays_within_speed():
-            # From where it was, it can brake: that was looked at in the cycle before.
+            # Braking from the previous state was found possible in the previous cycle.
             generator.undo()
             generator.brake()
             generator.advance(period)
 
-    def _tell(self, obstacle: Obstacle, joint: str, time: float) -> None:
+    def _note(self, obstacle: Obstacle, joint: str | None, time: float) -> None:
         if obstacle is not Obstacle.NONE:
-            self._obstacle, self._joint, self._until = obstacle, joint, time + _TOLD_FOR
+            self._obstacle, self._joint, self._until = (
+                obstacle,
+                joint,
+                time + _PUBLISHED_FOR,
+            )
         elif time > self._until:
-            self._obstacle, self._joint = Obstacle.NONE, ""
+            self._obstacle, self._joint = Obstacle.NONE, None

@@ -1,9 +1,9 @@
-"""Poses that follow targets within limits of velocity, acceleration and jerk.
+"""Generate poses that follow targets within limits of velocity, acceleration and jerk.
 
-The motion has six coordinates: the position, and a rotation vector in the axes of the
-base that is counted from the present orientation. Counting it anew in every cycle makes
-its rates the angular velocity and acceleration themselves, so that the limits hold for
-any turn, and the way to a target is always the short one.
+The motion has six coordinates: the position, and the rotation vector from the present
+orientation in the axes of the base. The rotation vector starts at zero again in every
+cycle. Its rates therefore equal the angular velocity and acceleration, the limits hold
+for rotations of any size, and the rotation to a target is always the shorter one.
 """
 
 from math import copysign, sqrt
@@ -12,7 +12,7 @@ from station.controllers.cartesian_motion.cartesian_limits import CartesianLimit
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
 from station.core.numerics.rigid_motion import displace, rotation_between
 
-# Rounding of a motion that has ended [m/s, rad/s and per second].
+# Velocities and accelerations below this are rounding after a motion has ended.
 _AT_REST = 1e-12
 
 
@@ -20,13 +20,13 @@ class CartesianMotionGenerator:
     """The smooth motion of a pose. Control thread only.
 
     The lengths of the vectors of velocity, acceleration and jerk stay within the
-    limits, of the translation as well as of the rotation.
+    limits, for the translation and for the rotation.
 
     Args:
         limits: The limits.
 
     Attributes:
-        pose: Desired pose, 16 numbers, a new list each cycle.
+        pose: Desired pose, 16 numbers, column-major, a new list each cycle.
     """
 
     def __init__(self, limits: CartesianLimits) -> None:
@@ -39,18 +39,20 @@ class CartesianMotionGenerator:
 
     @property
     def twist(self) -> list[float]:
-        """Desired velocity [m/s], then angular velocity [rad/s], axes of the base."""
+        """Desired linear [m/s] and angular velocity [rad/s], axes of the base."""
         return self._generator.velocities
 
     @property
     def acceleration(self) -> list[float]:
-        """Desired acceleration [m/s^2], then angular one [rad/s^2], same axes."""
+        """Desired linear [m/s^2] and angular [rad/s^2] acceleration, same axes."""
         return self._generator.accelerations
 
     def braking(self) -> list[float]:
-        """Return the largest acceleration of each axis on the way to rest, shape (6,).
+        """Return each axis' peak acceleration while the motion brakes, shape (6,).
 
-        In m/s^2 and rad/s^2, axes of the base.
+        In m/s^2 and rad/s^2, in the axes of the base. An axis with velocity v and
+        acceleration a that brakes with jerk j reaches sqrt(|v| j + a^2 / 2), unless its
+        acceleration limit is smaller.
         """
         return [
             -copysign(min(largest, sqrt(abs(v) * jerk + a * a / 2.0)), v)
@@ -64,29 +66,29 @@ class CartesianMotionGenerator:
         ]
 
     def start(self, pose: list[float]) -> None:
-        """Begin anew, at rest.
+        """Start at rest at a pose.
 
         Args:
-            pose: Where, 16 numbers.
+            pose: The pose, 16 numbers, column-major.
         """
         self.pose = list(pose)
         self._target = []
         self._generator.start(_coordinates(pose), [0.0] * 6)
 
     def go_to(self, pose: list[float]) -> None:
-        """Go to a pose and rest there; position and orientation arrive together.
+        """Make a pose the target: position and orientation arrive together and rest.
 
         Args:
-            pose: Where, 16 numbers.
+            pose: Target pose, 16 numbers, column-major.
         """
         self._target = pose
 
     def go_at(self, twist: list[float]) -> None:
-        """Move at a twist.
+        """Make a twist the target.
 
         Args:
-            twist: Velocity [m/s], then angular velocity [rad/s], axes of the base, each
-                of a length within its limit.
+            twist: Velocity [m/s], then angular velocity [rad/s], in the axes of the
+                base, each with a length within its limit.
         """
         self._target = []
         self._generator.go_at(twist)
@@ -96,22 +98,22 @@ class CartesianMotionGenerator:
         self.go_at([0.0] * 6)
 
     def is_at_rest(self) -> bool:
-        """Say whether nothing moves and nothing is about to."""
+        """Return whether all velocities and accelerations are zero."""
         now = self._generator
         return max(map(abs, (*now.velocities, *now.accelerations))) < _AT_REST
 
     def resting_pose(self) -> list[float]:
-        """Return where the motion would end if it braked now, 16 numbers.
+        """Return the pose at which the motion rests if it brakes now, 16 numbers.
 
         Raises:
-            InvalidCommandError: No motion can be worked out.
+            InvalidCommandError: There is no such motion.
         """
         end = self._generator.resting_positions()
         shift = [end[i] - self.pose[12 + i] for i in range(3)]
         return displace(self.pose, shift, end[3:])
 
     def stays_within_speed(self) -> bool:
-        """Say whether no velocity is beyond its limit on the way to rest."""
+        """Return whether no velocity exceeds its limit while the motion brakes."""
         peaks = [
             max(abs(v), abs(v + a * abs(a) / (2.0 * jerk)))
             for v, a, jerk in zip(
@@ -128,13 +130,13 @@ class CartesianMotionGenerator:
         )
 
     def advance(self, period: float) -> None:
-        """Move on.
+        """Advance the motion by one period.
 
         Args:
             period: Time since the last cycle [s], >= 0; nothing happens when it is 0.
 
         Raises:
-            InvalidCommandError: No motion to the target can be worked out.
+            InvalidCommandError: There is no motion to the target.
         """
         if period == 0.0:
             return
@@ -150,7 +152,7 @@ class CartesianMotionGenerator:
         generator.relocate(_coordinates(self.pose))
 
     def undo(self) -> None:
-        """Take the last `advance` back; the target stays."""
+        """Return to the state before the last `advance`; the target stays."""
         state, self.pose = self._last
         self._generator.restore(state)
 

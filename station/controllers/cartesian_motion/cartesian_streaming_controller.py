@@ -7,7 +7,7 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     LONGEST_TIMEOUT,
     CartesianMotionController,
 )
-from station.controllers.cartesian_motion.pose_set_point import PoseSetPointPort
+from station.controllers.franka_arm import PosePort
 from station.core.control.controller import ControllerSample
 from station.core.franka import Frame
 from station.core.franka.franka_robot_state import RobotState
@@ -18,12 +18,13 @@ from station.core.ports.set_point import SetPointPort
 
 
 class CartesianStreamingController(CartesianMotionController):
-    """Goes to the newest pose on a fast way that the limits allow.
+    """Moves to the newest pose as fast as the limits allow.
 
     A set-point is the pose of the end effector in the base frame O: position [m], then
-    unit quaternion x y z w. It is where to rest unless another one follows; position
-    and orientation would arrive together. When none arrives within `command_timeout`,
-    the end effector comes to rest and holds.
+    unit quaternion x y z w. The end effector would rest at this pose, and position and
+    orientation would arrive together, unless another set-point follows. When no
+    set-point arrives within `command_timeout`, the end effector comes to rest and
+    holds.
     """
 
     @override
@@ -36,7 +37,9 @@ class CartesianStreamingController(CartesianMotionController):
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
-        return PoseSetPointPort(timeout=timeout, longest=LONGEST_TIMEOUT)
+        return PosePort(
+            "xyzw", tolerance=0.01, timeout=timeout, longest=LONGEST_TIMEOUT
+        )
 
     @override
     def rest(self) -> list[float]:
@@ -63,11 +66,12 @@ class CartesianStreamingController(CartesianMotionController):
 
 
 def _numbers(pose: list[float], near: list[float]) -> list[float]:
-    """Return a pose as a set-point.
+    """Return a pose in the form of a set-point, 7 numbers.
 
     Args:
-        pose: The pose, 16 numbers.
-        near: The quaternion is given the sign that is nearer to this one.
+        pose: The pose, 16 numbers, column-major.
+        near: Of the two quaternions of the orientation, the one nearer to this
+            quaternion is returned, so that samples do not jump.
     """
     quaternion = quaternion_of(pose)
     if sum(a * b for a, b in zip(quaternion, near, strict=True)) < 0.0:

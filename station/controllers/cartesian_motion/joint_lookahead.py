@@ -1,9 +1,10 @@
-"""Whether the joints can follow a motion of the end effector to its end.
+"""Check that the joints can follow a motion of the end effector until it rests.
 
-The arm completes a Cartesian motion with the position of joint 3, which stays. Near a
-position limit of a joint and near singular poses the arm would end the motion with an
-error; so every step is first followed to where it could rest. Jacobians and distances
-are worked out anew when the joints have moved, not in every cycle.
+The arm keeps the position of joint 3 during a Cartesian motion. Near a position limit
+of a joint and near singular poses the arm would abort the motion with an error. Every
+step is therefore checked ahead, at the pose where the motion could rest after the step.
+Jacobians and distances are computed again only when the joints have moved, not in every
+cycle.
 """
 
 from collections.abc import Sequence
@@ -24,14 +25,14 @@ from station.core.franka import Frame, FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotState
 from station.core.numerics.rigid_motion import twist_between
 
-# What was worked out for a configuration holds for one as near as that [rad].
+# Results for one configuration are used for configurations within this distance [rad].
 _NEAR = 0.01
-# No part of the arm is farther from the axis that turns it than that [m].
+# Largest distance of a part of the arm from a joint axis that moves it [m].
 _REACH = 1.2
 
 
 class Obstacle(Enum):
-    """What keeps the end effector from going on."""
+    """The reason why the end effector waits or slows down."""
 
     NONE = "none"
     JOINT_LIMIT = "joint_limit"
@@ -41,16 +42,16 @@ class Obstacle(Enum):
 
 
 class JointLookahead:
-    """Follows the joints to where the end effector would rest. Control thread only.
+    """Computes the joint motion up to rest ahead of time. Control thread only.
 
     Args:
         model: The arm's model.
-        joints: Its joints, from the base on, with their limits; 7.
-        settings: How much is kept free.
+        joints: The arm's seven joints with their limits, from base to flange.
+        settings: Margins that the motion keeps.
 
     Attributes:
-        obstacle: What was in the way of the step looked at last.
-        joint: Name of the joint that is at its limit; empty when none is.
+        obstacle: What prevents the step that was checked last.
+        joint: Name of the joint that is at its limit; None when no joint is.
     """
 
     def __init__(
@@ -62,12 +63,12 @@ class JointLookahead:
         self._model = model.model
         self._joints = joints
         self._settings = settings
-        # Rows of the motion of the joints, over what is allowed: at most 1.
+        # Bounds of the rows of `ArmConfiguration.joint_motion`.
         fastest = [joint.velocity * settings.joint_velocity_share for joint in joints]
         hardest = settings.max_joint_acceleration
         self._bounds = np.array([fastest, hardest, hardest, hardest])
         self.obstacle = Obstacle.NONE
-        self.joint = ""
+        self.joint: str | None = None
         self._state = RobotState()
         self._elbow = 0.0
         nowhere = ArmConfiguration([0.0] * 7, [0.0] * 42)
@@ -77,14 +78,14 @@ class JointLookahead:
         self._clearance, self._clear_at = 0.0, [0.0] * 7
 
     def start(self, state: RobotState) -> None:
-        """Begin where the arm is meant to be, at rest.
+        """Start at rest at the desired joint positions.
 
         Args:
-            state: The arm's live state.
+            state: The arm's state, which is updated in every cycle.
         """
         self._state = state
         self._elbow = state.q_d[ELBOW]
-        self.obstacle, self.joint = Obstacle.NONE, ""
+        self.obstacle, self.joint = Obstacle.NONE, None
         q = list(state.q_d)
         self._present = self._resting = self._configuration(q)
         self._rest, self._pose = q, self._pose_at(q)
@@ -92,9 +93,10 @@ class JointLookahead:
         self._clearance, self._clear_at = self._model.clearance(q), q
 
     def allows(self, motion: CartesianMotionGenerator) -> bool:
-        """Say whether the joints can do a step; note what is in the way if not.
+        """Return whether the joints can follow a step; note the obstacle if not.
 
-        A step that leads out of where the arm should not be is allowed.
+        A step that increases the distance to an obstacle is allowed, so that the arm
+        can leave a pose with too small a margin.
 
         Args:
             motion: The motion after the step.
@@ -105,7 +107,7 @@ class JointLookahead:
         q = [a + b for a, b in zip(resting.q, step, strict=True)]
         if max(map(abs, step)) > _NEAR:
             resting = self._configuration(q)
-        self.joint = ""
+        self.joint = None
         self.obstacle = self._obstacle_at(q, resting)
         if self.obstacle is Obstacle.NONE:
             self.obstacle = self._speed_obstacle(resting, motion)
@@ -117,14 +119,14 @@ class JointLookahead:
         return True
 
     def _obstacle_at(self, q: list[float], resting: ArmConfiguration) -> Obstacle:
-        """Return what keeps the arm from resting somewhere.
+        """Return what keeps the arm from resting at joint positions.
 
         Args:
-            q: Where [rad], shape (7,).
-            resting: A configuration near it.
+            q: Joint positions [rad], shape (7,).
+            resting: A configuration near these positions.
         """
         self.joint = self._joint_at_limit(q)
-        if self.joint:
+        if self.joint is not None:
             return Obstacle.JOINT_LIMIT
         dexterity = self._dexterity
         if resting is not self._resting:
@@ -165,14 +167,14 @@ class JointLookahead:
         state, frame = self._state, Frame.END_EFFECTOR
         return self._model.pose(frame, q, state.F_T_EE, state.EE_T_K)
 
-    def _joint_at_limit(self, q: list[float]) -> str:
+    def _joint_at_limit(self, q: list[float]) -> str | None:
         margin = self._settings.joint_limit_margin
         for joint, new, old in zip(self._joints, q, self._rest, strict=True):
             if (new < old and new < joint.lower + margin) or (
                 new > old and new > joint.upper - margin
             ):
                 return joint.name
-        return ""
+        return None
 
 
 def _distance(q: Sequence[float], other: Sequence[float]) -> float:

@@ -1,4 +1,4 @@
-"""How far Cartesian motion keeps away from what the joints cannot do."""
+"""Margins that Cartesian motion keeps from limits of the joints and from collisions."""
 
 from dataclasses import dataclass
 from typing import NoReturn
@@ -7,7 +7,7 @@ from station.core.errors import ParameterError
 from station.core.parameters import Parameters
 
 LARGEST_JOINT_ACCELERATION = (10.0, 7.5, 10.0, 10.0, 10.0, 10.0, 10.0)
-"""What both kinds of Franka arms allow [rad/s^2].
+"""Largest joint accelerations that both kinds of Franka arms allow [rad/s^2].
 
 Source: Franka Control Interface documentation, Robot and interface specifications.
 """
@@ -15,16 +15,19 @@ Source: Franka Control Interface documentation, Robot and interface specificatio
 
 @dataclass(frozen=True, slots=True)
 class LookaheadSettings:
-    """What is kept free on the way.
+    """Margins that a motion keeps.
 
     Attributes:
-        joint_limit_margin: Distance to the position limits of the joints [rad], 0 to 1.
-        least_dexterity: Smallest singular value of the Jacobian of the end effector and
-            joint 3, 0.01 to 1; it is 0 at a singular pose, 0.2 in the middle.
-        least_clearance: Distance between two parts of the arm [m], 0 to 0.3.
-        joint_velocity_share: Share of the joints' velocity limits, 0.01 to 1.
-        max_joint_acceleration: Of each joint [rad/s^2], shape (7,), above 0 and at most
-            `LARGEST_JOINT_ACCELERATION`.
+        joint_limit_margin: Smallest distance to the position limits of the joints
+            [rad], 0 to 1.
+        least_dexterity: Smallest value allowed of `ArmConfiguration.dexterity`, 0.01 to
+            1. The dexterity is 0 at a singular pose, and about 0.2 in the middle of the
+            workspace.
+        least_clearance: Smallest distance between two parts of the arm [m], 0 to 0.3.
+        joint_velocity_share: Share of the joints' velocity limits that a motion may
+            use, 0.01 to 1.
+        max_joint_acceleration: Largest acceleration of each joint [rad/s^2], shape
+            (7,), above 0 and at most `LARGEST_JOINT_ACCELERATION`.
     """
 
     joint_limit_margin: float = 0.05
@@ -35,9 +38,10 @@ class LookaheadSettings:
 
 
 def read_lookahead_settings(params: Parameters) -> LookaheadSettings:
-    """Read `joint_limit_margin`, `max_joint_acceleration` and their like.
+    """Read the parameters that are named after the attributes of the settings.
 
-    `max_joint_acceleration` is one number for all joints, or a list with one for each.
+    `max_joint_acceleration` is one number for all joints, or a list with one number per
+    joint.
 
     Args:
         params: The controller's namespace.
@@ -81,6 +85,6 @@ def _read_accelerations(params: Parameters, default: list[float]) -> tuple[float
 def _refuse(params: Parameters, key: str, value: object, allowed: str) -> NoReturn:
     raise ParameterError(
         f"Parameter '{params.resolve(key)}' is {value}; it must be {allowed}.",
-        remedy="Give a value of that range, or leave it out.",
+        remedy="Give a value in that range, or leave the parameter out.",
         details={"parameter": params.resolve(key)},
     )

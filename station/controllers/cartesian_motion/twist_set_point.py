@@ -1,4 +1,4 @@
-"""Set-points that are twists: a velocity and an angular velocity."""
+"""Set-points that are twists: a velocity, then an angular velocity."""
 
 from math import sqrt
 
@@ -12,10 +12,10 @@ _ROUNDING = 1e-9
 
 
 class TwistSetPointPort(SetPointPort):
-    """Takes `vx vy vz` [m/s] and `wx wy wz` [rad/s], each vector within its limit.
+    """Takes `vx vy vz` [m/s] and `wx wy wz` [rad/s]; each vector has a length limit.
 
     Args:
-        limits: The limits.
+        limits: Limits of the lengths of both vectors.
         timeout: How long a set-point is valid [s].
         longest: Longest validity that a set-point may ask for [s].
     """
@@ -41,10 +41,10 @@ class TwistSetPointPort(SetPointPort):
         timeout: float | None = None,
         rates: list[float] | None = None,
     ) -> None:
-        """Refuse a malformed set-point, also one that is too fast across the axes.
+        """Refuse a malformed set-point, and a vector that is too long.
 
         Raises:
-            InvalidCommandError: As `SetPointPort.check`; or a vector is too long.
+            InvalidCommandError: As in `SetPointPort.check`, or a vector is too long.
         """
         super().check(values, timeout, rates)
         for part, bound, unit in zip(
@@ -55,6 +55,6 @@ class TwistSetPointPort(SetPointPort):
                 raise InvalidCommandError(
                     f"The velocity {part} of the command is {length:.4g} {unit} long; "
                     f"allowed is at most {bound} {unit}.",
-                    remedy="Scale the three numbers down together.",
+                    remedy="Divide the three numbers by the same factor.",
                     details={"length": length, "maximum": bound},
                 )

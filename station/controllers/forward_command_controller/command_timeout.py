@@ -1,4 +1,4 @@
-"""What happens when whoever commands a controller falls silent."""
+"""The parameters `command_timeout` and `command_timeout_action`."""
 
 from enum import Enum
 from math import inf
@@ -8,17 +8,16 @@ from station.core.parameters import Parameters
 
 
 class TimeoutAction(Enum):
-    """What a controller does when its set-point is no longer valid.
+    """What a controller does when its set-point expires.
 
-    Parameters of the controllers that use it: `command_timeout` [s], how long a
-    set-point is valid, for ever when 0 or absent, and `command_timeout_action`:
+    `command_timeout` [s] is the time for which a set-point is valid; when it is 0 or
+    absent, set-points do not expire. `command_timeout_action` is one of:
 
-    - `off`: nothing; the set-point stays in force.
-    - `hold`, the default: rest, and go on with the next set-point.
-    - `stop`: fail with `CommandTimeoutError`, upon which the manager takes the
-      controller off the robot.
+    - `off`: the set-point stays in force.
+    - `hold`, the default: the robot rests until the next set-point arrives.
+    - `stop`: the controller fails with `CommandTimeoutError`, and the manager stops it.
 
-    A set-point that brings its own time limit is followed by `hold`, also with `off`.
+    A set-point with a time limit of its own is followed by rest also with `off`.
     """
 
     OFF = "off"
@@ -29,17 +28,17 @@ class TimeoutAction(Enum):
 def read_command_timeout(
     params: Parameters, default: float = 0.0, *, longest: float = inf
 ) -> tuple[float, TimeoutAction]:
-    """Return how long a set-point is valid [s], 0 for ever, and what happens then.
+    """Return the validity of set-points [s], 0 for no limit, and the action after it.
 
     Args:
         params: The controller's namespace.
         default: Validity when `command_timeout` is absent [s].
-        longest: Longest validity [s]; when finite, every set-point ends by itself.
+        longest: Longest validity allowed [s]; when it is finite, every set-point
+            expires.
 
     Raises:
-        ParameterError: `command_timeout` is no number >= 0, or
-            `command_timeout_action` is not one of `TimeoutAction`, or the timeout is
-            beyond `longest`.
+        ParameterError: `command_timeout` is not a number >= 0 or is beyond `longest`,
+            or `command_timeout_action` is not a value of `TimeoutAction`.
     """
     is_required = longest < inf
     timeout = params.get_float("command_timeout", default)
@@ -62,7 +61,7 @@ def read_command_timeout(
         raise ParameterError(
             f"Parameter '{params.resolve('command_timeout_action')}' is '{action}'; "
             f"allowed are {', '.join(allowed)}.",
-            remedy="Choose one of them.",
+            remedy="Choose one of these actions.",
             details={"parameter": params.resolve("command_timeout_action")},
         )
     chosen = TimeoutAction(action)

@@ -1,4 +1,4 @@
-"""Which joints a controller commands: the parameters `joints` and `joint`."""
+"""The parameter `joints`: which joints a controller commands."""
 
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters
@@ -14,6 +14,7 @@ def read_joint_names(params: Parameters) -> list[str]:
         ParameterError: `joints` is missing, empty, or names a joint twice.
     """
     names = params.get_str_list("joints")
+    # Of two commands for a joint that is named twice, the second would win silently.
     if not names or len(set(names)) != len(names):
         raise ParameterError(
             f"Parameter '{params.resolve('joints')}' is {names}; it must name at least "
@@ -22,15 +23,3 @@ def read_joint_names(params: Parameters) -> list[str]:
             details={"parameter": params.resolve("joints")},
         )
     return names
-
-
-def read_joint_name(params: Parameters) -> list[str]:
-    """Return the joint of a single-joint controller as a list of one name.
-
-    Args:
-        params: The controller's namespace; `joint` is the name.
-
-    Raises:
-        ParameterError: `joint` is missing or not a string.
-    """
-    return [params.get_str("joint")]

@@ -1,4 +1,4 @@
-"""What a number about a joint is: a position, a velocity or an effort."""
+"""The quantities of a joint: position, velocity and effort."""
 
 from enum import Enum
 from typing import assert_never
@@ -8,7 +8,7 @@ from station.core.hardware.interfaces import JointStateGroup
 
 
 class JointQuantity(Enum):
-    """The three quantities that are measured and commanded."""
+    """A quantity that is measured and commanded at a joint."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -39,7 +39,7 @@ class JointQuantity(Enum):
                 assert_never(self)
 
     def measure(self, group: JointStateGroup) -> list[float]:
-        """Return the measured values of a group, shape (n,), a new list."""
+        """Return the measured values of a group as a new list, shape (n,)."""
         if self is JointQuantity.POSITION:
             return group.get_positions()
         if self is JointQuantity.VELOCITY:

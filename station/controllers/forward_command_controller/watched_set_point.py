@@ -1,4 +1,4 @@
-"""The set-point in force: the newest one, or rest when there is none any more."""
+"""The set-point in force: the newest valid set-point, or rest."""
 
 from collections.abc import Callable
 
@@ -8,17 +8,17 @@ from station.core.ports.set_point import SetPointPort
 
 
 class WatchedSetPoint:
-    """Picks set-points up and replaces those that are no longer valid. Control thread.
+    """Takes set-points from a port, and replaces expired ones by rest. Control thread.
 
     Args:
-        port: Where they arrive.
-        action: What follows when the newest is no longer valid.
-        subject: What is commanded, for messages.
-        rest: Returns the set-point that lets the robot rest, shape (n,).
+        port: Receives the set-points.
+        action: What happens when the newest set-point expires.
+        subject: Name of what is commanded, for messages.
+        rest: Returns the set-point at which the robot rests, shape (n,).
 
     Attributes:
         values: The set-point in force, shape (n,); never changed, only replaced.
-        rates: How fast it changes, shape (n,); empty when unknown.
+        rates: Rates at which the set-point changes, shape (n,); empty when unknown.
     """
 
     def __init__(
@@ -36,25 +36,25 @@ class WatchedSetPoint:
         self.rates: list[float] = []
 
     def begin(self) -> None:
-        """Rest; call it when the controller starts."""
+        """Make rest the set-point; called when the controller starts."""
         self.values, self.rates = self._rest(), []
 
     def newest(self) -> list[float]:
-        """Return the set-point in force, shape (n,); never change the list.
+        """Return the set-point in force, shape (n,); the caller must not change it.
 
-        It is kept within the ranges of its elements, whoever posted it. When it is no
-        longer valid, or was made void by a stop, a reset or a recovery, rest takes its
-        place.
+        The set-point is clamped to the ranges of its elements. Rest replaces a
+        set-point that has expired, or that a stop, a reset or a recovery made void.
 
         Raises:
-            CommandTimeoutError: It is no longer valid and the action is `stop`.
+            CommandTimeoutError: The set-point has expired and the action is `stop`.
         """
         port = self._port
         if port.take_void():
             self.begin()
         newest = port.take()
         if newest is not None:
-            # The rates follow the values, if there are any.
+            # Set-points may be posted unchecked, so they are clamped once more here.
+            # After the values come the rates, if the set-point has any.
             self.values = [
                 min(max(value, element.minimum), element.maximum)
                 for value, element in zip(newest, port.elements, strict=False)
@@ -68,8 +68,8 @@ class WatchedSetPoint:
         if self._action is TimeoutAction.STOP:
             raise CommandTimeoutError(
                 f"No set-point for {self._subject} arrived in time.",
-                remedy="Start the controller again and send set-points at a faster "
-                "pace than its timeout.",
+                remedy="Restart the controller, and send set-points more often than "
+                "its `command_timeout` demands.",
             )
         self.begin()
         self._port.last = self.values

@@ -1,6 +1,6 @@
-"""Where the base of one arm stands, seen from the base of another.
+"""Read the pose of one arm's base in the frame of another arm's base.
 
-Both are links of one robot description that fixed joints connect.
+Both bases are links of one robot description, and fixed joints connect them.
 """
 
 import numpy as np

@@ -1,37 +1,34 @@
-"""Hold the end effector with the stiffness of a spring, by torques.
+"""Hold the end effector like a spring, by torques.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_impedance_example_controller.cpp; differs: the equilibrium pose arrives as
-a set-point of 7 numbers that may time out, the stiffnesses are gains.
+a set-point of 7 numbers that may expire, and the stiffnesses are run-time parameters.
 """
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
     find_state,
+    read_arm_id,
+    read_arm_joints,
 )
 from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
     Stiffness,
 )
-from station.controllers.franka_example_controllers.pose_port import PoseTarget
+from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     quaternion_of,
 )
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
-)
 from station.core.control.controller import MultiInterfaceController
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -55,7 +52,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
     Parameters: `arm_id`; `joint_names`, 7 names; `command_timeout` and
     `command_timeout_action`, see `TimeoutAction`. Set-point, topic `equilibrium_pose`
     of the original: position [m], then quaternion w x y z, of the end effector in the
-    base frame. When it is no longer valid, the equilibrium stays where it has come to.
+    base frame. When the set-point expires, the equilibrium stays where it is then.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -66,7 +63,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, names = read_arm_id(params), read_joint_names(params)
+        arm_id, names = read_arm_id(params), read_arm_joints(params)
         self._spring = CartesianSpring(
             claim_torques(hw, names),
             find_state(hw, arm_id),
@@ -76,12 +73,12 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self.joint_names = names
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
         self.set_points = self._target.port
-        self._gains = dict(_DEFAULTS)
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS)
 
     @override
     def starting(self, time: float) -> None:
-        """Take the present pose as equilibrium; the spring begins without force."""
-        self._spring.begin(self._gains["nullspace_stiffness"])
+        """Make the present pose the equilibrium, at which the spring has no force."""
+        self._spring.begin(self.tunables.values["nullspace_stiffness"])
         self._target.begin()
 
     @override
@@ -89,7 +86,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         pose = self._target.newest()
         if pose is not None:
             self._spring.set_target(*pose)
-        gains = self._gains
+        gains = self.tunables.values
         self._spring.update(
             Stiffness(
                 gains["translational_stiffness"],
@@ -98,23 +95,11 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
             )
         )
 
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return _SCHEMA
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return dict(self._gains)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._gains = dict(values)
-
 
 def _rotation_error(
     R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
     desired: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return what is missing as the vector part of a quaternion."""
+    """Return the rotation error as the vector part of a quaternion, shape (3,)."""
     result: NDArray[np.float64] = -R @ error_between(quaternion_of(R), desired)
     return result

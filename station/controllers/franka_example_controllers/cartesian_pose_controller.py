@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_pose_example_controller.cpp; differs: the start pose is checked at every
-start, not once when it is loaded.
+start, not once when the controller is loaded.
 """
 
 from math import cos, pi, sin
@@ -10,20 +10,18 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_arm_id,
-)
+from station.controllers.franka_arm import read_arm_id
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.franka import FrankaCartesianPoseHandle, FrankaPoseCartesianInterface
 from station.core.parameters import Parameters
 
 RADIUS = 0.15
-"""Of the arc [m]."""
+"""Radius of the arc [m]."""
 
 
 class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
-    """Goes along a quarter of a vertical circle and back, in 10 s.
+    """Moves along a quarter of a vertical circle and back, in 10 s.
 
     Parameters: `arm_id`.
     """
@@ -39,7 +37,7 @@ class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin where the end effector is meant to be.
+        """Start at the desired pose of the end effector.
 
         Raises:
             ControllerStateError: The arm is not near the start pose.

@@ -2,14 +2,17 @@
 
     tau = J^T (-K e - D J dq) + (I - J^T (J^T)^+) (k (q_n - q) - 2 sqrt(k) dq) + c
 
-with D = 2 sqrt(K). Stiffnesses and the equilibrium approach their targets by a
-low-pass, so that none of them jumps.
+Here J is the Jacobian of the end effector and (J^T)^+ a damped pseudo-inverse; e is the
+pose error; K is the stiffness and D = 2 sqrt(K) the damping; q_n are the joint
+positions at the start, to which a spring of stiffness k pulls in the null space; c are
+the Coriolis torques. Stiffnesses and equilibrium approach their targets through a
+low-pass filter, because a jump would make the torques jump.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_impedance_example_controller.cpp and
-dual_arm_cartesian_impedance_example_controller.cpp, what both share; differs: every
-start begins without stiffness, not only the first one, and with the null space's
-stiffness as it is set.
+dual_arm_cartesian_impedance_example_controller.cpp, the part that both share; differs:
+every start begins without stiffness, not only the first start, and with the null space
+stiffness that is set.
 """
 
 from collections.abc import Callable
@@ -19,9 +22,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from station.controllers.franka_example_controllers.arm_handles import (
-    saturate_torque_rate,
-)
+from station.controllers.franka_arm import saturate_torque_rate
 from station.controllers.franka_example_controllers.quaternion import (
     quaternion_of,
     slerp,
@@ -30,24 +31,24 @@ from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
 from station.core.hardware.interfaces import JointGroup
 
 FILTER = 0.005
-"""Share of the way to a new target that is gone per cycle."""
+"""Share of the distance to a new target that is covered per cycle."""
 _DAMPING_OF_INVERSE = 0.2
 
 RotationError = Callable[
     [NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]
 ]
-"""How far the rotation of the end effector, a matrix (3, 3), is from a quaternion (4,):
-a vector (3,) in the axes of the base."""
+"""Returns the error between the rotation matrix of the end effector, shape (3, 3), and
+a desired quaternion, shape (4,), as a vector in the axes of the base, shape (3,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stiffness:
-    """How stiff the spring shall be.
+    """Stiffnesses that the spring approaches.
 
     Attributes:
-        translational: [N/m], >= 0.
-        rotational: [Nm/rad], >= 0.
-        nullspace: Of the joints' own spring [Nm/rad], >= 0.
+        translational: Stiffness against translations [N/m], >= 0.
+        rotational: Stiffness against rotations [Nm/rad], >= 0.
+        nullspace: Stiffness of the joints in the null space [Nm/rad], >= 0.
     """
 
     translational: float
@@ -62,7 +63,7 @@ class CartesianSpring:
         joints: The arm's joints, claimed for torques.
         state: The arm's state.
         model: The arm's model.
-        rotation_error: The measure of rotations.
+        rotation_error: Returns the rotation error.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class CartesianSpring:
         return [*self._position.tolist(), *self._rotation.tolist()]
 
     def begin(self, nullspace: float) -> None:
-        """Take the present pose as equilibrium, without any force.
+        """Make the present pose the equilibrium, and start without stiffness.
 
         Args:
             nullspace: Stiffness of the null space from the start on [Nm/rad], >= 0.
@@ -109,7 +110,7 @@ class CartesianSpring:
     def set_target(
         self, position: NDArray[np.float64], rotation: NDArray[np.float64]
     ) -> None:
-        """Approach another equilibrium from now on.
+        """Set the equilibrium that is approached from now on.
 
         Args:
             position: In the base frame [m], shape (3,).
@@ -119,7 +120,7 @@ class CartesianSpring:
         self._target_rotation = rotation
 
     def update(self, stiffness: Stiffness) -> None:
-        """Command the torques of this cycle, and approach the targets."""
+        """Command the torques of this cycle, then move on towards the targets."""
         tau = self._torques()
         last = self._state.get_robot_state().tau_J_d
         self._joints.set_commands(saturate_torque_rate(tau, last))
@@ -155,7 +156,7 @@ def _approach(
 
 
 def _damped_inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the pseudo-inverse with damped singular values."""
+    """Return the pseudo-inverse with damped singular values s / (s^2 + 0.2^2)."""
     u, s, vt = np.linalg.svd(matrix, full_matrices=False)
     result: NDArray[np.float64] = (vt.T * (s / (s * s + _DAMPING_OF_INVERSE**2))) @ u.T
     return result

@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/cartesian_velocity_example_controller.cpp; differs: the start pose is checked at
-every start, not once when it is loaded.
+every start, not once when the controller is loaded.
 """
 
 from math import cos, floor, pi, sin
@@ -10,10 +10,8 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_arm_id,
-)
+from station.controllers.franka_arm import read_arm_id
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.franka import (
     FrankaCartesianVelocityHandle,
@@ -24,13 +22,13 @@ from station.core.parameters import Parameters
 PEAK = 0.05
 """Highest speed [m/s]."""
 HALF_PERIOD = 4.0
-"""After this the direction changes [s]."""
+"""Time after which the direction changes [s]."""
 ANGLE = pi / 4.0
-"""Of the line below the horizontal [rad]."""
+"""Angle of the line below the horizontal [rad]."""
 
 
 class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInterface]):
-    """Goes forward and down, and back again.
+    """Moves forward and down, and back again.
 
     Parameters: `arm_id`.
     """
@@ -47,7 +45,7 @@ class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInter
 
     @override
     def starting(self, time: float) -> None:
-        """Begin at rest.
+        """Start at rest.
 
         Raises:
             ControllerStateError: The arm is not near the start pose.

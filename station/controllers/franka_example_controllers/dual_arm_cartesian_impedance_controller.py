@@ -1,9 +1,10 @@
-"""Hold something between two arms: two springs that one frame moves.
+"""Hold an object between two arms by two springs that follow one frame.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/dual_arm_cartesian_impedance_example_controller.cpp; differs: the target of the
 centering frame arrives as a set-point of 7 numbers in the base frame of the left arm,
-the stiffnesses are gains, and where the arms stand is read from the robot description.
+the stiffnesses are run-time parameters, and the poses of the arms' bases are read from
+the robot description.
 """
 
 from collections.abc import Mapping
@@ -14,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
     find_state,
+    read_arm_id,
+    read_arm_joints,
 )
 from station.controllers.franka_example_controllers.base_transform import (
     base_transform,
@@ -26,19 +29,15 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
     Stiffness,
 )
-from station.controllers.franka_example_controllers.pose_port import PoseTarget
+from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
     error_between,
     matrix_of,
     quaternion_of,
 )
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
-)
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
@@ -48,20 +47,21 @@ from station.core.parameters import Parameters
 RATE_HZ = 30.0
 """How often the centering frame is published."""
 ARMS = ("left", "right")
-_DEFAULTS = {"translational": 200.0, "rotational": 10.0, "nullspace": 0.0}
+_STIFFNESSES = (
+    ("translational", 200.0, Tunable("N/m", 0.0, 400.0)),
+    ("rotational", 10.0, Tunable("Nm/rad", 0.0, 30.0)),
+    ("nullspace", 0.0, Tunable("Nm/rad", 0.0, 100.0)),
+)
+_DEFAULTS = {
+    f"{arm}_{kind}_stiffness": value for arm in ARMS for kind, value, _ in _STIFFNESSES
+}
 _SCHEMA = {
-    f"{arm}_{kind}_stiffness": tunable
-    for arm in ARMS
-    for kind, tunable in (
-        ("translational", Tunable("N/m", 0.0, 400.0)),
-        ("rotational", Tunable("Nm/rad", 0.0, 30.0)),
-        ("nullspace", Tunable("Nm/rad", 0.0, 100.0)),
-    )
+    f"{arm}_{kind}_stiffness": each for arm in ARMS for kind, _, each in _STIFFNESSES
 }
 
 
 class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
-    """Two springs; the right end effector keeps its place relative to the left one.
+    """Two springs; the right end effector keeps its pose relative to the left one.
 
     The centering frame is in the middle between the end effectors as they are at the
     start, with the axes of the left one.
@@ -70,8 +70,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
     7 names each; `command_timeout` and `command_timeout_action`, see `TimeoutAction`.
     Set-point, topic `centering_frame_target_pose` of the original:
     position [m], then quaternion w x y z, of the centering frame in
-    `<left/arm_id>_link0`. When it is no longer valid, the frame stays where it has come
-    to.
+    `<left/arm_id>_link0`. When the set-point expires, the frame stays where it is then.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = (
@@ -86,7 +85,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self.joint_names = []
         for arm in ARMS:
             own = params.namespace(arm)
-            arm_id, names = read_arm_id(own), read_joint_names(own)
+            arm_id, names = read_arm_id(own), read_arm_joints(own)
             self._springs[arm] = CartesianSpring(
                 claim_torques(hw, names),
                 find_state(hw, arm_id),
@@ -100,20 +99,16 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self._frame_id = left
         self._target = PoseTarget(params, "the centering frame", self._center)
         self.set_points = self._target.port
-        self._gains = {
-            f"{arm}_{kind}_stiffness": value
-            for arm in ARMS
-            for kind, value in _DEFAULTS.items()
-        }
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS)
         self._right_to_left = self._left_to_center = np.eye(4)
         self._timer = PublishTimer(RATE_HZ)
         self._centering_frame: dict[str, object] | None = None
 
     @override
     def starting(self, time: float) -> None:
-        """Take both poses as they are; the springs begin without force."""
+        """Make the present poses the equilibria, at which the springs have no force."""
         for arm, spring in self._springs.items():
-            spring.begin(self._gains[f"{arm}_nullspace_stiffness"])
+            spring.begin(self.tunables.values[f"{arm}_nullspace_stiffness"])
         left, right = (self._springs[arm].pose() for arm in ARMS)
         self._right_to_left = np.linalg.inv(self._left_T_right @ right) @ left
         back = self._right_to_left[:3, :3].T @ self._right_to_left[:3, 3]
@@ -127,37 +122,26 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         target = self._target.newest()
         if target is not None:
             self._set_target(*target)
+        gains = self.tunables.values
         for arm, spring in self._springs.items():
             spring.update(
                 Stiffness(
-                    self._gains[f"{arm}_translational_stiffness"],
-                    self._gains[f"{arm}_rotational_stiffness"],
-                    self._gains[f"{arm}_nullspace_stiffness"],
+                    gains[f"{arm}_translational_stiffness"],
+                    gains[f"{arm}_rotational_stiffness"],
+                    gains[f"{arm}_nullspace_stiffness"],
                 )
             )
         if self._timer.is_due(time):
             self._publish(time)
 
     @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return _SCHEMA
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return dict(self._gains)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._gains = dict(values)
-
-    @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return `centering_frame`, in the form of a set-point."""
+        """Return the topic `centering_frame`, in the form of a set-point."""
         found = self._centering_frame
         return {} if found is None else {"centering_frame": found}
 
     def _center(self) -> list[float]:
-        """Return where the springs want the centering frame, as a set-point."""
+        """Return the equilibrium of the centering frame in the form of a set-point."""
         pose = self._springs["left"].equilibrium()
         left = np.eye(4)
         left[:3, :3], left[:3, 3] = matrix_of(np.array(pose[3:])), pose[:3]
@@ -189,7 +173,7 @@ def _rotation_error(
     R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
     desired: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return axis times angle of the rotation from the desired one."""
+    """Return the rotation vector from the desired rotation, shape (3,)."""
     missing = error_between(quaternion_of(R), desired)
     sine = float(np.linalg.norm(missing))
     if sine == 0.0:

@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/elbow_example_controller.cpp; differs: the start pose is checked at every start, not
-once when it is loaded.
+once when the controller is loaded.
 """
 
 from math import cos, pi
@@ -10,16 +10,14 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_arm_id,
-)
+from station.controllers.franka_arm import read_arm_id
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.franka import FrankaCartesianPoseHandle, FrankaPoseCartesianInterface
 from station.core.parameters import Parameters
 
 AMPLITUDE = pi / 10.0
-"""Half of the way of joint 3 [rad]."""
+"""Half of the range in which joint 3 moves [rad]."""
 
 
 class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
@@ -40,10 +38,10 @@ class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin where the arm is meant to be.
+        """Start at the desired pose of the arm.
 
         Raises:
-            ControllerStateError: That is not near the start pose.
+            ControllerStateError: The arm is not near the start pose.
         """
         state = self._handle.get_robot_state()
         check_start_pose(state.q_d)
@@ -54,5 +52,5 @@ class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
     @override
     def update(self, time: float, period: float) -> None:
         self._elapsed += period
-        way = AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
-        self._handle.set_command(self._pose, [self._elbow[0] + way, self._elbow[1]])
+        offset = AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+        self._handle.set_command(self._pose, [self._elbow[0] + offset, self._elbow[1]])

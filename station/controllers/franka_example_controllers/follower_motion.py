@@ -1,8 +1,8 @@
-"""Where the follower of a teleoperation shall be: first aligned, then on the track.
+"""Desired motion of the follower in a teleoperation: first to align, then to track.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/teleop_joint_pd_example_controller.cpp, update, saturateAndLimit, rampParameter;
-differs: a cycle without duration moves nothing instead of dividing by zero.
+differs: a cycle with a period of 0 moves nothing instead of dividing by zero.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ALIGNMENT_TOLERANCE = 0.01
-"""Every joint of the follower this close to the leader's: aligned [rad]."""
+"""Distance of every joint to the leader's below which the arms are aligned [rad]."""
 _ALIGN_P = np.array([45.0, 45.0, 45.0, 45.0, 18.0, 11.0, 5.0])
 _ALIGN_D = np.array([4.5, 4.5, 4.5, 4.5, 1.5, 1.5, 1.0])
 _ALIGN_VELOCITY = np.full(7, 0.1)
@@ -23,13 +23,13 @@ _RAMP_INCREASE = 20.0
 
 @dataclass(frozen=True, slots=True)
 class MotionBounds:
-    """How fast the follower may move; shape (7,) each.
+    """Limits of the follower's motion, shape (7,) each.
 
     Attributes:
-        velocity_far: Far behind the leader [rad/s].
-        velocity_near: Close to it [rad/s].
-        acceleration_far: Far behind [rad/s^2].
-        acceleration_near: Close [rad/s^2].
+        velocity_far: Largest velocities far behind the leader [rad/s].
+        velocity_near: Largest velocities close to the leader [rad/s].
+        acceleration_far: Largest accelerations far behind the leader [rad/s^2].
+        acceleration_near: Largest accelerations close to the leader [rad/s^2].
     """
 
     velocity_far: NDArray[np.float64]
@@ -39,14 +39,14 @@ class MotionBounds:
 
 
 class FollowerMotion:
-    """Targets of the follower's joints. Control thread only.
+    """The desired motion of the follower's joints. Control thread only.
 
     Args:
-        drift_gains: How fast what is missing to the leader is made up for [1/s], (7,).
+        drift_gains: Velocity per distance to the leader [1/s], shape (7,).
 
     Attributes:
-        is_tracking: The arms have been aligned.
-        start: Where the leader was at the start [rad], shape (7,).
+        is_tracking: Whether the arms have been aligned since the start.
+        start: Positions of the leader at the start [rad], shape (7,).
         q: Target positions [rad], shape (7,).
         dq: Target velocities [rad/s], shape (7,).
     """
@@ -58,11 +58,11 @@ class FollowerMotion:
     def begin(
         self, leader_q: NDArray[np.float64], follower_q: NDArray[np.float64]
     ) -> None:
-        """Align from now on.
+        """Start to align the follower.
 
         Args:
-            leader_q: Where the leader is, and is to stay [rad], shape (7,).
-            follower_q: Where the follower is [rad], shape (7,).
+            leader_q: Positions of the leader, which is to keep them [rad], shape (7,).
+            follower_q: Positions of the follower [rad], shape (7,).
         """
         self.is_tracking = False
         self.start, self.q = leader_q, follower_q
@@ -76,12 +76,13 @@ class FollowerMotion:
         bounds: MotionBounds,
         period: float,
     ) -> None:
-        """Move the targets on.
+        """Advance the desired motion by one period.
 
         Args:
-            leader: Positions [rad] and velocities [rad/s], shape (7,) each.
-            follower_q: Positions [rad], shape (7,).
-            bounds: How fast the targets may move on the track.
+            leader: Positions [rad] and velocities [rad/s] of the leader, shape (7,)
+                each.
+            follower_q: Positions of the follower [rad], shape (7,).
+            bounds: Limits of the motion while the follower tracks the leader.
             period: Time since the last cycle [s], >= 0.
         """
         q, dq = leader
@@ -120,10 +121,10 @@ def ramp(x: float, low: float, high: float, shift: float, increase: float) -> fl
     """Return a smooth step from `low` to `high` around `shift`.
 
     Args:
-        x: Where on the step.
+        x: The argument.
         low: Value far below `shift`.
-        high: Value far above.
-        shift: Where the value is in the middle.
-        increase: How steep the step is, > 0.
+        high: Value far above `shift`.
+        shift: Argument at which the value is halfway between `low` and `high`.
+        increase: Steepness of the step, > 0.
     """
     return 0.5 * (low + high + (high - low) * tanh(increase * (x - shift)))

@@ -1,15 +1,15 @@
-"""Draw a circle by pose commands while a joint impedance makes the torques.
+"""Draw a circle by pose commands, and follow it by torques of a joint impedance.
 
-The arm's own inverse kinematics turns the commanded pose into q_d and dq_d; the torques
-that follow them are made here:
+The arm's own inverse kinematics turns the commanded pose into q_d and dq_d. This
+controller computes the torques that follow them:
 
     tau = f c + K (q_d - q) + D (dq_d - dq_f)
 
-with the Coriolis torques c and the velocity dq_f, slightly low-passed.
+with the Coriolis torques c, and the measured velocity dq_f after a low-pass filter.
 
 Source: franka_ros@c11f000 franka_example_controllers,
-src/joint_impedance_example_controller.cpp; differs: every start begins at the top of a
-new circle and at rest, and impossible parameters are refused.
+src/joint_impedance_example_controller.cpp; differs: every start begins a new circle at
+rest, and an acceleration time of 0 is refused.
 """
 
 from collections.abc import Mapping
@@ -20,15 +20,13 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_model,
+    read_arm_id,
+    read_arm_joints,
     require,
     saturate_torque_rate,
-)
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
@@ -39,10 +37,11 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 
 RADIUS = 0.1
-"""Default of `radius`, also for one that is too small [m]."""
+"""Default of `radius`, which also replaces a radius that is too small [m]."""
 SMALLEST_RADIUS = 0.005
+"""Smallest radius of the circle [m]."""
 NEW_SHARE = 0.99
-"""Of the new velocity in the low-passed one."""
+"""Share of the new velocity in the filtered velocity."""
 _DOF = 7
 
 
@@ -51,10 +50,11 @@ class TorqueComparison:
     """Torques commanded in a cycle and measured in the next one.
 
     Attributes:
-        tau_commanded: With gravity [Nm], shape (7,).
-        tau_measured: [Nm], shape (7,).
-        tau_error: Their difference [Nm], shape (7,).
-        root_mean_square_error: Mean of its magnitudes [Nm], under the original's name.
+        tau_commanded: Commanded torques plus gravity torques [Nm], shape (7,).
+        tau_measured: Measured torques [Nm], shape (7,).
+        tau_error: Commanded minus measured torques [Nm], shape (7,).
+        root_mean_square_error: Mean of the absolute errors [Nm]; the original computes
+            the mean under this name.
     """
 
     tau_commanded: list[float]
@@ -64,7 +64,7 @@ class TorqueComparison:
 
 
 class JointImpedanceExampleController(MultiInterfaceController):
-    """Torques around a desired joint motion that comes from Cartesian poses.
+    """Follows the joint motion of a Cartesian circle by torques.
 
     Parameters: `arm_id`; `joint_names`, 7 names; `k_gains` [Nm/rad] and `d_gains`
     [Nms/rad], 7 numbers each; `radius` [m]; `vel_max` along the circle [m/s], reached
@@ -80,7 +80,7 @@ class JointImpedanceExampleController(MultiInterfaceController):
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
-        arm_id, self.joint_names = read_arm_id(params), read_joint_names(params)
+        arm_id, self.joint_names = read_arm_id(params), read_arm_joints(params)
         radius = params.get_float("radius", RADIUS)
         self._radius = RADIUS if abs(radius) < SMALLEST_RADIUS else radius
         self._vel_max = params.get_float("vel_max", 0.05)
@@ -105,7 +105,7 @@ class JointImpedanceExampleController(MultiInterfaceController):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin a circle where the end effector is meant to be."""
+        """Start a circle at the desired pose of the end effector."""
         state = self._pose.get_robot_state()
         self._initial_pose = list(state.O_T_EE_d)
         self._pose.set_command(self._initial_pose)

@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/joint_position_example_controller.cpp; differs: the start pose is checked at every
-start, not once when it is loaded.
+start, not once when the controller is loaded.
 """
 
 from math import cos, pi
@@ -10,21 +10,19 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_joint_names,
-)
+from station.controllers.franka_arm import read_arm_joints
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.hardware.interfaces import JointGroup, PositionJointInterface
 from station.core.parameters import Parameters
 
 AMPLITUDE = 0.2 * pi / 16.0
-"""Half of the way of each joint [rad]."""
+"""Half of the range in which each joint moves [rad]."""
 _MIRRORED = 4
 
 
 class JointPositionExampleController(Controller[PositionJointInterface]):
-    """Swings all joints with a period of 10 s, the fifth the other way.
+    """Swings all joints with a period of 10 s, the fifth in the opposite direction.
 
     Parameters: `joint_names`, 7 names.
     """
@@ -39,16 +37,16 @@ class JointPositionExampleController(Controller[PositionJointInterface]):
 
     @override
     def init(self, interface: PositionJointInterface, params: Parameters) -> None:
-        names = read_joint_names(params)
+        names = read_arm_joints(params)
         self._joints = JointGroup([interface.get_handle(name) for name in names])
         self.joint_names = names
 
     @override
     def starting(self, time: float) -> None:
-        """Begin where the arm is meant to be.
+        """Start at the measured joint positions.
 
         Raises:
-            ControllerStateError: That is not near the start pose.
+            ControllerStateError: The arm is not near the start pose.
         """
         self._start = self._joints.get_positions()
         check_start_pose(self._start)
@@ -57,8 +55,8 @@ class JointPositionExampleController(Controller[PositionJointInterface]):
     @override
     def update(self, time: float, period: float) -> None:
         self._elapsed += period
-        way = AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+        offset = AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
         self._joints.set_commands([
-            q - way if joint == _MIRRORED else q + way
+            q - offset if joint == _MIRRORED else q + offset
             for joint, q in enumerate(self._start)
         ])

@@ -2,7 +2,7 @@
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/joint_velocity_example_controller.cpp; differs: the start pose is checked at every
-start, not once when it is loaded.
+start, not once when the controller is loaded.
 """
 
 from math import cos, floor, pi
@@ -10,10 +10,8 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import (
-    check_start_pose,
-    read_joint_names,
-)
+from station.controllers.franka_arm import read_arm_joints
+from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
 from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
 from station.core.parameters import Parameters
@@ -21,11 +19,11 @@ from station.core.parameters import Parameters
 PEAK = 0.1
 """Highest velocity [rad/s]."""
 HALF_PERIOD = 8.0
-"""After this the direction changes [s]."""
+"""Time after which the direction changes [s]."""
 
 
 class JointVelocityExampleController(Controller[VelocityJointInterface]):
-    """Moves all joints alike, to and fro.
+    """Moves all joints back and forth at the same velocity.
 
     Parameters: `joint_names`, 7 names.
     """
@@ -39,13 +37,13 @@ class JointVelocityExampleController(Controller[VelocityJointInterface]):
 
     @override
     def init(self, interface: VelocityJointInterface, params: Parameters) -> None:
-        names = read_joint_names(params)
+        names = read_arm_joints(params)
         self._joints = JointGroup([interface.get_handle(name) for name in names])
         self.joint_names = names
 
     @override
     def starting(self, time: float) -> None:
-        """Begin at rest.
+        """Start at rest.
 
         Raises:
             ControllerStateError: The arm is not near the start pose.

@@ -1,8 +1,8 @@
-"""Walls before the position limits of joints: first a damper, then a spring as well.
+"""Walls before the position limits of joints: a damper, then a damper and a spring.
 
 Source: franka_ros@c11f000 franka_example_controllers, src/joint_wall.cpp; differs: a
 joint beyond its limits is refused at the start instead of ending the process, and a
-restart forgets how narrow the walls were.
+restart computes the width of the walls again.
 """
 
 from collections.abc import Sequence
@@ -13,14 +13,15 @@ from station.core.errors import ControllerStateError
 
 @dataclass(frozen=True, slots=True)
 class WallShape:
-    """How a wall is made, on both ends of a joint's range.
+    """The wall at each end of a joint's range.
 
     Attributes:
-        spring_width: Of the zone next to the limit, where spring and damper act [rad].
-        damper_width: Of the zone before it, where the damper acts alone [rad].
-        stiffness: Of the spring [Nm/rad].
-        spring_damping: Next to the limit [Nms/rad].
-        damping: Before that zone [Nms/rad].
+        spring_width: Width of the spring zone next to the limit, in which spring and
+            damper act [rad].
+        damper_width: Width of the damper zone before the spring zone [rad].
+        stiffness: Stiffness of the spring [Nm/rad].
+        spring_damping: Damping in the spring zone [Nms/rad].
+        damping: Damping in the damper zone [Nms/rad].
     """
 
     spring_width: float
@@ -31,16 +32,16 @@ class WallShape:
 
 
 class JointWall:
-    """The walls of one joint. A joint that starts inside of one is not pushed out.
+    """The walls of one joint. Control thread only.
 
-    The wall then is as narrow as the joint is close to its limit, and grows while the
-    joint leaves it. Control thread only.
+    A joint that starts inside of a wall is not pushed out of it: the wall is narrowed
+    until the joint is at its edge, and grows again while the joint moves away.
 
     Args:
         name: The joint.
-        lower: Its lower limit [rad].
-        upper: Its upper limit [rad].
-        shape: The walls.
+        lower: Lower limit of the joint [rad].
+        upper: Upper limit of the joint [rad].
+        shape: Widths, stiffness and damping of both walls.
     """
 
     def __init__(self, name: str, lower: float, upper: float, shape: WallShape) -> None:
@@ -52,10 +53,10 @@ class JointWall:
         self._scale = 1.0
 
     def begin(self, q: float) -> None:
-        """Start from a position [rad].
+        """Start at a position [rad].
 
         Raises:
-            ControllerStateError: It is beyond the limits.
+            ControllerStateError: The position is beyond the limits.
         """
         if not self._lower <= q <= self._upper:
             raise ControllerStateError(
@@ -86,7 +87,7 @@ class JointWall:
         return 0.0
 
     def _room(self, q: float) -> float:
-        """Return how far a position is from the nearer limit [rad]."""
+        """Return the distance of a position to the nearer limit [rad]."""
         return min(abs(q - self._lower), abs(q - self._upper))
 
     def _grow(self, q: float, dq: float) -> None:

@@ -1,8 +1,8 @@
-"""Show what the model of an arm says.
+"""Evaluate the model of an arm, and keep the results.
 
 Source: franka_ros@c11f000 franka_example_controllers,
-src/model_example_controller.cpp; differs: the values are kept for others to read
-instead of being logged.
+src/model_example_controller.cpp; differs: the values are kept for any thread to
+read instead of being logged.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.start_pose import read_arm_id
+from station.controllers.franka_arm import read_arm_id
 from station.core.control.controller import Controller
 from station.core.control.publish_timer import PublishTimer
 from station.core.franka import Frame, FrankaModelHandle, FrankaModelInterface
@@ -22,16 +22,16 @@ RATE_HZ = 1.0
 
 @dataclass(frozen=True, slots=True)
 class ModelSample:
-    """What the model said; matrices column-major.
+    """One evaluation of the model; matrices are column-major.
 
     Attributes:
         stamp: Station time [s].
-        mass: [kg m^2], shape (49,).
-        coriolis: [Nm], shape (7,).
-        gravity: [Nm], shape (7,).
-        pose: Of joint 4 in the base frame, shape (16,).
-        body_jacobian: Of joint 4, shape (42,).
-        zero_jacobian: Of the end effector, shape (42,).
+        mass: Mass matrix [kg m^2], shape (49,).
+        coriolis: Coriolis torques [Nm], shape (7,).
+        gravity: Gravity torques [Nm], shape (7,).
+        pose: Pose of joint 4 in the base frame, shape (16,).
+        body_jacobian: Body Jacobian of joint 4, shape (42,).
+        zero_jacobian: Zero Jacobian of the end effector, shape (42,).
     """
 
     stamp: float
@@ -49,7 +49,7 @@ class ModelExampleController(Controller[FrankaModelInterface]):
     Parameters: `arm_id`.
 
     Attributes:
-        model_sample: What the model said last, a new object each time; None before.
+        model_sample: The last evaluation, a new object each time; None before that.
     """
 
     hardware_interface: ClassVar[type] = FrankaModelInterface

@@ -11,7 +11,7 @@ _CLOSE = 0.9995
 
 def quaternion_of(R: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the quaternion of a rotation matrix, shape (3, 3)."""
-    # The largest of the four is found first: dividing by it is safe.
+    # The largest of the four parts is at least 0.5, so that dividing by it is safe.
     squares = np.array([
         1.0 + R[0, 0] + R[1, 1] + R[2, 2],
         1.0 + R[0, 0] - R[1, 1] - R[2, 2],
@@ -40,9 +40,9 @@ def matrix_of(q: NDArray[np.float64]) -> NDArray[np.float64]:
 def error_between(
     actual: NDArray[np.float64], desired: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the vector part of conj(actual) * desired, the short way, shape (3,).
+    """Return the vector part of conj(actual) * desired, shape (3,).
 
-    It is in the axes of `actual`.
+    The vector is in the axes of `actual`, and belongs to the shorter rotation.
     """
     if actual @ desired < 0.0:
         desired = -desired
@@ -56,7 +56,7 @@ def error_between(
 def slerp(
     first: NDArray[np.float64], second: NDArray[np.float64], share: float
 ) -> NDArray[np.float64]:
-    """Return the rotation `share` of the short way from one to another."""
+    """Return the rotation at `share`, 0 to 1, of the shorter way to `second`."""
     cosine = float(first @ second)
     if cosine < 0.0:
         second, cosine = -second, -cosine

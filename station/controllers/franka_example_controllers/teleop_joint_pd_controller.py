@@ -1,8 +1,8 @@
-"""Guide one arm by hand; another one follows, and what it touches is felt.
+"""Let one arm follow another arm that is guided by hand, and feels its contacts.
 
 Source: franka_ros@c11f000 franka_example_controllers,
 src/teleop_joint_pd_example_controller.cpp; differs: the phase is published
-besides, and a robot description without soft limits is refused.
+as well, and a robot description without soft limits is refused.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.franka_example_controllers.arm_handles import (
+from station.controllers.franka_arm import (
     claim_torques,
     find_state,
+    read_arm_id,
+    read_arm_joints,
 )
 from station.controllers.franka_example_controllers.follower_motion import (
     FollowerMotion,
@@ -27,10 +29,6 @@ from station.controllers.franka_example_controllers.joint_wall import (
     WallShape,
     wall_torques,
 )
-from station.controllers.franka_example_controllers.start_pose import (
-    read_arm_id,
-    read_joint_names,
-)
 from station.controllers.franka_example_controllers.teleop_parameters import (
     bounds_of,
     read_teleop_gains,
@@ -39,7 +37,7 @@ from station.controllers.franka_example_controllers.teleop_parameters import (
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunables
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
@@ -47,9 +45,9 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 
 RATE_HZ = 60.0
-"""How often targets and contacts are published."""
+"""Rate at which targets and contacts are published [Hz]."""
 DECREASE = 0.95
-"""Share of the torques that is left after each cycle in which an arm has an error."""
+"""Factor of the torques in each cycle in which an arm has an error."""
 _CONTACT_INCREASE = 0.3
 _WALLS = [
     WallShape(0.12, 0.12, 2000.0, 30.0, 30.0),
@@ -72,15 +70,17 @@ class _Arm:
     contact: float = 0.0
 
     def command(self, tau: NDArray[np.float64], state: RobotState) -> None:
-        """Command torques, and what the joint walls add."""
+        """Command torques plus those of the joint walls."""
         self.tau = tau + wall_torques(self.walls, state.q, state.dq)
         self.joints.set_commands(self.tau.tolist())
 
 
 class TeleopJointPDExampleController(MultiInterfaceController):
-    """A leader that is guided by hand and a follower.
+    """Lets a follower arm track a leader arm that is guided by hand.
 
-    While they are aligned, the leader holds still and the follower comes to its pose.
+    After the start the leader holds still while the follower moves to the leader's
+    pose. Once the arms are aligned, the follower tracks the leader, and the leader
+    feels the external torques of the follower.
 
     Parameters, in `leader` and `follower` each: `arm_id`; `joint_names`, 7 names;
     `contact_force_threshold` [N]. In `leader`: `d_gains_lower`, `d_gains_upper`
@@ -98,9 +98,9 @@ class TeleopJointPDExampleController(MultiInterfaceController):
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         self._parameters = read_teleop_parameters(params)
-        self._gains = read_teleop_gains(params)
-        self._schema = teleop_schema(self._gains)
-        self._bounds = bounds_of(self._gains)
+        gains = read_teleop_gains(params)
+        self.tunables = Tunables(teleop_schema(gains), gains, apply=self._set_bounds)
+        self._set_bounds(gains)
         self._leader = _find_arm(hw, params, "leader")
         self._follower = _find_arm(hw, params, "follower")
         self._motion = FollowerMotion(self._parameters.drift_gains)
@@ -110,7 +110,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
 
     @override
     def starting(self, time: float) -> None:
-        """Begin to align the follower.
+        """Start to align the follower.
 
         Raises:
             ControllerStateError: A joint is beyond its soft limits.
@@ -130,7 +130,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
     def update(self, time: float, period: float) -> None:
         leader = self._leader.state.get_robot_state()
         follower = self._follower.state.get_robot_state()
-        gains = self._gains
+        gains = self.tunables.values
         self._leader.contact = _contact(leader, gains["leader_contact_force_threshold"])
         self._follower.contact = _contact(
             follower, gains["follower_contact_force_threshold"]
@@ -151,22 +151,12 @@ class TeleopJointPDExampleController(MultiInterfaceController):
             self._publish()
 
     @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return self._schema
-
-    @override
-    def gains(self) -> dict[str, float]:
-        return dict(self._gains)
-
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._gains = dict(values)
-        self._bounds = bounds_of(values)
-
-    @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the original's topics of targets and contacts, and the `phase`."""
+        """Return the original's topics of targets and contacts, and `phase`."""
         return self._published
+
+    def _set_bounds(self, gains: Mapping[str, float]) -> None:
+        self._bounds = bounds_of(gains)
 
     def _leader_torques(
         self, leader: RobotState, follower: RobotState
@@ -175,7 +165,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         if not self._motion.is_tracking:
             tau = self._parameters.stiffness * (self._motion.start - leader.q)
         else:
-            gains, dq = self._gains, np.array(leader.dq)
+            gains, dq = self.tunables.values, np.array(leader.dq)
             idle, guiding = (
                 gains["force_feedback_idle"],
                 gains["force_feedback_guiding"],
@@ -188,7 +178,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         return tau
 
     def _follower_torques(self, follower: RobotState) -> NDArray[np.float64]:
-        scaling = self._gains["follower_stiffness_scaling"]
+        scaling = self.tunables.values["follower_stiffness_scaling"]
         stiffness = scaling * self._parameters.stiffness
         damping = sqrt(scaling) * self._parameters.follower_damping
         result: NDArray[np.float64] = stiffness * (self._motion.q - follower.q)
@@ -216,7 +206,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
 
 def _find_arm(hw: RobotHW, params: Parameters, role: str) -> _Arm:
     own = params.namespace(role)
-    arm_id, names = read_arm_id(own), read_joint_names(own)
+    arm_id, names = read_arm_id(own), read_arm_joints(own)
     return _Arm(
         names,
         claim_torques(hw, names),
@@ -236,6 +226,6 @@ def _find_walls(params: Parameters, names: Sequence[str]) -> list[JointWall]:
 
 
 def _contact(state: RobotState, threshold: float) -> float:
-    """Return how much an arm is in contact, 0 to 1."""
+    """Return the degree to which an arm is in contact, 0 to 1."""
     force = float(np.linalg.norm(state.K_F_ext_hat_K[:3]))
     return ramp(force, 0.0, 1.0, threshold, _CONTACT_INCREASE)

@@ -1,8 +1,9 @@
-"""Parameters of the teleoperation, and which of them change while it runs.
+"""Parameters of the teleoperation: fixed ones and run-time parameters.
 
 Source: franka_ros@c11f000 franka_example_controllers, cfg/teleop_param.cfg and
-src/teleop_joint_pd_example_controller.cpp, init; differs: the parameters can always be
-changed, not only with `debug`, and begin with the configured values.
+src/teleop_joint_pd_example_controller.cpp, init; differs: the run-time
+parameters can always be changed, not only with `debug`, and start with the configured
+values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,23 +32,29 @@ _SCALARS = {
         "", 0.1, 1.3, "factor of the follower's stiffness"
     ),
     "force_feedback_idle": Tunable(
-        "", 0.0, 1.0, "share of the forces felt by a leader that nobody guides"
+        "", 0.0, 1.0, "share of the torques felt by a leader that is not guided"
     ),
-    "force_feedback_guiding": Tunable("", 0.0, 1.0, "share felt while it is guided"),
-    "leader_contact_force_threshold": Tunable("N", 0.1, 10.0, "more is a contact"),
-    "follower_contact_force_threshold": Tunable("N", 0.1, 10.0, "more is a contact"),
+    "force_feedback_guiding": Tunable(
+        "", 0.0, 1.0, "share of the torques felt by a guided leader"
+    ),
+    "leader_contact_force_threshold": Tunable(
+        "N", 0.1, 10.0, "a larger force is a contact"
+    ),
+    "follower_contact_force_threshold": Tunable(
+        "N", 0.1, 10.0, "a larger force is a contact"
+    ),
 }
 
 
 @dataclass(frozen=True, slots=True)
 class LeaderDamping:
-    """How much the leader is damped: more when it is fast; shape (7,) each.
+    """Damping of the leader, which changes with its velocity; shape (7,) each.
 
     Attributes:
-        slow: Damping up to the lower velocity [Nms/rad].
-        fast: Damping from the upper velocity on [Nms/rad].
-        lower: [rad/s].
-        upper: [rad/s], > `lower`.
+        slow: Damping up to the velocity `lower` [Nms/rad].
+        fast: Damping from the velocity `upper` on [Nms/rad].
+        lower: Velocity at which the damping starts to change [rad/s].
+        upper: Velocity at which the damping stops to change, > `lower` [rad/s].
     """
 
     slow: NDArray[np.float64]
@@ -56,7 +63,7 @@ class LeaderDamping:
     upper: NDArray[np.float64]
 
     def damping(self, dq: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the damping at some velocities [Nms/rad], shape (7,)."""
+        """Return the damping at velocities `dq` [rad/s]: [Nms/rad], shape (7,)."""
         share = np.clip((np.abs(dq) - self.lower) / (self.upper - self.lower), 0.0, 1.0)
         result: NDArray[np.float64] = self.slow + share * (self.fast - self.slow)
         return result
@@ -64,13 +71,13 @@ class LeaderDamping:
 
 @dataclass(frozen=True, slots=True)
 class TeleopParameters:
-    """What does not change while the teleoperation runs.
+    """Parameters that do not change while the teleoperation runs.
 
     Attributes:
-        damping: Of the leader.
-        stiffness: Of the follower [Nm/rad], shape (7,).
-        follower_damping: Of the follower [Nms/rad], shape (7,).
-        drift_gains: See `FollowerMotion` [1/s], shape (7,).
+        damping: Damping of the leader.
+        stiffness: Stiffness of the follower [Nm/rad], shape (7,).
+        follower_damping: Damping of the follower [Nms/rad], shape (7,).
+        drift_gains: Drift gains of `FollowerMotion` [1/s], shape (7,).
     """
 
     damping: LeaderDamping
@@ -80,10 +87,10 @@ class TeleopParameters:
 
 
 def read_teleop_parameters(params: Parameters) -> TeleopParameters:
-    """Read what does not change.
+    """Read the parameters that do not change at run time.
 
     Raises:
-        ParameterError: A parameter is missing, or not seven numbers.
+        ParameterError: A parameter is missing, or is not a list of seven numbers.
     """
 
     def read(key: str) -> NDArray[np.float64]:
@@ -103,10 +110,10 @@ def read_teleop_parameters(params: Parameters) -> TeleopParameters:
 
 
 def read_teleop_gains(params: Parameters) -> dict[str, float]:
-    """Read what may change, under the names that it then has.
+    """Read the first values of the run-time parameters, by their run-time names.
 
     Raises:
-        ParameterError: A parameter is missing, or not seven numbers.
+        ParameterError: A parameter is missing, or is not a list of seven numbers.
     """
     gains = {
         "leader_damping_scaling": 1.0,
@@ -127,7 +134,7 @@ def read_teleop_gains(params: Parameters) -> dict[str, float]:
 
 
 def teleop_schema(gains: Mapping[str, float]) -> dict[str, Tunable]:
-    """Return units and ranges; configured values beyond them widen them."""
+    """Return unit and range of each; a configured value beyond a range widens it."""
     schema = dict(_SCALARS)
     for prefix, (key, unit, largest) in _BOUNDS.items():
         for number, maximum in enumerate(largest, 1):
@@ -145,7 +152,7 @@ def teleop_schema(gains: Mapping[str, float]) -> dict[str, Tunable]:
 
 
 def bounds_of(gains: Mapping[str, float]) -> MotionBounds:
-    """Return how fast the follower may move."""
+    """Return the limits of the follower's motion that the gains define."""
 
     def collect(prefix: str) -> NDArray[np.float64]:
         return np.array(_numbered(gains, prefix))

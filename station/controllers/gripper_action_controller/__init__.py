@@ -1,11 +1,13 @@
-"""Grippers with one joint, moved by goals.
-
-One module per package of the original in which the class is called
-`GripperActionController`.
-"""
+"""Open and close grippers with one joint by goals."""
 
 from station.controllers.gripper_action_controller.gripper_action_controller import (
-    GripperActionControllerBase,
+    EffortGripperActionController,
+    GripperActionController,
+    PositionGripperActionController,
 )
 
-__all__ = ["GripperActionControllerBase"]
+__all__ = [
+    "EffortGripperActionController",
+    "GripperActionController",
+    "PositionGripperActionController",
+]

@@ -1,152 +1,151 @@
-"""Open and close a gripper with one joint; the base for all interfaces.
+"""Open and close a gripper with one joint by goals.
 
 Source: ros_controllers@678b92a gripper_action_controller/
-gripper_action_controller.h, gripper_action_controller_impl.h.
+gripper_action_controller.h, gripper_action_controller_impl.h,
+hardware_interface_adapter.h.
 """
 
 from math import inf, isfinite
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.gripper_action_controller.gripper_command_port import (
-    GripperCommand,
-    GripperCommandPort,
+from station.controllers.forward_command_controller import JointQuantity
+from station.controllers.gripper_action_controller.gripper_goal_port import (
+    GripperGoalPort,
+    GripperTarget,
 )
+from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
 from station.core.control.controller import Controller, ControllerSample
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
 from station.core.errors import ParameterError
-from station.core.hardware.interfaces import JointCommandInterface, JointHandle
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    PositionJointInterface,
+)
 from station.core.parameters import Parameters
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 
 
-class GripperActionControllerBase(Controller[CommandInterfaceT]):
+class GripperActionController(Controller[CommandInterfaceT]):
     """Moves the joint to the position of a goal; subclasses command the hardware.
 
-    A goal succeeds when the joint is within `goal_tolerance` of its position. It is
-    aborted, with `stalled` in its details, when the joint stands still elsewhere for
-    `stall_timeout`: something is between the fingers, and they go on pressing.
+    A goal succeeds when the joint is within `goal_tolerance` of the goal's position. A
+    goal is aborted, with `stalled` in its details, when the joint stands still
+    elsewhere for `stall_timeout`: an object is between the fingers, and the fingers
+    keep pressing.
 
     Parameters: `joint`; `goal_tolerance` [m or rad], 0.01; `max_effort` [N or Nm], for
-    goals that name none; `stall_velocity_threshold` [m/s or rad/s], 0.001;
-    `stall_timeout` [s], 1.0. `action_monitor_rate` is accepted and not needed.
+    goals without one; `stall_velocity_threshold` [m/s or rad/s], 0.001;
+    `stall_timeout` [s], 1.0. `action_monitor_rate` is accepted and has no effect.
+
+    Attributes:
+        joint: Description of the joint.
 
     Source:
         GripperActionController; differs: `max_effort` is the joint's effort limit by
-        default, because with the original's 0 the fingers are limp; a position beyond
-        the joint's limits is refused.
+        default, because with the original's 0 the fingers do not move; a position
+        beyond the joint's limits is refused.
     """
+
+    joint: JointDescription
+    _handle: JointHandle
+    _port: GripperGoalPort
 
     def __init__(self) -> None:
         super().__init__()
-        self.joint = JointDescription("")
-        self._handles: list[JointHandle] = []
-        self._command = GripperCommand(0.0, 0.0)
+        self._target = GripperTarget(0.0, 0.0)
         self._goal: Goal | None = None
         self._distance = 0.0
         self._last_movement = 0.0
-        self._tolerance = 0.0
-        self._max_effort = 0.0
-        self._stall_velocity = 0.0
-        self._stall_timeout = 0.0
-        self._port = GripperCommandPort(
-            self.joint, 0.0, self.is_running, self._feedback
-        )
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
         name = params.get_str("joint")
         self.joint_names = [name]
         self.joint = require_robot_description(params).joint(name)
-        self._handles = [interface.get_handle(name)]
+        self._handle = interface.get_handle(name)
         self._tolerance = abs(params.get_float("goal_tolerance", 0.01))
         self._max_effort = self._read_max_effort(params)
         self._stall_velocity = params.get_float("stall_velocity_threshold", 0.001)
         self._stall_timeout = params.get_float("stall_timeout", 1.0)
-        self._port = GripperCommandPort(
+        self._port = GripperGoalPort(
             self.joint, self._max_effort, self.is_running, self._feedback
         )
         self.goals = self._port
-        self.init_command(params)
-
-    def init_command(self, params: Parameters) -> None:
-        """Read what commanding the joint needs; nothing by default."""
-
-    def reset_command(self) -> None:
-        """Forget what happened before; called when the controller starts."""
 
     def command(
-        self, handle: JointHandle, target: GripperCommand, period: float
+        self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
         """Command the joint towards `target`; return what was commanded.
 
         Args:
             handle: The joint.
-            target: Where it shall go, and how strongly.
+            target: Desired position and largest effort.
             period: Time since the last cycle [s], >= 0.
         """
         raise NotImplementedError
 
     @override
     def starting(self, time: float) -> None:
-        self._end_goals(GoalStatus.PREEMPTED, "The controller was started anew.")
+        self._end_goals(GoalStatus.PREEMPTED, "The controller was restarted.")
         self._hold()
         self._last_movement = time
-        self.reset_command()
 
     @override
     def stopping(self, time: float) -> None:
-        """End the active goal; it never resumes."""
+        """End the active goal for good."""
         self._end_goals(GoalStatus.PREEMPTED, "The controller was stopped.")
 
     @override
     def aborting(self, time: float) -> None:
-        """End the active goal; it never resumes."""
+        """End the active goal for good."""
         self._end_goals(GoalStatus.ABORTED, "The controller failed.")
 
     @override
     def update(self, time: float, period: float) -> None:
-        (handle,) = self._handles
+        handle = self._handle
         while self._port.waiting:
             self._take_up(*self._port.waiting[0], time)
             self._port.waiting.popleft()
         goal = self._goal
         if goal is not None and goal.cancel_requested:
-            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "It was cancelled."))
+            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "The goal was cancelled."))
             self._goal = None
             self._hold()
         position = handle.get_position()
-        error = self._command.position - position
-        output = self.command(handle, self._command, period)
+        error = self._target.position - position
+        output = self.command(handle, self._target, period)
         if self._goal is not None:
             self._supervise(self._goal, handle, error, time)
         self.sample = ControllerSample(
-            time, [self._command.position], [position], [error], [output]
+            time, [self._target.position], [position], [error], [output]
         )
 
-    def _take_up(self, goal: Goal, command: GripperCommand, time: float) -> None:
+    def _take_up(self, goal: Goal, target: GripperTarget, time: float) -> None:
         if self._goal is not None:
-            replaced = GoalResult(0, "Another goal replaced it.")
+            replaced = GoalResult(0, "Another goal replaced this goal.")
             self._goal.finish(GoalStatus.PREEMPTED, replaced)
         if not goal.is_final():
             goal.status = GoalStatus.ACTIVE
         self._goal = goal
-        self._command = command
+        self._target = target
         self._last_movement = time
-        self._distance = abs(command.position - self._handles[0].get_position())
+        self._distance = abs(target.position - self._handle.get_position())
 
     def _supervise(
         self, goal: Goal, handle: JointHandle, error: float, time: float
     ) -> None:
         if self._distance > 0.0:
-            way = 1.0 - abs(error) / self._distance
-            goal.progress = min(1.0, max(goal.progress, way))
+            covered = 1.0 - abs(error) / self._distance
+            goal.progress = min(1.0, max(goal.progress, covered))
         if abs(error) < self._tolerance:
             goal.progress = 1.0
             goal.finish(GoalStatus.SUCCEEDED, self._result(handle, error))
@@ -183,7 +182,7 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
 
     def _feedback(self) -> dict[str, object]:
         """Return the feedback of the active goal. Any thread."""
-        (handle,) = self._handles
+        handle = self._handle
         return {
             "position": handle.get_position(),
             "effort": handle.get_effort(),
@@ -192,9 +191,9 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
         }
 
     def _hold(self) -> None:
-        """Stay where the joint is."""
-        position = self._handles[0].get_position()
-        self._command = GripperCommand(position, self._max_effort)
+        """Make the present position of the joint the target."""
+        position = self._handle.get_position()
+        self._target = GripperTarget(position, self._max_effort)
 
     def _end_goals(self, status: GoalStatus, reason: str) -> None:
         if self._goal is not None:
@@ -204,10 +203,10 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
             self._port.waiting.popleft()[0].finish(status, GoalResult(0, reason))
 
     def _read_max_effort(self, params: Parameters) -> float:
-        """Return the effort of goals that name none [N or Nm].
+        """Return the largest effort of goals that do not state one [N or Nm].
 
         Raises:
-            ParameterError: There is neither a parameter nor a limit of the joint.
+            ParameterError: Neither the parameter nor the joint has a finite effort.
         """
         limit = self.joint.effort
         effort = abs(params.get_float("max_effort", limit if limit < inf else -inf))
@@ -215,7 +214,59 @@ class GripperActionControllerBase(Controller[CommandInterfaceT]):
             raise ParameterError(
                 f"Parameter '{params.resolve('max_effort')}' is missing, and joint "
                 f"'{self.joint.name}' has no effort limit.",
-                remedy="Give the largest effort of the gripper.",
+                remedy="Give the largest effort of the gripper in N or Nm.",
                 details={"parameter": params.resolve("max_effort")},
             )
+        return effort
+
+
+class PositionGripperActionController(GripperActionController[PositionJointInterface]):
+    """Commands the position of the goal; the hardware determines the effort."""
+
+    hardware_interface: ClassVar[type] = PositionJointInterface
+
+    @override
+    def command(
+        self, handle: JointHandle, target: GripperTarget, period: float
+    ) -> float:
+        handle.set_command(target.position)
+        return target.position
+
+
+class EffortGripperActionController(GripperActionController[EffortJointInterface]):
+    """Commands the output of a PID, bounded by the effort of the goal.
+
+    Parameters: those of the base class, and the gains of the joint, see
+    `read_pid_gains`.
+    """
+
+    hardware_interface: ClassVar[type] = EffortJointInterface
+    _pids: JointPidGroup
+
+    @override
+    def init(self, interface: EffortJointInterface, params: Parameters) -> None:
+        super().init(interface, params)
+        self._pids = JointPidGroup(
+            [self.joint],
+            read_pid_gains(params, [self.joint]),
+            error=JointQuantity.POSITION,
+            command=JointQuantity.EFFORT,
+        )
+        self.tunables = self._pids.tunables
+
+    @override
+    def starting(self, time: float) -> None:
+        super().starting(time)
+        self._pids.reset()
+
+    @override
+    def command(
+        self, handle: JointHandle, target: GripperTarget, period: float
+    ) -> float:
+        error = target.position - handle.get_position()
+        (wanted,) = self._pids.compute_commands_with_rates(
+            [error], [-handle.get_velocity()], period
+        )
+        effort = max(-target.max_effort, min(target.max_effort, wanted))
+        handle.set_command(effort)
         return effort

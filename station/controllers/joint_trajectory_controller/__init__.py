@@ -1,15 +1,25 @@
-"""Trajectories of joints, executed over any joint command interface.
-
-One module per package of the original in which the class is called
-`JointTrajectoryController`.
-"""
+"""Execute trajectories of joints over any joint command interface."""
 
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
     ErrorCode,
 )
 from station.controllers.joint_trajectory_controller.joint_trajectory_controller import (  # noqa: E501
-    JointTrajectoryControllerBase,
+    EffortJointTrajectoryController,
+    JointTrajectoryController,
     JointTrajectoryState,
+    PositionJointTrajectoryController,
+    PosVelAccJointTrajectoryController,
+    PosVelJointTrajectoryController,
+    VelocityJointTrajectoryController,
 )
 
-__all__ = ["ErrorCode", "JointTrajectoryControllerBase", "JointTrajectoryState"]
+__all__ = [
+    "EffortJointTrajectoryController",
+    "ErrorCode",
+    "JointTrajectoryController",
+    "JointTrajectoryState",
+    "PosVelAccJointTrajectoryController",
+    "PosVelJointTrajectoryController",
+    "PositionJointTrajectoryController",
+    "VelocityJointTrajectoryController",
+]

@@ -19,7 +19,7 @@ from station.core.trajectory import (
 
 
 class ErrorCode(IntEnum):
-    """How the action ends, by the numbers of the original."""
+    """Error codes in the result of the action, with the numbers of the original."""
 
     SUCCESSFUL = 0
     INVALID_GOAL = -1
@@ -31,13 +31,14 @@ class ErrorCode(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class FollowJointTrajectoryGoal:
-    """What the action is asked for.
+    """A goal of the action.
 
     Attributes:
-        trajectory: Where the joints shall go; no points means: stop and hold.
-        path_tolerance: Bounds of the errors on the way, instead of the defaults.
+        trajectory: The requested trajectory; without points: stop and hold.
+        path_tolerance: Bounds of the errors during the motion, instead of the defaults.
         goal_tolerance: Bounds of the errors at the end, instead of the defaults.
-        goal_time_tolerance: Extra time [s]; 0 keeps the default, a negative one is 0.
+        goal_time_tolerance: Time after the end within which the joints must arrive
+            [s]; 0 keeps the default, and a negative value means 0.
     """
 
     trajectory: JointTrajectory
@@ -75,11 +76,11 @@ def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
 
 
 def error_code_of(error: InvalidTrajectoryError) -> ErrorCode:
-    """Return how the action of the original ends a goal that is refused.
+    """Return the error code with which the original refuses a goal.
 
     Source:
-        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB: everything
-        but wrong joints is an invalid goal.
+        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB: a
+        goal with wrong joints has INVALID_JOINTS, all others have INVALID_GOAL.
     """
     if error.details.get("reason") == "joints":
         return ErrorCode.INVALID_JOINTS

@@ -1,4 +1,4 @@
-"""Where a joint trajectory controller takes its goals."""
+"""The goals of a joint trajectory controller: checked and planned on arrival."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -21,13 +21,13 @@ from station.core.trajectory import (
 
 
 class FollowJointTrajectoryPort(GoalPort):
-    """Checks goals and plans them; the controller executes them.
+    """Checks goals and plans their trajectories; the controller executes them.
 
     Args:
-        execution: Where planned goals go.
+        execution: Receives the planned trajectories.
         tolerances: Default bounds of the errors by joint.
-        is_running: Says whether the controller is running.
-        feedback: Gives the feedback message of the active goal.
+        is_running: Returns whether the controller is running.
+        feedback: Returns the feedback message of the active goal.
 
     Source:
         ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB; differs:
@@ -57,7 +57,7 @@ class FollowJointTrajectoryPort(GoalPort):
         Raises:
             ControllerStateError: The controller is not running.
             InvalidTrajectoryError: The goal is malformed or cannot be followed;
-                `details["error_code"]` is that of the action's result.
+                `details["error_code"]` is the error code of the action's result.
         """
         try:
             return self._accept(request)
@@ -69,8 +69,8 @@ class FollowJointTrajectoryPort(GoalPort):
         wanted = parse_goal(request)
         if not self._is_running():
             raise ControllerStateError(
-                "The controller is not running; it takes goals only then.",
-                remedy="Start it with POST /controllers/switch.",
+                "The controller is not running; only a running controller takes goals.",
+                remedy="Start the controller first.",
             )
         self._check_names([*wanted.path_tolerance, *wanted.goal_tolerance])
         goal = self.new_goal(request)
@@ -98,6 +98,6 @@ class FollowJointTrajectoryPort(GoalPort):
 
     @override
     def void(self, reason: str) -> None:
-        """End every goal and what is followed without one; the joints hold."""
+        """End every goal and every trajectory without a goal; the joints hold."""
         super().void(reason)
         self._execution.hold()

@@ -1,4 +1,4 @@
-"""Watch over a goal: is it on its path, has it arrived, and why not.
+"""Compare joint errors with the tolerances of a goal, and end the goal accordingly.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/
 joint_trajectory_controller_impl.h, JointTrajectoryController.update.
@@ -16,7 +16,7 @@ from station.core.trajectory import JointTrajectorySegment, SegmentTrajectory
 
 @dataclass(frozen=True, slots=True)
 class JointErrors:
-    """How far the joints are from where they shall be, shape (n,) each.
+    """Differences between desired and measured joint states, shape (n,) each.
 
     Attributes:
         positions: Desired minus measured positions [rad or m].
@@ -28,7 +28,9 @@ class JointErrors:
 
 
 class GoalSupervision:
-    """Knows the active goal and ends it. Control thread only.
+    """Holds the active goal until it succeeds, fails or is replaced.
+
+    Control thread only.
 
     Args:
         joints: The joints.
@@ -47,14 +49,14 @@ class GoalSupervision:
     def begin(
         self, goal: Goal | None, now: float, trajectory: SegmentTrajectory
     ) -> None:
-        """Make `goal` the active one; the one before is preempted.
+        """Make `goal` the active goal; the previous goal is preempted.
 
         Args:
-            goal: The new goal; None for a trajectory nobody waits for.
-            now: Time of the trajectory [s].
-            trajectory: What is executed from now on.
+            goal: The new goal; None for a trajectory without a goal.
+            now: Trajectory time [s].
+            trajectory: The trajectory that is executed from now on.
         """
-        self.end(GoalStatus.PREEMPTED, "Another trajectory replaced it.")
+        self.end(GoalStatus.PREEMPTED, "Another trajectory replaced this goal.")
         self.goal = goal
         self._reached.clear()
         self._start = now
@@ -63,11 +65,11 @@ class GoalSupervision:
             goal.status = GoalStatus.ACTIVE
 
     def end(self, status: GoalStatus, reason: str) -> None:
-        """End the active goal, if there is one, from outside.
+        """End the active goal, if there is one, for a reason outside of its tolerances.
 
         Args:
-            status: How it ends.
-            reason: Why, one sentence.
+            status: The final status.
+            reason: The reason in one sentence.
         """
         if self.goal is not None:
             self.goal.finish(status, GoalResult(0, reason))
@@ -80,13 +82,13 @@ class GoalSupervision:
         errors: JointErrors,
         now: float,
     ) -> bool:
-        """Compare the errors with their bounds; return whether the goal is aborted.
+        """Compare the errors with the tolerances; return whether the goal was aborted.
 
         Args:
-            active: The segment each joint is on.
+            active: The present segment of each joint.
             trajectory: All segments.
             errors: The present errors.
-            now: Time of the trajectory [s].
+            now: Trajectory time [s].
         """
         goal = self.goal
         if goal is None:

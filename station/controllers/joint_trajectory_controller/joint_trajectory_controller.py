@@ -1,11 +1,11 @@
-"""Move joints along trajectories; the base of the controllers of all interfaces.
+"""Move joints along trajectories, over any joint command interface.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/
 joint_trajectory_controller.h, joint_trajectory_controller_impl.h.
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple, TypeVar
+from typing import ClassVar, NamedTuple, TypeVar
 
 from typing_extensions import override
 
@@ -13,21 +13,34 @@ from station.controllers.forward_command_controller.joint_names import read_join
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_port import (  # noqa: E501
     FollowJointTrajectoryPort,
 )
+from station.controllers.joint_trajectory_controller.hardware_interface_adapter import (
+    HardwareInterfaceAdapter,
+    adapter_for,
+)
 from station.controllers.joint_trajectory_controller.joint_trajectory_port import (
     JointTrajectoryPort,
 )
-from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
+from station.controllers.joint_trajectory_controller.speed_scaling import (
+    SPEED_SCALING,
+    SpeedScaling,
+)
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
 from station.core.control.controller import Controller, ControllerSample
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunables
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
 from station.core.errors import ParameterError
-from station.core.hardware.interfaces import JointStateGroup
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+    PosVelAccJointInterface,
+    PosVelJointInterface,
+    VelocityJointInterface,
+)
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
 from station.core.trajectory import (
@@ -36,17 +49,16 @@ from station.core.trajectory import (
 )
 
 InterfaceT = TypeVar("InterfaceT")
-SPEED_SCALING = "speed_scaling"
 
 
 class JointTrajectoryState(NamedTuple):
-    """What was desired and measured in one cycle; lists have the shape (n,).
+    """Desired and measured states of one cycle; lists have the shape (n,).
 
     Attributes:
         stamp: Station time of the cycle [s].
         desired: Desired positions, velocities and accelerations.
         actual: Measured positions and velocities.
-        error: Their differences.
+        error: Desired minus actual positions and velocities.
     """
 
     stamp: float
@@ -55,44 +67,49 @@ class JointTrajectoryState(NamedTuple):
     error: PosVelAccState
 
 
-class JointTrajectoryControllerBase(Controller[InterfaceT]):
-    """Executes trajectories and goals; subclasses command the hardware.
+class JointTrajectoryController(Controller[InterfaceT]):
+    """Executes trajectories and goals; an adapter commands the hardware.
 
     Parameters: `joints`; `constraints` with `goal_time`, `stopped_velocity_tolerance`
     and per joint `trajectory` and `goal`; `stop_trajectory_duration` [s];
     `allow_partial_joints_goal`; `speed_scaling`, 0 to 1, and `speed_scaling_ramp`, the
-    time from standstill to full speed [s]. `robot_description` in this or an outer
-    namespace gives types and limits of the joints. `state_publish_rate` and
-    `action_monitor_rate` are accepted and not needed: every cycle's state is there.
+    time from standstill to full speed [s]; and those of the interface's adapter, see
+    `adapter_for`. `robot_description` in this or an outer namespace gives types and
+    limits of the joints. `state_publish_rate` and `action_monitor_rate` are accepted
+    and have no effect, because the state of every cycle is available.
 
-    The run-time parameter `speed_scaling` slows the executed trajectory down, 0 pauses
-    it; positions stay on the same path.
+    The run-time parameter `speed_scaling` slows the executed trajectory down, and 0
+    pauses it; the joints stay on the same path.
 
     Attributes:
-        trajectory_state: What was desired and measured last, a new object each cycle;
-            None before the first.
+        joints: Descriptions of the joints.
+        execution: The trajectory that is executed.
+        trajectory_state: What was desired and measured in the last cycle, a new object
+            each cycle; None before the first.
     """
+
+    joints: list[JointDescription]
+    execution: TrajectoryExecution
+    _adapter: HardwareInterfaceAdapter
 
     def __init__(self) -> None:
         super().__init__()
-        self.joints: list[JointDescription] = []
-        self.execution = TrajectoryExecution([])
         self.trajectory_state: JointTrajectoryState | None = None
-        self._schema: dict[str, Tunable] = {}
 
     @override
     def init(self, interface: InterfaceT, params: Parameters) -> None:
         self.joint_names = read_joint_names(params)
         description = require_robot_description(params)
         self.joints = [description.joint(name) for name in self.joint_names]
-        self.init_joints(interface, params)
+        self._adapter = self.make_adapter(interface, params)
+        speed = _read_speed(params)
         self.execution = TrajectoryExecution(
             self.joints,
             stop_duration=_read_duration(params, "stop_trajectory_duration", 0.0),
             allow_partial_joints_goal=params.get_bool(
                 "allow_partial_joints_goal", default=False
             ),
-            speed=_read_speed(params),
+            speed=speed,
         )
         self.goals = FollowJointTrajectoryPort(
             self.execution,
@@ -101,75 +118,45 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
             self._state_message,
         )
         self.trajectories = JointTrajectoryPort(self.execution, self.is_running)
-        self._schema = {
-            **self.command_gain_schema(),
-            SPEED_SCALING: Tunable(
-                "", 0.0, 1.0, "speed of the trajectory; 0 pauses, 1 is as planned"
-            ),
-        }
+        self.tunables = Tunables.joined(self._adapter.tunables, speed.tunables)
 
-    def init_joints(self, interface: InterfaceT, params: Parameters) -> None:
-        """Claim the joints `self.joint_names` and read what commanding them needs.
+    def make_adapter(
+        self, interface: InterfaceT, params: Parameters
+    ) -> HardwareInterfaceAdapter:
+        """Claim the joints and return what commands them; override for new interfaces.
 
         Args:
             interface: The robot's interface.
             params: The controller's namespace.
 
         Raises:
-            StationError: A joint or a parameter is missing or impossible.
+            StationError: A joint or a parameter is missing or not allowed.
         """
-        raise NotImplementedError
-
-    def group(self) -> JointStateGroup:
-        """Return the joints, for reading."""
-        raise NotImplementedError
-
-    def reset_command(self) -> None:
-        """Forget what happened before; called when the controller starts."""
-
-    def command(self, execution: TrajectoryExecution, period: float) -> list[float]:
-        """Command the joints towards the desired states; return what was commanded.
-
-        Args:
-            execution: Desired states and errors of this cycle.
-            period: Time since the last cycle [s], >= 0.
-        """
-        raise NotImplementedError
-
-    def command_gain_schema(self) -> Mapping[str, Tunable]:
-        """Return the run-time parameters of the command law; none by default."""
-        return {}
-
-    def command_gains(self) -> dict[str, float]:
-        """Return the present values of these parameters."""
-        return {}
-
-    def apply_command_gains(self, values: Mapping[str, float]) -> None:
-        """Take over a complete set of values."""
+        return adapter_for(interface, self.joints, params)
 
     @override
     def starting(self, time: float) -> None:
-        group = self.group()
+        group = self._adapter.group
         self.execution.start(time, group.get_positions(), group.get_velocities())
-        self.reset_command()
+        self._adapter.starting()
 
     @override
     def stopping(self, time: float) -> None:
-        """End the active goal; it never resumes."""
+        """End the active goal for good."""
         self.execution.end_goals(GoalStatus.PREEMPTED, "The controller was stopped.")
 
     @override
     def aborting(self, time: float) -> None:
-        """End the active goal; it never resumes."""
+        """End the active goal for good."""
         self.execution.end_goals(GoalStatus.ABORTED, "The controller failed.")
 
     @override
     def update(self, time: float, period: float) -> None:
-        group = self.group()
+        group = self._adapter.group
         positions, velocities = group.get_positions(), group.get_velocities()
         execution = self.execution
         execution.advance(time, period, positions, velocities)
-        output = self.command(execution, period)
+        output = self._adapter.update_command(execution, period)
         desired, errors = execution.positions, execution.errors
         begun, passed = execution.times_from_start
         self.sample = ControllerSample(
@@ -188,12 +175,12 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return what the original's topic `state` says."""
+        """Return the topic `state` of the original."""
         message = self._state_message()
         return {"state": message} if message else {}
 
     def _state_message(self) -> dict[str, object]:
-        """Return the last state; it is the feedback of goals, too."""
+        """Return the last state, which is also the feedback of goals. Any thread."""
         state = self.trajectory_state
         if state is None:
             return {}
@@ -205,22 +192,45 @@ class JointTrajectoryControllerBase(Controller[InterfaceT]):
             "error": _message(state.error),
         }
 
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return self._schema
 
-    @override
-    def gains(self) -> dict[str, float]:
-        return {**self.command_gains(), SPEED_SCALING: self.execution.speed.target}
+class PositionJointTrajectoryController(
+    JointTrajectoryController[PositionJointInterface]
+):
+    """Commands positions."""
 
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self.apply_command_gains(values)
-        self.execution.speed.target = values[SPEED_SCALING]
+    hardware_interface: ClassVar[type] = PositionJointInterface
+
+
+class VelocityJointTrajectoryController(
+    JointTrajectoryController[VelocityJointInterface]
+):
+    """Commands velocities computed from the errors of position and velocity."""
+
+    hardware_interface: ClassVar[type] = VelocityJointInterface
+
+
+class EffortJointTrajectoryController(JointTrajectoryController[EffortJointInterface]):
+    """Commands efforts computed from the errors of position and velocity."""
+
+    hardware_interface: ClassVar[type] = EffortJointInterface
+
+
+class PosVelJointTrajectoryController(JointTrajectoryController[PosVelJointInterface]):
+    """Commands positions and velocities."""
+
+    hardware_interface: ClassVar[type] = PosVelJointInterface
+
+
+class PosVelAccJointTrajectoryController(
+    JointTrajectoryController[PosVelAccJointInterface]
+):
+    """Commands positions, velocities and accelerations."""
+
+    hardware_interface: ClassVar[type] = PosVelAccJointInterface
 
 
 def _message(state: PosVelAccState) -> dict[str, object]:
-    """Return a state like a trajectory_msgs/JointTrajectoryPoint."""
+    """Return a state in the form of a trajectory_msgs/JointTrajectoryPoint."""
     return {
         "positions": state.position,
         "velocities": state.velocity,
@@ -233,7 +243,7 @@ def _read_duration(params: Parameters, key: str, default: float) -> float:
     """Return a duration [s].
 
     Raises:
-        ParameterError: It is no number >= 0.
+        ParameterError: The duration is not a number >= 0.
     """
     duration = params.get_float(key, default)
     if duration < 0.0:
@@ -249,7 +259,7 @@ def _read_speed(params: Parameters) -> SpeedScaling:
     """Return the speed scaling.
 
     Raises:
-        ParameterError: A value is out of its range.
+        ParameterError: A parameter is out of its range.
     """
     target = params.get_float(SPEED_SCALING, 1.0)
     if not 0.0 <= target <= 1.0:

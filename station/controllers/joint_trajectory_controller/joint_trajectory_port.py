@@ -1,4 +1,4 @@
-"""Where a joint trajectory controller takes trajectories without a goal."""
+"""Trajectories without a goal, and queries of the desired state."""
 
 from collections.abc import Callable, Mapping
 
@@ -19,8 +19,8 @@ class JointTrajectoryPort(TrajectoryPort):
     """The topic `command` and the service `query_state` of the original.
 
     Args:
-        execution: Where planned trajectories go.
-        is_running: Says whether the controller is running.
+        execution: Plans and executes the trajectories.
+        is_running: Returns whether the controller is running.
     """
 
     def __init__(
@@ -31,14 +31,14 @@ class JointTrajectoryPort(TrajectoryPort):
 
     @override
     def follow(self, request: Mapping[str, object]) -> None:
-        """Follow a trajectory; it replaces what is being executed.
+        """Replace the trajectory being executed.
 
         Args:
             request: See `parse_trajectory`; without points: stop and hold.
 
         Raises:
             ControllerStateError: The controller is not running.
-            InvalidTrajectoryError: It is malformed or cannot be followed.
+            InvalidTrajectoryError: The trajectory is malformed or cannot be followed.
         """
         trajectory = parse_trajectory(request)
         self._check_running()
@@ -50,7 +50,7 @@ class JointTrajectoryPort(TrajectoryPort):
 
     @override
     def query_state(self, time: float) -> PosVelAccState:
-        """Return where the joints shall be at a station time [s].
+        """Return the desired state of the joints at a station time [s].
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -63,5 +63,5 @@ class JointTrajectoryPort(TrajectoryPort):
         if not self._is_running():
             raise ControllerStateError(
                 "The controller is not running; it has no trajectory.",
-                remedy="Start it with POST /controllers/switch.",
+                remedy="Start the controller first.",
             )

@@ -1,17 +1,25 @@
-"""How fast the time of a trajectory passes: pause, resume and everything between."""
+"""Scale the speed at which a trajectory is executed, down to a pause."""
+
+from collections.abc import Mapping
+
+from station.core.control.tunables import Tunable, Tunables
+
+SPEED_SCALING = "speed_scaling"
+"""Name of the parameter and of the run-time parameter."""
 
 
 class SpeedScaling:
     """A factor between 0 and 1 that changes at a limited rate.
 
     Args:
-        target: First factor, also its present value.
+        target: First target, and the first factor.
         ramp_time: Time from standstill to full speed [s], >= 0.
 
     Attributes:
-        target: The factor that is wanted, 0 to 1.
-        factor: The present factor, 0 to 1.
-        rate: Present change of the factor [1/s].
+        target: The factor that is approached, 0 to 1.
+        factor: The present factor, 0 to 1: trajectory time that passes per real time.
+        rate: Rate at which the factor changes [1/s].
+        tunables: The target as the run-time parameter `speed_scaling`.
     """
 
     def __init__(self, target: float = 1.0, ramp_time: float = 0.5) -> None:
@@ -19,9 +27,15 @@ class SpeedScaling:
         self.factor = target
         self.rate = 0.0
         self._ramp_time = ramp_time
+        text = "speed of the trajectory; 0 pauses, 1 is as planned"
+        self.tunables = Tunables(
+            {SPEED_SCALING: Tunable("", 0.0, 1.0, text)},
+            {SPEED_SCALING: target},
+            apply=self._set_target,
+        )
 
     def advance(self, period: float) -> float:
-        """Move the factor towards its target and return how much time passes [s].
+        """Move the factor towards its target; return the trajectory time passed [s].
 
         Args:
             period: Time since the last cycle [s], >= 0.
@@ -38,3 +52,6 @@ class SpeedScaling:
             self.factor = before + (step if difference > 0.0 else -step)
         self.rate = (self.factor - before) / period if period > 0.0 else 0.0
         return period * 0.5 * (before + self.factor)
+
+    def _set_target(self, values: Mapping[str, float]) -> None:
+        self.target = values[SPEED_SCALING]

@@ -1,4 +1,4 @@
-"""Follow a trajectory in time: take requests over, sample, supervise the goal.
+"""Execute a trajectory in time: plan requests, sample, supervise the goal.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/
 joint_trajectory_controller_impl.h.
@@ -13,10 +13,10 @@ from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
     JointErrors,
 )
-from station.controllers.joint_trajectory_controller.pace import check_pace
 from station.controllers.joint_trajectory_controller.request_limits import (
     check_duration,
     check_positions,
+    check_segment_velocity,
 )
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
 from station.core.description.robot_description import JointDescription
@@ -41,21 +41,19 @@ from station.core.trajectory import (
 from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
 
 _STANDSTILL = 1e-6
-"""Part of its speed below which a trajectory counts as paused."""
-
-
+"""Speed scaling below which a trajectory counts as paused."""
 _KEPT = 8
-"""How many trajectories wait at most to be thrown away."""
+"""Number of replaced trajectories kept until a planning thread frees them."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Moment:
-    """One cycle's time, swapped as a whole.
+    """The time of one cycle, replaced as a whole so that any thread may read it.
 
     Attributes:
         time: Station time [s].
-        period: Time since the cycle before [s].
-        uptime: Time of the trajectory [ns].
+        period: Time since the previous cycle [s].
+        uptime: Trajectory time [ns]: integral of the speed scaling over real time.
     """
 
     time: float = 0.0
@@ -65,41 +63,47 @@ class _Moment:
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """A planned trajectory, None to stop and hold, and the goal that waits for it."""
+    """A planned trajectory that the control thread has yet to take up.
+
+    Attributes:
+        trajectory: The segments of every joint; None to stop and hold.
+        goal: The goal that ends with the trajectory; None for a trajectory without one.
+    """
 
     trajectory: SegmentTrajectory | None
     goal: Goal | None
 
 
 class TrajectoryExecution:
-    """What a joint trajectory controller does, but for the hardware.
+    """The trajectory that is executed, from the request to the desired states.
 
-    `plan` may be called from any thread; everything else belongs to the control
-    thread. A new trajectory is worked out in the caller's thread and taken up in the
-    next cycle; if the loop went on meanwhile, the bridge to it begins anew where the
-    joints shall be then.
+    `plan`, `hold` and `query` may be called from any thread; all other methods belong
+    to the control thread. `plan` computes a new trajectory in the caller's thread, and
+    the next cycle takes the trajectory up. Cycles that pass during the computation make
+    the bridge to the new trajectory late; a late bridge is computed anew from the
+    desired states in the cycle that takes the trajectory up.
 
     Args:
         joints: The joints.
         stop_duration: Time in which a motion is ended [s]; 0 to hold the measured
             positions at once.
         allow_partial_joints_goal: Whether a trajectory may leave joints out.
-        speed: How fast the time of the trajectory passes.
+        speed: Speed scaling of the trajectory; full speed when None.
 
     Attributes:
-        speed: How fast the time of the trajectory passes.
+        speed: Speed scaling of the trajectory.
         positions: Desired positions [rad or m], shape (n,).
         velocities: Desired velocities [rad/s or m/s], shape (n,).
         accelerations: Desired accelerations [rad/s^2 or m/s^2], shape (n,).
         errors: Desired minus measured states.
-        times_from_start: When the first joint's segment begins, and how far it is, both
+        times_from_start: Start of the first joint's segment, and the present time, both
             from the start of the trajectory [s].
 
     Source:
         JointTrajectoryController; differs: after a violated tolerance the joints are
         stopped and held, not moved on; only continuous joints take the shortest way in
-        the error; positions beyond a joint's limits are refused, and ways that need
-        more than its velocity.
+        the error; positions beyond a joint's limits are refused, and segments that
+        need more than its velocity.
     """
 
     def __init__(
@@ -132,7 +136,7 @@ class TrajectoryExecution:
     def start(
         self, time: float, positions: list[float], velocities: list[float]
     ) -> None:
-        """Hold the present positions, or come to rest when the joints move.
+        """Hold the present positions, or come to rest if the joints move.
 
         Args:
             time: Station time [s].
@@ -140,7 +144,7 @@ class TrajectoryExecution:
             velocities: Measured velocities [rad/s or m/s], shape (n,).
         """
         size = len(self._joints)
-        self.end_goals(GoalStatus.PREEMPTED, "The controller was started anew.")
+        self.end_goals(GoalStatus.PREEMPTED, "The controller was restarted.")
         self._moment = _Moment(time)
         self.positions = positions
         self.velocities = velocities
@@ -150,11 +154,11 @@ class TrajectoryExecution:
         self._trajectory = self._resting(positions)
 
     def end_goals(self, status: GoalStatus, reason: str) -> None:
-        """End the active goal and every goal that waits; nothing resumes later.
+        """End the active goal and every waiting goal for good.
 
         Args:
-            status: How they end.
-            reason: Why, one sentence.
+            status: The final status of the goals.
+            reason: The reason in one sentence.
         """
         self._supervision.end(status, reason)
         while self._requests:
@@ -168,17 +172,19 @@ class TrajectoryExecution:
         goal: Goal | None = None,
         tolerances: Mapping[str, JointTolerances] | None = None,
     ) -> None:
-        """Work a request out and let the next cycle take it up.
+        """Plan a request and let the next cycle take it up.
 
         Args:
-            request: Where to go; without points: stop and hold.
-            goal: The goal that waits for it; one without points names its joints, too.
+            request: The requested trajectory; without points: stop and hold.
+            goal: The goal that ends with the trajectory. The request of a goal names
+                the joints even when it has no points.
             tolerances: Bounds of the errors by joint, used with a goal.
 
         Raises:
             InvalidTrajectoryError: The request cannot be followed; nothing changed.
         """
         with self._planning:
+            # Replaced trajectories are freed here, where time does not matter.
             self._retired.clear()
             if request.points:
                 planned = self._planned(request, goal, tolerances)
@@ -193,7 +199,7 @@ class TrajectoryExecution:
             self._requests.append(_Request(None, goal))
 
     def hold(self) -> None:
-        """Let the next cycle end the motion and hold. Any thread, waits for nobody."""
+        """Let the next cycle end the motion and hold. Any thread; takes no lock."""
         self._requests.append(_Request(None, None))
 
     def advance(
@@ -203,7 +209,7 @@ class TrajectoryExecution:
         positions: list[float],
         velocities: list[float],
     ) -> None:
-        """Bring the desired states and the errors to the present cycle.
+        """Compute the desired states and the errors of the present cycle.
 
         Args:
             time: Station time [s].
@@ -216,23 +222,28 @@ class TrajectoryExecution:
         self._moment = _Moment(time, period, uptime)
         now = to_seconds(uptime)
         while self._requests:
+            # A request stays queued until it is followed, so that a thread that plans
+            # in between continues from it (see `_latest_trajectory`).
             self._take_up(self._requests[0], now, positions)
             self._requests.popleft()
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
-            self._supervision.end(GoalStatus.PREEMPTED, "It was cancelled.")
+            self._supervision.end(GoalStatus.PREEMPTED, "The goal was cancelled.")
             self._follow(self._resting(positions))
         active = self._sample(now, positions, velocities)
         if self._supervision.check(active, self._trajectory, self.errors, now):
             self._follow(self._resting(positions))
 
     def query(self, time: float) -> PosVelAccState:
-        """Return the desired state at a station time [s], past or to come.
+        """Return the desired state at a past or future time. Any thread.
 
-        It is told for the present speed of the trajectory.
+        The present speed scaling is assumed for all times.
+
+        Args:
+            time: Station time [s].
 
         Raises:
-            InvalidTrajectoryError: The trajectory being executed begins later.
+            InvalidTrajectoryError: `time` is before the trajectory being executed.
         """
         moment, trajectory, factor = self._moment, self._trajectory, self.speed.factor
         when = to_seconds(moment.uptime) + factor * (time - moment.time)
@@ -274,47 +285,46 @@ class TrajectoryExecution:
             ),
         )
         check_positions(request, self._joints)
-        self._check_pace(planned, current)
+        self._check_velocities(planned, current)
         return planned
 
     def _latest_trajectory(self) -> SegmentTrajectory:
-        """Return what will be executed when all that waits has been taken up."""
+        """Return the trajectory that is executed after all queued requests."""
         try:
             latest = self._requests[-1].trajectory
         except IndexError:
             return self._trajectory
-        if latest is None:  # a stop: nothing of what is executed goes on after it
+        if latest is None:  # After a stop nothing of the present trajectory goes on.
             return hold_trajectory(self._sampled, self.positions)
         return latest
 
-    def _check_pace(
+    def _check_velocities(
         self, planned: SegmentTrajectory, current: SegmentTrajectory
     ) -> None:
-        """Refuse ways that need more than a joint's velocity on average.
+        """Refuse new segments that are too fast for their joints.
 
-        That is what a trajectory asks for that starts far from where the joints are.
+        A trajectory that starts far from where the joints are has such segments.
 
         Raises:
             InvalidTrajectoryError: A segment is too fast.
         """
         for joint, segments, before in zip(self._joints, planned, current, strict=True):
+            # Segments of the present trajectory have been checked before.
             known = {id(segment.spline) for segment in before}
             for segment in segments:
                 if id(segment.spline) not in known:
-                    check_pace(joint, segment)
+                    check_segment_velocity(joint, segment)
 
     def _take_up(self, request: _Request, now: float, positions: list[float]) -> None:
         if request.trajectory is None:
             self._follow(self._resting(positions, request.goal))
         else:
-            self._follow(self._with_timely_bridges(request.trajectory, now))
+            self._follow(_timely(request.trajectory, self._trajectory, now))
         self._supervision.begin(request.goal, now, self._trajectory)
 
     def _follow(self, trajectory: SegmentTrajectory) -> None:
-        """Execute `trajectory`; what was executed is left for `plan` to throw away.
-
-        A long one takes milliseconds to free, which no cycle has.
-        """
+        """Execute `trajectory` from now on; `plan` frees the old trajectory."""
+        # To free a long trajectory takes milliseconds, which no cycle has.
         self._retired.append(self._trajectory)
         self._trajectory = trajectory
 
@@ -323,8 +333,8 @@ class TrajectoryExecution:
     ) -> SegmentTrajectory:
         """Return a trajectory that ends the motion, from the present cycle on.
 
-        A stop ramp begins where the joints were due last, so that it goes on in this
-        cycle as they did.
+        A stop ramp begins at the last desired state, so that the motion is continuous
+        in this cycle.
         """
         now = to_seconds(self._moment.uptime)
         if self._stop_duration == 0.0:
@@ -333,37 +343,17 @@ class TrajectoryExecution:
         factor = self.speed.factor
         if factor < _STANDSTILL:
             return hold_trajectory(now, self.positions, goal)
-        # The duration is real time, whatever the speed of the trajectory.
+        # `stop_duration` is real time, while the ramp runs in trajectory time.
         moving = [
             (position, velocity / factor)
             for position, velocity in zip(self.positions, self.velocities, strict=True)
         ]
         return stop_trajectory(now, self._stop_duration * factor, moving, goal)
 
-    def _with_timely_bridges(
-        self, planned: SegmentTrajectory, now: float
-    ) -> SegmentTrajectory:
-        """Let bridges that should have begun already begin where the joints are due."""
-        result: SegmentTrajectory = []
-        for segments, current in zip(planned, self._trajectory, strict=True):
-            index = find_segment(segments, now)
-            bridge = None if index is None else segments[index]
-            if index is None or bridge is None or not bridge.is_bridge:
-                result.append(segments)
-                continue
-            if not bridge.start_time < now < bridge.end_time:
-                result.append(segments)
-                continue
-            position, velocity, acceleration = sample_segments(current, now)
-            here = PosVelAccState([position], [velocity], [acceleration])
-            late = bridge.starting_at(now, here)
-            result.append([*segments[:index], late, *segments[index + 1 :]])
-        return result
-
     def _sample(
         self, now: float, measured: list[float], velocities: list[float]
     ) -> list[JointTrajectorySegment]:
-        """Set desired states and errors; return each joint's active segment."""
+        """Set desired states and errors; return the active segment of each joint."""
         active: list[JointTrajectorySegment] = []
         wanted, rates, accelerations = [], [], []
         factor, rate = self.speed.factor, self.speed.rate
@@ -390,3 +380,30 @@ class TrajectoryExecution:
         rate_errors = [d - a for d, a in zip(self.velocities, velocities, strict=True)]
         self.errors = JointErrors(errors, rate_errors)
         return active
+
+
+def _timely(
+    planned: SegmentTrajectory, current: SegmentTrajectory, now: float
+) -> SegmentTrajectory:
+    """Return `planned` with late bridges starting at the present desired states.
+
+    A bridge that should have begun before `now` was planned from a state that the
+    joints have left since; to follow it would make the desired state jump.
+    """
+    result: SegmentTrajectory = []
+    for segments, executed in zip(planned, current, strict=True):
+        index = find_segment(segments, now)
+        bridge = None if index is None else segments[index]
+        if (
+            index is None
+            or bridge is None
+            or not bridge.is_bridge
+            or not bridge.start_time < now < bridge.end_time
+        ):
+            result.append(segments)
+            continue
+        position, velocity, acceleration = sample_segments(executed, now)
+        here = PosVelAccState([position], [velocity], [acceleration])
+        late = bridge.starting_at(now, here)
+        result.append([*segments[:index], late, *segments[index + 1 :]])
+    return result

@@ -2,20 +2,11 @@
 
 from station.controllers.pid_command_controller.joint_pid_controller import (
     JointPidController,
-)
-from station.controllers.pid_command_controller.joint_pids import (
-    JointPids,
-    read_joint_pids,
-)
-from station.controllers.pid_command_controller.position_pid_controller import (
-    PositionPidController,
     position_error,
 )
+from station.controllers.pid_command_controller.joint_pid_group import (
+    JointPidGroup,
+    read_pid_gains,
+)
 
-__all__ = [
-    "JointPidController",
-    "JointPids",
-    "PositionPidController",
-    "position_error",
-    "read_joint_pids",
-]
+__all__ = ["JointPidController", "JointPidGroup", "position_error", "read_pid_gains"]

@@ -1,54 +1,78 @@
-"""The base of the controllers that close one PID loop around every joint."""
+"""Control the position or the velocity of joints by one PID loop around each of them.
+
+Source: ros_controllers@678b92a effort_controllers/src/
+joint_group_position_controller.cpp, joint_position_controller.cpp,
+joint_velocity_controller.cpp, velocity_controllers/src/joint_position_controller.cpp.
+"""
 
 from collections.abc import Mapping
+from math import pi
 from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.joint_quantity import JointQuantity
-from station.controllers.forward_command_controller.joint_set_point_controller import (
+from station.controllers.forward_command_controller import (
     CommandInterfaceT,
+    JointQuantity,
     JointSetPointController,
 )
-from station.controllers.pid_command_controller.joint_pids import (
-    JointPids,
-    read_joint_pids,
+from station.controllers.pid_command_controller.joint_pid_group import (
+    JointPidGroup,
+    read_pid_gains,
 )
 from station.core.control.controller import ControllerSample
-from station.core.control.tunables import Tunable
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
+from station.core.numerics.angles import (
+    shortest_angular_distance,
+    shortest_angular_distance_with_limits,
+)
 from station.core.parameters import Parameters
+from station.core.ports.set_point import SetPointElement
 
 
 class JointPidController(JointSetPointController[CommandInterfaceT]):
-    """Computes commands from the errors of the quantity it controls.
+    """Commands what one PID per joint computes from the error of the set-point.
+
+    The error of a position is the way that the joint can go, see `position_error`; the
+    limits come from the robot description, without which positions are not controlled.
+    A set-point of positions may include velocities; the derivative gain then acts on
+    the difference to these velocities.
+
+    Parameters: those of the base class, and the gains of every joint, see
+    `read_pid_gains`.
 
     Attributes:
-        quantity: What is controlled: set-points, measured values and errors.
+        quantity: What is controlled: the unit of set-points, measurements and errors.
         command_quantity: What the PIDs compute.
+
+    Source:
+        JointGroupPositionController; differs: a set-point beyond the limits is refused
+        when it is posted, and clamped only if it was posted unchecked; a joint that
+        starts beyond its limits is held there and not driven back.
     """
 
     command_quantity: ClassVar[JointQuantity]
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._period = 0.0
-        self._pids = JointPids(
-            [], [], error=JointQuantity.POSITION, command=JointQuantity.EFFORT
-        )
+    _pids: JointPidGroup
+    _period: float
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
         super().init(interface, params)
-        self._pids = JointPids(
+        self._pids = JointPidGroup(
             self.joints,
-            read_joint_pids(params, self.joints),
+            read_pid_gains(params, self.joints),
             error=self.quantity,
             command=self.command_quantity,
         )
-
-    def errors(self, set_point: list[float], actual: list[float]) -> list[float]:
-        """Return what is missing to the set-point, shape (n,); a plain difference."""
-        return [d - a for d, a in zip(set_point, actual, strict=True)]
+        self._period = 0.0
+        self.tunables = self._pids.tunables
+        if self.quantity is JointQuantity.POSITION and self.set_points is not None:
+            velocity = JointQuantity.VELOCITY
+            self.set_points.feed_forward = [
+                SetPointElement(each.name, velocity.unit(each), *velocity.range(each))
+                for each in self.joints
+            ]
 
     @override
     def starting(self, time: float) -> None:
@@ -59,10 +83,18 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
     def update(self, time: float, period: float) -> None:
         set_point = self.newest_set_point()
         actual = self.quantity.measure(self.group)
-        errors = self.errors(set_point, actual)
-        if self.rates:
+        errors = [d - a for d, a in zip(set_point, actual, strict=True)]
+        if self.quantity is JointQuantity.POSITION:
+            for index, error in enumerate(errors):
+                # Only beyond half a turn can the way of a joint differ from the error.
+                if not -pi <= error <= pi:
+                    errors[index] = position_error(
+                        self.joints[index], actual[index], set_point[index]
+                    )
+        rates = self._watched.rates
+        if rates:
             measured = self.group.get_velocities()
-            missing = [d - a for d, a in zip(self.rates, measured, strict=True)]
+            missing = [d - a for d, a in zip(rates, measured, strict=True)]
             commands = self._pids.compute_commands_with_rates(errors, missing, period)
         else:
             commands = self._pids.compute_commands(errors, period)
@@ -72,7 +104,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the topic `state`; for a group lists, in the order of its joints.
+        """Return the topic `state`: numbers, or for a group lists in joint order.
 
         Source:
             control_msgs@1.5.2 msg/JointControllerState.msg; differs: a group of joints
@@ -93,18 +125,25 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
             return {"state": {**common, "joint_names": self.joint_names, **columns}}
         return {"state": {**common, **{key: each[0] for key, each in columns.items()}}}
 
-    @override
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        return self._pids.gain_schema()
 
-    @override
-    def gains(self) -> dict[str, float]:
-        return self._pids.gains()
+def position_error(joint: JointDescription, measured: float, set_point: float) -> float:
+    """Return the signed way from a measured position to a set-point.
 
-    @override
-    def check_gains(self, values: Mapping[str, float]) -> None:
-        self._pids.check_gains(values)
+    A continuous joint takes the shorter of the two ways round, a revolute joint the
+    shortest way that stays within its limits.
 
-    @override
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        self._pids.apply_gains(values)
+    Args:
+        joint: Type and limits of the joint.
+        measured: Measured position [rad or m].
+        set_point: Desired position within the limits [rad or m].
+
+    Returns:
+        The way [rad or m]; NaN when a position is not finite.
+    """
+    if joint.type is JointType.CONTINUOUS:
+        return shortest_angular_distance(measured, set_point)
+    if joint.type is JointType.REVOLUTE:
+        return shortest_angular_distance_with_limits(
+            measured, set_point, joint.lower, joint.upper
+        )
+    return set_point - measured

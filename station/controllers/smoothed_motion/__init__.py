@@ -1,11 +1,25 @@
-"""Motion that is smoothed within limits of velocity, acceleration and jerk.
+"""Joint motion that is smooth within limits of velocity, acceleration and jerk.
 
-`JointStreamingController` follows positions that arrive 10 to 100 times a second,
-`JointJogController` moves joints while somebody holds a button. One module per package
-of command interface.
+A `JointStreamingController` follows positions that arrive 10 to 100 times a second; a
+`JointJogController` moves joints while a button is held.
 """
 
-from station.controllers.smoothed_motion.jog import JointJogControllerBase
-from station.controllers.smoothed_motion.streaming import JointStreamingControllerBase
+from station.controllers.smoothed_motion.joint_jog_controller import (
+    EffortJointJogController,
+    JointJogController,
+    PositionJointJogController,
+)
+from station.controllers.smoothed_motion.joint_streaming_controller import (
+    EffortJointStreamingController,
+    JointStreamingController,
+    PositionJointStreamingController,
+)
 
-__all__ = ["JointJogControllerBase", "JointStreamingControllerBase"]
+__all__ = [
+    "EffortJointJogController",
+    "EffortJointStreamingController",
+    "JointJogController",
+    "JointStreamingController",
+    "PositionJointJogController",
+    "PositionJointStreamingController",
+]

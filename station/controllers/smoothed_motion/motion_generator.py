@@ -1,7 +1,8 @@
-"""Positions that follow targets within limits of velocity, acceleration and jerk.
+"""Generate positions that follow targets within limits of velocity and its rates.
 
-The only module of the controllers that imports something besides core and numbers:
-ruckig, which works out time-optimal motions in microseconds and without allocating.
+Ruckig computes time-optimal motions within limits of velocity, acceleration and jerk in
+microseconds and without allocating memory. No other module of the controllers imports
+anything but core and NumPy.
 """
 
 from ruckig import (
@@ -15,29 +16,32 @@ from ruckig import (
     Trajectory,
 )
 
-from station.controllers.smoothed_motion.motion_limits import MotionLimits
+from station.controllers.smoothed_motion.axis_limits import AxisLimits
 from station.core.errors import InvalidCommandError
 
 _NOMINAL_PERIOD = 0.001
 
 
 class MotionGenerator:
-    """The smooth motion of n joints. Control thread only.
+    """The smooth motion of n axes. Control thread only.
 
     Args:
-        limits: Bounds that hold at all times, but for a start that is faster.
+        limits: Limits of the motion. They are exceeded only after a start with a higher
+            velocity, until the motion has slowed down.
 
     Attributes:
         positions: Desired positions [rad or m], shape (n,), a new list each cycle.
-        velocities: Desired velocities [rad/s or m/s], shape (n,), likewise.
+        velocities: Desired velocities [rad/s or m/s], shape (n,), a new list each
+            cycle.
     """
 
-    def __init__(self, limits: MotionLimits) -> None:
+    def __init__(self, limits: AxisLimits) -> None:
         size = len(limits.velocity)
         self.positions = [0.0] * size
         self.velocities = [0.0] * size
         self._size = size
-        self._held: list[float] = []  # the velocities to move at, if it is these
+        # The target velocities; empty while the target is a position.
+        self._held: list[float] = []
         self._ruckig = Ruckig(size, _NOMINAL_PERIOD)
         self._input = InputParameter(size)
         self._output = OutputParameter(size)
@@ -53,11 +57,11 @@ class MotionGenerator:
         self._braking.target_acceleration = [0.0] * size
 
     def start(self, positions: list[float], velocities: list[float]) -> None:
-        """Begin anew at a state and come to rest.
+        """Start at a state and come to rest.
 
         Args:
-            positions: Where the joints are [rad or m], shape (n,).
-            velocities: How they move [rad/s or m/s], shape (n,).
+            positions: Present positions [rad or m], shape (n,).
+            velocities: Present velocities [rad/s or m/s], shape (n,).
         """
         self.positions, self.velocities = list(positions), list(velocities)
         self._ruckig.reset()
@@ -72,7 +76,7 @@ class MotionGenerator:
         return self.positions, self.velocities, self.accelerations
 
     def restore(self, state: tuple[list[float], list[float], list[float]]) -> None:
-        """Go back to what `state` returned; give the target anew afterwards."""
+        """Return to a result of `state`. Set the target again afterwards."""
         self.positions, self.velocities, accelerations = state
         self._input.current_position = self.positions
         self._input.current_velocity = self.velocities
@@ -85,21 +89,21 @@ class MotionGenerator:
         return result
 
     def relocate(self, positions: list[float]) -> None:
-        """Call the present positions otherwise; the motion goes on as it is.
+        """Change the coordinates of the present positions without changing the motion.
 
-        Give the target anew afterwards.
+        Set the target again afterwards.
 
         Args:
-            positions: What the positions are now [rad or m], shape (n,).
+            positions: Present positions in the new coordinates [rad or m], shape (n,).
         """
         self.positions = positions
         self._input.current_position = positions
 
     def go_to(self, positions: list[float]) -> None:
-        """Go to positions and rest there; all joints arrive together.
+        """Make positions the target: all axes arrive together and rest there.
 
         Args:
-            positions: Where [rad or m], shape (n,).
+            positions: Target positions [rad or m], shape (n,).
         """
         self._held = []
         self._input.control_interface = ControlInterface.Position
@@ -108,10 +112,10 @@ class MotionGenerator:
         self._input.target_velocity = [0.0] * self._size
 
     def go_at(self, velocities: list[float]) -> None:
-        """Move at velocities, each joint by itself.
+        """Make velocities the target, which each axis reaches as soon as it can.
 
         Args:
-            velocities: How fast [rad/s or m/s], shape (n,), within the limits.
+            velocities: Target velocities within the limits [rad/s or m/s], shape (n,).
         """
         if velocities == self._held:
             return
@@ -125,10 +129,10 @@ class MotionGenerator:
         self.go_at([0.0] * self._size)
 
     def resting_positions(self) -> list[float]:
-        """Return where the joints would come to rest if they braked now [rad or m].
+        """Return the positions at which the axes rest if they brake now [rad or m].
 
         Raises:
-            InvalidCommandError: No motion can be worked out.
+            InvalidCommandError: There is no such motion.
         """
         braking = self._braking
         braking.current_position = self._input.current_position
@@ -139,14 +143,14 @@ class MotionGenerator:
         return positions
 
     def advance(self, period: float) -> None:
-        """Move on.
+        """Advance the motion by one period.
 
         Args:
             period: Time since the last cycle [s], >= 0; nothing happens when it is 0.
 
         Raises:
-            InvalidCommandError: No motion to the target can be worked out.
-            RuckigError: The same, found otherwise.
+            InvalidCommandError: There is no motion to the target.
+            RuckigError: There is no motion to the target.
         """
         if period == 0.0:
             return
@@ -155,7 +159,8 @@ class MotionGenerator:
         try:
             result = self._ruckig.update(self._input, self._output)
         except RuckigError:
-            # Now and then it finds no motion in which all joints arrive together.
+            # Rarely Ruckig finds no motion in which all axes arrive together, but finds
+            # a motion in which each axis arrives by itself.
             self._input.synchronization = Synchronization.No
             result = self._ruckig.update(self._input, self._output)
         _check(result)
@@ -167,6 +172,6 @@ class MotionGenerator:
 def _check(result: Result) -> None:
     if result not in {Result.Working, Result.Finished}:
         raise InvalidCommandError(
-            f"No motion to the target can be worked out: {result}.",
-            remedy="Send finite targets within the limits; start the controller again.",
+            f"There is no motion to the target: {result}.",
+            remedy="Send finite targets within the limits and restart the controller.",
         )

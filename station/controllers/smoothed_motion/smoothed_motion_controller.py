@@ -1,4 +1,4 @@
-"""The base of the controllers whose motion is smoothed."""
+"""Move joints smoothly within limits of velocity, acceleration and jerk."""
 
 from dataclasses import replace
 from typing import ClassVar
@@ -6,52 +6,61 @@ from typing import ClassVar
 from typing_extensions import override
 
 from station.controllers.forward_command_controller import (
+    CommandInterfaceT,
     JointQuantity,
     JointSetPointController,
 )
-from station.controllers.forward_command_controller.joint_set_point_controller import (
-    CommandInterfaceT,
+from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.controllers.smoothed_motion.axis_limits import (
+    AxisLimits,
+    read_axis_limits,
+    read_max_lead,
 )
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.controllers.smoothed_motion.motion_limits import (
-    MotionLimits,
-    read_motion_limits,
-)
 from station.core.control.controller import ControllerSample
-from station.core.description.robot_description import (
-    RobotDescription,
-    require_robot_description,
-)
+from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters
 
 LONGEST_TIMEOUT = 1.0
-"""Longest validity of a set-point [s]: whoever commands has to go on saying so."""
+"""Longest validity of a set-point [s], so that set-points must be repeated."""
 
 
 class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
-    """Moves joints within limits of velocity, acceleration and jerk.
+    """Generates a smooth motion from set-points, and commands the joints along it.
 
-    When it starts, and when set-points stay out, the joints come to rest within the
-    limits and hold. Subclasses say what a set-point means and command the hardware.
+    When the controller starts, and when no set-point arrives in time, the joints come
+    to rest within the limits and hold. A subclass defines what a set-point means.
+
+    Over a position interface the generated positions are commanded. Over an effort
+    interface one PID per joint computes efforts from the errors of position and
+    velocity. The generated motion then must not run away from a blocked joint, or the
+    joint would leap when it is free again: while a joint is more than `max_lead`
+    behind, the generated motion comes to rest, until the joint has come nearer or the
+    set-point leads back.
 
     Parameters: `joints`; `max_velocity`, `max_acceleration`, `max_jerk`, see
-    `read_motion_limits`; `command_timeout` [s], 0.2, at most 1.0;
+    `read_axis_limits`; `command_timeout` [s], 0.2 by default, at most 1.0;
     `command_timeout_action`, `hold` or `stop`. `robot_description` in this or an outer
-    namespace gives types and limits of the joints.
+    namespace gives types and limits of the joints. For efforts also the gains of every
+    joint, see `read_pid_gains`, and `max_lead`, see `read_max_lead`.
+
+    Attributes:
+        limits: Limits of the generated motion.
+        generator: The generated motion.
     """
 
+    needs_description: ClassVar[bool] = True
     default_timeout: ClassVar[float] = 0.2
     longest_timeout: ClassVar[float] = LONGEST_TIMEOUT
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.limits = MotionLimits((), (), ())
-        self.generator = MotionGenerator(self.limits)
+    limits: AxisLimits
+    generator: MotionGenerator
+    _pids: JointPidGroup | None
+    _max_lead: list[float]
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
         super().init(interface, params)
-        self.limits = read_motion_limits(params, self.joints)
+        self.limits = read_axis_limits(params, self.joints)
         self.generator = MotionGenerator(self.limits)
         if self.quantity is JointQuantity.VELOCITY and self.set_points is not None:
             self.set_points.elements = [
@@ -60,18 +69,19 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
                     self.set_points.elements, self.limits.velocity, strict=True
                 )
             ]
-
-    @override
-    def find_description(self, params: Parameters) -> RobotDescription | None:
-        """Return the robot description, without which this controller is not safe.
-
-        Raises:
-            RobotDescriptionError: There is none, or it cannot be used.
-        """
-        return require_robot_description(params)
+        self._pids, self._max_lead = None, []
+        if isinstance(interface, EffortJointInterface):
+            self._max_lead = read_max_lead(params, self.joints)
+            self._pids = JointPidGroup(
+                self.joints,
+                read_pid_gains(params, self.joints),
+                error=JointQuantity.POSITION,
+                command=JointQuantity.EFFORT,
+            )
+            self.tunables = self._pids.tunables
 
     def steer(self, set_point: list[float], period: float) -> None:
-        """Tell the generator where to go in this cycle.
+        """Set the target of the generator in this cycle.
 
         Args:
             set_point: The set-point in force, shape (n,).
@@ -80,7 +90,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         raise NotImplementedError
 
     def heading(self, set_point: list[float]) -> list[float]:
-        """Return in which direction each joint shall go, shape (n,).
+        """Return numbers whose signs are the directions of the motion, shape (n,).
 
         Args:
             set_point: The set-point in force, shape (n,).
@@ -88,34 +98,46 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         raise NotImplementedError
 
     def wait(self) -> None:
-        """Let the smoothed motion come to rest in this cycle instead of `steer`."""
+        """Let the generated motion come to rest in this cycle instead of `steer`."""
         self.generator.brake()
-
-    def reset_command(self) -> None:
-        """Forget what happened before; called when the controller starts."""
-
-    def command(self, actual: list[float], period: float) -> list[float]:
-        """Command the joints towards the generator's state; return the commands.
-
-        Args:
-            actual: Measured positions [rad or m], shape (n,).
-            period: Time since the last cycle [s], >= 0.
-        """
-        raise NotImplementedError
 
     @override
     def starting(self, time: float) -> None:
         self.generator.start(self.group.get_positions(), self.group.get_velocities())
-        self.reset_command()
+        if self._pids is not None:
+            self._pids.reset()
         super().starting(time)
 
     @override
     def update(self, time: float, period: float) -> None:
-        """Report the smoothed positions as the desired ones."""
-        self.steer(self.newest_set_point(), period)
-        self.generator.advance(period)
-        actual = self.group.get_positions()
-        output = self.command(actual, period)
-        desired = self.generator.positions
+        """Command the joints along the motion; report its positions as desired."""
+        set_point = self.newest_set_point()
+        if self._max_lead and self._runs_away(set_point):
+            self.wait()
+        else:
+            self.steer(set_point, period)
+        generator = self.generator
+        generator.advance(period)
+        desired, actual = generator.positions, self.group.get_positions()
         errors = [d - a for d, a in zip(desired, actual, strict=True)]
+        output = desired
+        if self._pids is not None:
+            measured = self.group.get_velocities()
+            rates = [d - a for d, a in zip(generator.velocities, measured, strict=True)]
+            output = self._pids.compute_commands_with_rates(errors, rates, period)
+        self.group.set_commands(output)
         self.sample = ControllerSample(time, desired, actual, errors, output)
+
+    def _runs_away(self, set_point: list[float]) -> bool:
+        """Return whether a joint is too far behind and would fall behind further."""
+        ahead = zip(
+            self.generator.positions,
+            self.group.get_positions(),
+            self.heading(set_point),
+            self._max_lead,
+            strict=True,
+        )
+        return any(
+            abs(desired - actual) > bound and (desired - actual) * direction > 0.0
+            for desired, actual, direction, bound in ahead
+        )

@@ -11,7 +11,7 @@ from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 from typing_extensions import override
 
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunables
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
@@ -25,7 +25,7 @@ from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native 
 
 
 class ControllerState(Enum):
-    """Where a controller is in its life (CM-82)."""
+    """The states of a controller's life cycle."""
 
     CONSTRUCTED = "unknown"
     INITIALIZED = "initialized"
@@ -38,13 +38,13 @@ class ControllerState(Enum):
 
 
 class ControllerSample(NamedTuple):
-    """What a controller did in one cycle, per joint, shape (n,) each.
+    """Desired values, measurements and commands of one cycle, shape (n,) each.
 
     Attributes:
         stamp: Station time of the cycle [s].
         desired: Set-point, in the unit of the set-point.
         actual: Measured value, same unit.
-        error: Their difference as the control law sees it.
+        error: Difference of both, as the control law computes it.
         output: Commands written, in the unit of the hardware interface.
     """
 
@@ -58,22 +58,25 @@ class ControllerSample(NamedTuple):
 class ControllerBase:
     """A controller as the manager sees it.
 
-    Users override `starting`, `update`, `stopping`, `waiting` and `aborting`; all of
-    them run in the control thread, must return quickly and may not wait, log or do
+    Users override `starting`, `update`, `stopping`, `waiting` and `aborting`. All of
+    these run in the control thread, must return quickly, and must not wait, log or do
     I/O. `init_request` runs outside of the control thread.
 
-    Order: constructed, `init_request`, then any number of times `starting`,
-    `update` every cycle from the next one on, `stopping`. The state changes after a
-    callback has returned (CM-9). Throughout, `time` is station time [s] and `period`
-    the time since the last cycle [s], >= 0.
+    Order of calls: the constructor and `init_request` once; then, any number of times,
+    `starting`, `update` in every following cycle, and `stopping`. The state changes
+    after a callback has returned. In all callbacks `time` is station time [s], and
+    `period` is the time since the last cycle [s], >= 0.
 
     Attributes:
-        state: Where it is in its life; set by this class and the manager only.
-        set_points: Where set-points arrive; None when it takes none.
-        goals: Where goals arrive; None when it takes none.
-        trajectories: Where trajectories without a goal arrive; None when it takes none.
-        joint_names: Names of what `sample` describes.
-        sample: What it did last; a new object each time, None before the first.
+        state: State of the life cycle; only this class and the manager set it.
+        set_points: Receives set-points; None when the controller takes none.
+        goals: Receives goals; None when the controller takes none.
+        trajectories: Receives trajectories without a goal; None when the controller
+            takes none.
+        tunables: The run-time parameters; empty unless `init` replaces the object.
+        joint_names: Names of the elements of the lists in `sample`.
+        sample: The sample of the last cycle, a new object each time; None before the
+            first.
     """
 
     def __init__(self) -> None:
@@ -81,14 +84,15 @@ class ControllerBase:
         self.set_points: SetPointPort | None = None
         self.goals: GoalPort | None = None
         self.trajectories: TrajectoryPort | None = None
+        self.tunables = Tunables()
         self.joint_names: list[str] = []
         self.sample: ControllerSample | None = None
 
     def starting(self, time: float) -> None:
-        """Prepare to run. The first command must let the robot rest where it is."""
+        """Prepare to run; command the robot to rest where it is."""
 
     def update(self, time: float, period: float) -> None:
-        """Compute one cycle.
+        """Read the handles and command the robot, once per cycle.
 
         Args:
             time: Station time [s].
@@ -97,18 +101,18 @@ class ControllerBase:
         raise NotImplementedError
 
     def stopping(self, time: float) -> None:
-        """Clean up; the robot is about to take the joints back."""
+        """Clean up before the robot takes the joints back."""
 
     def waiting(self, time: float) -> None:
-        """Called each cycle while the hardware is still switching."""
+        """React to a cycle in which the hardware has not finished the switch."""
 
     def aborting(self, time: float) -> None:
-        """Called when the hardware could not switch for this controller."""
+        """React to a switch that the hardware could not complete."""
 
     def init_request(
         self, hw: RobotHW, params: Parameters
     ) -> tuple[InterfaceResources, ...]:
-        """Initialise the controller and return what it claims.
+        """Initialise the controller and return the resources that it claims.
 
         Args:
             hw: The robot.
@@ -121,67 +125,44 @@ class ControllerBase:
         """
         raise NotImplementedError
 
-    def gain_schema(self) -> Mapping[str, Tunable]:
-        """Return the run-time parameters by name; empty when there are none."""
-        return {}
-
-    def gains(self) -> dict[str, float]:
-        """Return the present value of every run-time parameter."""
-        return {}
-
-    def check_gains(self, values: Mapping[str, float]) -> None:
-        """Refuse a complete set that is impossible as a whole.
-
-        Called outside of the control thread with a value for every name in the
-        schema, each already in its range.
-
-        Raises:
-            InvalidGainError: The values do not fit together.
-        """
-
-    def apply_gains(self, values: Mapping[str, float]) -> None:
-        """Take over a complete, checked set. Called between two cycles."""
-
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the latest messages by topic; empty when it publishes none.
+        """Return the latest messages by topic; empty when there are none.
 
-        Called in any thread. Values are numbers, texts, lists of numbers, or mappings
-        of these.
+        Called in any thread. The values of a message are numbers, strings, lists of
+        numbers, or mappings of these.
         """
         return {}
 
     def is_running(self) -> bool:
-        """Say whether the controller is running."""
+        """Return whether the controller is running."""
         return self.state is ControllerState.RUNNING
 
     def is_initialized(self) -> bool:
-        """Say whether the controller is initialised and was never started."""
+        """Return whether the controller is initialised and was never started."""
         return self.state is ControllerState.INITIALIZED
 
     def is_stopped(self) -> bool:
-        """Say whether the controller was stopped."""
+        """Return whether the controller was stopped."""
         return self.state is ControllerState.STOPPED
 
     def is_waiting(self) -> bool:
-        """Say whether the controller waits for the hardware."""
+        """Return whether the controller waits for the hardware."""
         return self.state is ControllerState.WAITING
 
     def is_aborted(self) -> bool:
-        """Say whether the hardware could not switch for this controller."""
+        """Return whether the hardware could not switch for this controller."""
         return self.state is ControllerState.ABORTED
 
     def update_request(self, time: float, period: float) -> None:
-        """Call `update` when running, else do nothing (CM-8)."""
+        """Call `update` when the controller is running."""
         if self.state is ControllerState.RUNNING:
             self.update(time, period)
 
     def start_request(self, time: float) -> bool:
-        """Call `starting`; return False only before initialisation (CM-3, CM-4).
-
-        A set-point that arrived before is void: it was meant for another situation.
-        """
+        """Call `starting`; return False only before initialisation."""
         if self.state is ControllerState.CONSTRUCTED:
             return False
+        # A set-point that arrived before the start was meant for another situation.
         if self.set_points is not None:
             self.set_points.clear()
         self.starting(time)
@@ -189,7 +170,7 @@ class ControllerBase:
         return True
 
     def stop_request(self, time: float) -> bool:
-        """Call `stopping`; return False only before initialisation (CM-3, CM-5)."""
+        """Call `stopping`; return False only before initialisation."""
         if self.state is ControllerState.CONSTRUCTED:
             return False
         self.stopping(time)
@@ -197,7 +178,7 @@ class ControllerBase:
         return True
 
     def wait_request(self, time: float) -> bool:
-        """Call `waiting`; return False only before initialisation (CM-3, CM-6)."""
+        """Call `waiting`; return False only before initialisation."""
         if self.state is ControllerState.CONSTRUCTED:
             return False
         self.waiting(time)
@@ -205,7 +186,7 @@ class ControllerBase:
         return True
 
     def abort_request(self, time: float) -> bool:
-        """Call `aborting`; return False only before initialisation (CM-3, CM-6)."""
+        """Call `aborting`; return False only before initialisation."""
         if self.state is ControllerState.CONSTRUCTED:
             return False
         self.aborting(time)
@@ -217,14 +198,14 @@ InterfaceT = TypeVar("InterfaceT")
 
 
 class ClaimingController(ControllerBase):
-    """What the two bases below share: claims are the handles asked for in `init`."""
+    """A controller whose claims are the handles that its `init` asks for."""
 
     def interface_types(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
         """Return the required and the optional interface types."""
         raise NotImplementedError
 
     def initialise(self, hw: RobotHW, params: Parameters) -> None:
-        """Call the user's `init` with what it expects."""
+        """Call the user's `init` with the arguments that it takes."""
         raise NotImplementedError
 
     @override
@@ -293,7 +274,7 @@ class Controller(ClaimingController, Generic[InterfaceT]):
     ```
 
     Attributes:
-        hardware_interface: The interface's type; the same as the type argument.
+        hardware_interface: Type of the interface; the same as the type argument.
     """
 
     hardware_interface: ClassVar[type]
@@ -306,7 +287,8 @@ class Controller(ClaimingController, Generic[InterfaceT]):
             params: The controller's namespace.
 
         Raises:
-            StationError: The controller cannot be used like that; say why.
+            StationError: The controller cannot be used with these parameters or this
+                robot; the message states the reason.
         """
 
     @override
@@ -324,8 +306,8 @@ class MultiInterfaceController(ClaimingController):
     """A controller over several hardware interfaces.
 
     Attributes:
-        required_interfaces: Types without which it cannot be loaded (CM-13).
-        optional_interfaces: Types it uses when the robot has them (CM-14).
+        required_interfaces: Types of interfaces without which loading is refused.
+        optional_interfaces: Types of interfaces that are used if the robot has them.
     """
 
     required_interfaces: ClassVar[tuple[type, ...]] = ()
@@ -339,7 +321,8 @@ class MultiInterfaceController(ClaimingController):
             params: The controller's namespace.
 
         Raises:
-            StationError: The controller cannot be used like that; say why.
+            StationError: The controller cannot be used with these parameters or this
+                robot; the message states the reason.
         """
 
     @override

@@ -1,11 +1,11 @@
-"""When a controller that publishes at a rate is due."""
+"""Decide in which cycles a controller publishes."""
 
 
 class PublishTimer:
-    """Says in which cycles to publish. It reads no clock: it is told the time.
+    """Decides in which cycles to publish, from the station time it is given.
 
     Args:
-        rate: How often to publish [Hz]; never when it is not positive.
+        rate: Rate of publication [Hz]; when it is not positive, nothing is published.
     """
 
     def __init__(self, rate: float) -> None:
@@ -13,17 +13,19 @@ class PublishTimer:
         self._last: float | None = None
 
     def start(self, time: float, *, at_once: bool) -> None:
-        """Begin the rhythm; a rhythm that has begun goes on.
+        """Start to count; a timer that was started before is not changed.
 
         Args:
             time: Station time [s].
-            at_once: Whether the next cycle is due already.
+            at_once: Whether a publication is due in the next cycle already.
         """
         if self._last is None:
             self._last = time - 1.001 * self._interval if at_once else time
 
     def is_due(self, time: float) -> bool:
-        """Say, once per publication, whether it is time; missed ones are left out.
+        """Return whether a publication is due, once per publication.
+
+        Publications that were missed are left out.
 
         Args:
             time: Station time [s].

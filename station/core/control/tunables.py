@@ -1,6 +1,6 @@
-"""Run-time parameters of a controller: what they are called, their unit and range."""
+"""Run-time parameters of a controller: names, units, ranges, values, and changes."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from station.core.errors import InvalidGainError
@@ -11,9 +11,9 @@ class Tunable:
     """A number that may change while the controller runs.
 
     Attributes:
-        unit: Its unit, e.g. `Nm/rad`; empty for a plain number.
+        unit: Its unit, e.g. `Nm/rad`; empty for a number without a unit.
         minimum: Smallest value allowed.
-        maximum: Largest value allowed; also what a slider needs.
+        maximum: Largest value allowed; also the end of a slider.
         description: One line for people.
     """
 
@@ -23,53 +23,158 @@ class Tunable:
     description: str = ""
 
 
-def check_tunables(
-    schema: Mapping[str, Tunable],
-    current: Mapping[str, float],
-    changes: Mapping[str, float],
-) -> dict[str, float]:
-    """Return `current` with `changes` applied, when every change is allowed.
+class Tunables:
+    """The run-time parameters of one controller.
+
+    A controller declares them once and reads `values` in `update`:
+
+    ```python
+    def init(self, interface, params):
+        self.tunables = Tunables(
+            {"stiffness": Tunable("Nm/rad", 0.0, 100.0, "Pull towards the target")},
+            {"stiffness": params.get_float("stiffness", 20.0)},
+        )
+
+    def update(self, time, period):
+        stiffness = self.tunables.values["stiffness"]
+    ```
+
+    Any thread may read `schema` and `values` and call `checked`. `apply` is called
+    between two cycles only, so that `update` never sees half of a change.
+
+    Args:
+        schema: Unit and range by name.
+        values: First values; the same names in the same order as `schema`.
+        check: Refuses a complete set whose values do not fit together, by raising
+            InvalidGainError. Every value in the set is in its range already. Not called
+            in the control thread.
+        apply: Receives a complete, checked set whenever it takes effect, for numbers
+            that the controller keeps in another form. Called between two cycles; it
+            must return quickly and not fail.
+
+    Attributes:
+        schema: Unit and range by name.
+        values: The values in force by name. A change replaces the mapping as a whole.
 
     Raises:
-        InvalidGainError: A name is unknown, or a value is not a finite number in its
-            range. Nothing is changed then; `details["errors"]` lists all of them.
+        ValueError: `schema` and `values` have different names.
     """
-    errors: list[dict[str, object]] = []
-    for name, value in changes.items():
-        problem = _problem(schema, name, value)
-        if problem:
-            errors.append({"field": name, "value": repr(value), "message": problem})
-    if errors:
-        first = errors[0]
-        more = f" ({len(errors) - 1} more)" if len(errors) > 1 else ""
-        raise InvalidGainError(
-            f"Gain '{first['field']}' {first['message']}{more}.",
-            remedy="Send values within the ranges of the schema; none was applied.",
-            details={"errors": errors},
+
+    def __init__(
+        self,
+        schema: Mapping[str, Tunable] | None = None,
+        values: Mapping[str, float] | None = None,
+        *,
+        check: Callable[[Mapping[str, float]], None] | None = None,
+        apply: Callable[[Mapping[str, float]], None] | None = None,
+    ) -> None:
+        self.schema: dict[str, Tunable] = dict(schema or {})
+        self.values: dict[str, float] = dict(values or {})
+        if set(self.schema) != set(self.values):
+            raise ValueError(
+                f"The schema names {list(self.schema)}, but there are values for "
+                f"{list(self.values)}. Give one value for each name."
+            )
+        self._check = check
+        self._apply = apply
+
+    @classmethod
+    def joined(cls, *parts: "Tunables") -> "Tunables":
+        """Return the run-time parameters of all parts under one roof.
+
+        Args:
+            parts: Run-time parameters with different names. A change of the result is
+                checked and applied by the part that the name belongs to.
+        """
+
+        def check(values: Mapping[str, float]) -> None:
+            for part in parts:
+                part.check_together(values)
+
+        def apply(values: Mapping[str, float]) -> None:
+            for part in parts:
+                part.apply({name: values[name] for name in part.schema})
+
+        return cls(
+            {name: tunable for part in parts for name, tunable in part.schema.items()},
+            {name: value for part in parts for name, value in part.values.items()},
+            check=check,
+            apply=apply,
         )
-    return {**current, **changes}
 
+    def checked(self, changes: Mapping[str, float]) -> dict[str, float]:
+        """Return the complete set that `changes` lead to, without applying it.
 
-def _problem(schema: Mapping[str, Tunable], name: str, value: float) -> str:
-    tunable = schema.get(name)
-    if tunable is None:
-        return f"is unknown; known are {', '.join(schema) or 'none'}"
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return f"is {value!r}; it must be a number"
-    if not tunable.minimum <= value <= tunable.maximum:
-        unit = f" {tunable.unit}" if tunable.unit else ""
-        return f"is {value}; allowed is {tunable.minimum} to {tunable.maximum}{unit}"
-    return ""
+        Args:
+            changes: New values by name; the other values stay.
+
+        Raises:
+            InvalidGainError: A name is unknown, a value is not a finite number in its
+                range, or the values do not fit together. `details["errors"]` lists
+                every name and value that is not allowed.
+        """
+        errors: list[dict[str, object]] = []
+        for name, value in changes.items():
+            problem = self._problem(name, value)
+            if problem is not None:
+                errors.append({"field": name, "value": repr(value), "message": problem})
+        if errors:
+            first = errors[0]
+            more = f" ({len(errors) - 1} more)" if len(errors) > 1 else ""
+            raise InvalidGainError(
+                f"Gain '{first['field']}' {first['message']}{more}.",
+                remedy="Send values within the ranges of the schema; none was applied.",
+                details={"errors": errors},
+            )
+        values = {**self.values, **changes}
+        self.check_together(values)
+        return values
+
+    def check_together(self, values: Mapping[str, float]) -> None:
+        """Refuse a complete set whose values do not fit together.
+
+        Args:
+            values: A value in its range for every name, and perhaps more names.
+
+        Raises:
+            InvalidGainError: The values do not fit together.
+        """
+        if self._check is not None:
+            self._check(values)
+
+    def apply(self, values: Mapping[str, float]) -> None:
+        """Put a set that `checked` has returned into force. Between two cycles only.
+
+        Args:
+            values: A value for every name.
+        """
+        self.values = dict(values)
+        if self._apply is not None:
+            self._apply(values)
+
+    def _problem(self, name: str, value: float) -> str | None:
+        tunable = self.schema.get(name)
+        if tunable is None:
+            return f"is unknown; known are {', '.join(self.schema) or 'none'}"
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return f"is {value!r}; it must be a number"
+        # Written as a chain, so that NaN is refused, too.
+        if not tunable.minimum <= value <= tunable.maximum:
+            unit = f" {tunable.unit}" if tunable.unit else ""
+            return (
+                f"is {value}; allowed is {tunable.minimum} to {tunable.maximum}{unit}"
+            )
+        return None
 
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """The run-time parameters of a controller.
+    """What a client sees of a controller's run-time parameters.
 
     Attributes:
         values: Present value by name.
         schema: Unit and range by name.
-        revision: Counts changes; equal revisions mean equal values.
+        revision: Number of changes so far; equal revisions mean equal values.
     """
 
     values: dict[str, float]
@@ -79,13 +184,13 @@ class Gains:
 
 @dataclass(frozen=True, slots=True)
 class GainsChange:
-    """An applied set of gains.
+    """A change of run-time parameters that was applied.
 
     Attributes:
-        values: All values as they are now.
-        previous: All values as they were.
+        values: All values after the change.
+        previous: All values before the change.
         revision: Revision of the new values.
-        cycle: The cycle from which on they hold.
+        cycle: Number of the first cycle that uses the new values.
     """
 
     values: dict[str, float]

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerManager, ControllerStatus
 from station.core.control.switching import SwitchRequest, SwitchResult
-from station.core.control.tunables import Gains, GainsChange, check_tunables
+from station.core.control.tunables import Gains, GainsChange
 from station.core.errors import (
     ControllerExistsError,
     GainsChangedError,
@@ -240,9 +240,9 @@ class Station(MotionCommands):
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
         """
-        controller = self.manager.get_controller(name)
+        tunables = self.manager.get_controller(name).tunables
         revision = self._revisions.get(name, 0)
-        return Gains(controller.gains(), dict(controller.gain_schema()), revision)
+        return Gains(tunables.values, tunables.schema, revision)
 
     def set_gains(
         self, name: str, changes: Mapping[str, float], revision: int | None = None
@@ -261,7 +261,7 @@ class Station(MotionCommands):
             LoopError: The loop died or hangs.
         """
         with self._change_lock:
-            controller = self.manager.get_controller(name)
+            tunables = self.manager.get_controller(name).tunables
             present = self._revisions.get(name, 0)
             if revision is not None and revision != present:
                 raise GainsChangedError(
@@ -270,12 +270,11 @@ class Station(MotionCommands):
                     remedy="Read them again and repeat the change.",
                     details={"revision": present},
                 )
-            previous = controller.gains()
-            values = check_tunables(controller.gain_schema(), previous, changes)
-            controller.check_gains(values)
+            previous = tunables.values
+            values = tunables.checked(changes)
 
             def apply() -> int:
-                controller.apply_gains(values)
+                tunables.apply(values)
                 return self.loop.cycle
 
             cycle = self.loop.run_in_cycle(apply)

@@ -89,7 +89,7 @@ def test_limits_hold_over_random_twists(arm, send, seed):
 
 def test_axes_of_the_end_effector_can_be_chosen(arm, send):
     controller = arm.start(CartesianJogController, frame="EE")
-    assert controller.gains() == {"frame": 1.0}
+    assert controller.tunables.values == {"frame": 1.0}
     hold(arm, controller, send, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0], 500)
 
     along = to_outer_axes(arm.state.O_T_EE_d, [0.1, 0.0, 0.0])
@@ -100,12 +100,12 @@ def test_axes_of_the_end_effector_can_be_chosen(arm, send):
 
 def test_the_axes_can_be_changed_at_run_time(arm):
     controller = arm.start(CartesianJogController)
-    controller.check_gains({"frame": 1.0})
-    controller.apply_gains({"frame": 1.0})
+    controller.tunables.checked({"frame": 1.0})
+    controller.tunables.apply({"frame": 1.0})
 
-    assert controller.gains() == {"frame": 1.0}
+    assert controller.tunables.values == {"frame": 1.0}
     with pytest.raises(InvalidGainError, match="0 or 1"):
-        controller.check_gains({"frame": 0.5})
+        controller.tunables.checked({"frame": 0.5})
 
 
 def test_other_axes_are_refused(arm):

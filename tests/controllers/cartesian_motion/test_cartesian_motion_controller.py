@@ -26,7 +26,7 @@ def test_set_points_are_short_lived_by_default(arm, kind):
 
 
 @BOTH
-def test_it_is_not_loaded_without_the_limits_of_the_joints(arm, kind):
+def test_cartesian_motion_is_not_loaded_without_joint_limits(arm, kind):
     arm.tree.delete("robot_description")
 
     with pytest.raises(RobotDescriptionError):
@@ -41,7 +41,7 @@ def test_the_first_command_is_where_the_end_effector_is_meant_to_be(arm, kind):
 
 
 @BOTH
-def test_it_says_that_nothing_is_in_the_way(arm, kind):
+def test_the_published_state_of_free_motion_has_no_obstacle(arm, kind):
     controller = arm.start(kind)
     arm.run(controller, 3)
 

@@ -29,7 +29,7 @@ def advance(motion, cycles):
         motion.advance(0.001)
 
 
-def test_it_begins_at_rest(motion):
+def test_a_cartesian_motion_starts_at_rest(motion):
     advance(motion, 10)
 
     assert motion.is_at_rest()

@@ -110,7 +110,7 @@ def test_a_circle_is_followed_with_the_lag_of_the_limits(arm, send):
     check_limits(arm)
 
 
-def test_silence_brakes_and_holds(arm, send):
+def test_a_pose_stream_without_set_points_brakes_and_holds(arm, send):
     controller = arm.start(CartesianStreamingController)
     send(controller, numbers(moved(arm, (0.15, 0.0, 0.0))))
     arm.run(controller, 199)
@@ -124,7 +124,7 @@ def test_silence_brakes_and_holds(arm, send):
     check_limits(arm)
 
 
-def test_silence_counts_on_the_wall_clock_alone(arm, send):
+def test_the_timeout_of_a_pose_stream_elapses_on_the_wall_clock(arm, send):
     controller = arm.start(CartesianStreamingController)
     send(controller, numbers(moved(arm, (0.15, 0.0, 0.0))))
     arm.run(controller, 100)
@@ -136,7 +136,7 @@ def test_silence_counts_on_the_wall_clock_alone(arm, send):
     check_limits(arm)
 
 
-def test_silence_can_fail_the_controller(arm, send):
+def test_the_timeout_of_a_pose_stream_can_fail_the_controller(arm, send):
     controller = arm.start(CartesianStreamingController, command_timeout_action="stop")
     send(controller, numbers(arm.state.O_T_EE_d))
 
@@ -144,7 +144,7 @@ def test_silence_can_fail_the_controller(arm, send):
         arm.run(controller, 300)
 
 
-def test_what_is_void_brakes(arm, send):
+def test_a_void_set_point_brakes_a_pose_stream(arm, send):
     controller = arm.start(CartesianStreamingController)
     send(controller, numbers(moved(arm, (0.2, 0.0, 0.0))))
     arm.run(controller, 150)

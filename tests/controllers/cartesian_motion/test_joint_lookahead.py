@@ -46,7 +46,7 @@ def test_a_joint_near_its_limit_is_named_and_may_go_back(make_arm):
             found.add((all(allowed), lookahead.obstacle, lookahead.joint))
 
     assert (False, Obstacle.JOINT_LIMIT, "panda_joint5") in found
-    assert (True, Obstacle.NONE, "") in found
+    assert (True, Obstacle.NONE, None) in found
 
 
 def test_a_joint_that_would_be_too_fast_is_named(arm):
@@ -75,7 +75,7 @@ def test_parts_of_the_arm_do_not_come_near_each_other(make_arm):
 
     assert not all(steps(controller, lookahead, [0.0, 0.0, 0.0, 0.5, 0.0, 0.0], 800))
     assert lookahead.obstacle is Obstacle.SELF_COLLISION
-    assert lookahead.joint == ""
+    assert lookahead.joint is None
 
 
 @pytest.mark.parametrize("bound", [0.5, 7.0])

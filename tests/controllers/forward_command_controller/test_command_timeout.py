@@ -30,7 +30,7 @@ def test_without_the_parameter_a_set_point_is_valid_for_ever(robot, send):
     assert robot.velocities_commanded[2] == 1.0
 
 
-def test_silence_lets_the_robot_rest_until_the_next_set_point(robot, send):
+def test_after_a_timeout_the_robot_rests_until_the_next_set_point(robot, send):
     controller, clock = _start(robot, command_timeout=0.2)
     send(controller, [1.0])
     robot.step(controller)

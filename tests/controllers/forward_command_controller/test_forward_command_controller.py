@@ -23,7 +23,9 @@ all_families = pytest.mark.parametrize(
 
 
 @all_families
-def test_it_rests_and_then_forwards(robot, send, controller_class, interface, rest):
+def test_a_forwarding_controller_rests_and_then_forwards(
+    robot, send, controller_class, interface, rest
+):
     robot.position[1] = 0.4
     controller = robot.start(controller_class, joint="elbow")
     robot.step(controller)
@@ -40,7 +42,7 @@ single_classes = pytest.mark.parametrize(
 
 
 @single_classes
-def test_it_takes_one_number(robot, controller_class):
+def test_a_single_joint_controller_takes_one_number(robot, controller_class):
     controller = robot.load(controller_class, joint="elbow")
     assert controller.claims[0].resources == ("elbow",)
     with pytest.raises(InvalidCommandError, match="takes 1: elbow"):
@@ -48,6 +50,9 @@ def test_it_takes_one_number(robot, controller_class):
 
 
 @single_classes
-def test_it_needs_a_joint(robot, controller_class):
-    with pytest.raises(ParameterError, match="'arm/joint' is missing"):
-        robot.load(controller_class, joints=["elbow"])
+@pytest.mark.parametrize("values", [{"joints": ["a"]}, {"joint": ["a"]}, {"joint": 3}])
+def test_the_joint_of_a_single_joint_controller_must_be_a_name(
+    robot, controller_class, values
+):
+    with pytest.raises(ParameterError, match="'arm/joint'"):
+        robot.load(controller_class, **values)

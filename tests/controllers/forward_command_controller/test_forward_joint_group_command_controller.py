@@ -30,7 +30,7 @@ def _commanded(robot, family):
 
 
 @all_families
-def test_it_claims_its_joints(robot, family):
+def test_a_forwarding_group_claims_its_joints(robot, family):
     controller = robot.load(FAMILIES[family], joints=JOINTS)
     (claimed,) = controller.claims
     assert claimed.resources == ("elbow", "slide", "wheel")

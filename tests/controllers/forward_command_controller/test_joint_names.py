@@ -1,11 +1,8 @@
-"""The parameters `joints` and `joint`."""
+"""The parameter `joints`."""
 
 import pytest
 
-from station.controllers.forward_command_controller.joint_names import (
-    read_joint_name,
-    read_joint_names,
-)
+from station.controllers.forward_command_controller.joint_names import read_joint_names
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
 
@@ -22,13 +19,3 @@ def test_a_group_names_its_joints_in_order():
 def test_a_group_names_each_joint_once_and_at_least_one(values):
     with pytest.raises(ParameterError, match="arm/joints"):
         read_joint_names(_params(**values))
-
-
-def test_a_single_joint_is_a_group_of_one():
-    assert read_joint_name(_params(joint="a")) == ["a"]
-
-
-@pytest.mark.parametrize("values", [{}, {"joint": ["a"]}, {"joint": 3}])
-def test_a_single_joint_is_a_string(values):
-    with pytest.raises(ParameterError, match="arm/joint'"):
-        read_joint_name(_params(**values))

@@ -24,7 +24,7 @@ def watch(port, action=TimeoutAction.HOLD):
     return watched
 
 
-def test_it_begins_with_rest(port):
+def test_the_first_set_point_in_force_is_rest(port):
     assert watch(port).newest() == [0.5]
 
 
@@ -37,7 +37,7 @@ def test_the_newest_is_kept_within_its_range_and_brings_its_rates(port):
     assert watched.newest() is watched.values
 
 
-def test_rest_takes_the_place_of_what_is_void_or_too_old(port):
+def test_rest_replaces_a_void_or_expired_set_point(port):
     watched = watch(port)
     port.post([0.1])
     watched.newest()

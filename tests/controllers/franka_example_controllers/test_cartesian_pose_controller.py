@@ -55,7 +55,7 @@ def test_start_does_not_move_the_arm():
 
 def test_start_far_from_the_start_pose_is_refused():
     away = [0.5, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
-    with pytest.raises(SwitchRefusedError, match=r"joint 1 is at 0\.5000 rad"):
+    with pytest.raises(SwitchRefusedError, match=r"Joint 1 is at 0\.5000 rad"):
         start_example("CartesianPose", initial_positions=away)
 
 

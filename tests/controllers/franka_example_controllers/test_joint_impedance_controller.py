@@ -20,7 +20,7 @@ D = [50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0]
 PARAMS = {"k_gains": K, "d_gains": D, "vel_max": 0.15, "publish_rate": 10.0}
 
 
-def test_it_moves_the_arm_by_pose_and_torque_at_once():
+def test_pose_and_torque_commands_move_the_arm_together():
     station = start_example("JointImpedance", PARAMS)
     station.loop.step(10)
 

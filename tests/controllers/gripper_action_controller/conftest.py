@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.controllers.gripper_action_controller.position_controllers import (
-    GripperActionController,
+from station.controllers.gripper_action_controller import (
+    PositionGripperActionController,
 )
 
 
@@ -12,7 +12,9 @@ def start(robot):
     """Return a way to start a controller that commands the position of `slide`."""
 
     def start_controller(**values):
-        return robot.start(GripperActionController, **({"joint": "slide"} | values))
+        return robot.start(
+            PositionGripperActionController, **({"joint": "slide"} | values)
+        )
 
     return start_controller
 

@@ -117,13 +117,20 @@ def test_a_goal_does_not_survive_its_controller(robot, start, submit, end, statu
 
 
 def test_without_any_effort_limit_it_is_refused(make_robot):
-    from station.controllers.gripper_action_controller.position_controllers import (
-        GripperActionController,
+    from station.controllers.gripper_action_controller import (
+        PositionGripperActionController,
     )
 
     robot = make_robot(["slide"], URDF_WITHOUT_EFFORT)
     with pytest.raises(ParameterError, match="max_effort"):
-        robot.load(GripperActionController, joint="slide")
-    robot.load(GripperActionController, joint="slide", max_effort=5.0)
+        robot.load(PositionGripperActionController, joint="slide")
+    robot.load(PositionGripperActionController, joint="slide", max_effort=5.0)
     with pytest.raises(RobotDescriptionError):
-        make_robot(["slide"], "").load(GripperActionController, joint="slide")
+        make_robot(["slide"], "").load(PositionGripperActionController, joint="slide")
+
+
+def test_the_position_gripper_claims_its_joint_for_position_commands(start):
+    (claim,) = start().claims
+
+    assert claim.hardware_interface == "hardware_interface::PositionJointInterface"
+    assert claim.resources == ("slide",)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.controllers.joint_trajectory_controller.position_controllers import (
-    JointTrajectoryController,
+from station.controllers.joint_trajectory_controller import (
+    PositionJointTrajectoryController,
 )
 from tests.controllers.joint_trajectory_controller.rrbot import FOLDER, RRBot
 
@@ -25,7 +25,9 @@ def start(robot):
     """Return a way to start a controller that commands positions."""
 
     def start_controller(**values):
-        return robot.start(JointTrajectoryController, **({"joints": JOINTS} | values))
+        return robot.start(
+            PositionJointTrajectoryController, **({"joints": JOINTS} | values)
+        )
 
     return start_controller
 

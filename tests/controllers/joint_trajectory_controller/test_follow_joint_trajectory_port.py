@@ -8,7 +8,7 @@ from station.core.ports.goal import GoalStatus
 AWAY = (1.0, [0.1, 0.5, -0.5])
 
 
-def test_accepted_goals_are_listed_and_refused_ones_are_not(start, make_goal):
+def test_accepted_goals_are_listed_and_refused_goals_are_not(start, make_goal):
     controller = start()
     goal = controller.goals.submit(make_goal(AWAY))
     with pytest.raises(InvalidTrajectoryError):

@@ -4,8 +4,8 @@ from math import pi
 
 import pytest
 
-from station.controllers.joint_trajectory_controller.position_controllers import (
-    JointTrajectoryController,
+from station.controllers.joint_trajectory_controller import (
+    PositionJointTrajectoryController,
 )
 from station.core.errors import (
     ControllerStateError,
@@ -352,13 +352,13 @@ def test_speed_scaling_slows_down_and_pauses_on_the_same_path(robot, start, make
     robot.run_with_position(controller, 1000)
     assert robot.position[1] == pytest.approx(0.25, abs=1e-3)
     assert controller.execution.velocities[1] == pytest.approx(0.25, abs=1e-6)
-    controller.apply_gains(controller.gains() | {"speed_scaling": 0.0})
+    controller.tunables.apply(controller.tunables.values | {"speed_scaling": 0.0})
     robot.run_with_position(controller, 200)
     paused = list(robot.position)
     robot.run_with_position(controller, 1000)
     assert robot.position == paused
     assert goal.status is GoalStatus.ACTIVE
-    controller.apply_gains(controller.gains() | {"speed_scaling": 1.0})
+    controller.tunables.apply(controller.tunables.values | {"speed_scaling": 1.0})
     robot.run_with_position(controller, 700)
     assert goal.status is GoalStatus.SUCCEEDED
 
@@ -379,6 +379,6 @@ def test_impossible_parameters_are_refused(start, values):
         start(**values)
 
 
-def test_it_needs_a_robot_description(make_robot):
+def test_a_trajectory_controller_needs_a_robot_description(make_robot):
     with pytest.raises(RobotDescriptionError):
-        make_robot(urdf="").load(JointTrajectoryController, joints=JOINTS)
+        make_robot(urdf="").load(PositionJointTrajectoryController, joints=JOINTS)

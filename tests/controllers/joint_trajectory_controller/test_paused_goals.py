@@ -14,7 +14,7 @@ TOLERANCES = {
 
 
 def set_speed(controller, speed):
-    controller.apply_gains(controller.gains() | {"speed_scaling": speed})
+    controller.tunables.apply(controller.tunables.values | {"speed_scaling": speed})
 
 
 @pytest.fixture

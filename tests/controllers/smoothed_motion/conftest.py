@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import pytest
 
-from station.controllers.smoothed_motion.position_controllers import (
-    JointJogController,
-    JointStreamingController,
+from station.controllers.smoothed_motion import (
+    PositionJointJogController,
+    PositionJointStreamingController,
 )
 from station.core.clock import ManualClock
 
@@ -50,10 +50,10 @@ class Runner:
 @pytest.fixture
 def stream(robot):
     """Return a runner of a streaming controller."""
-    return Runner(robot, robot.start(JointStreamingController, **LIMITS))
+    return Runner(robot, robot.start(PositionJointStreamingController, **LIMITS))
 
 
 @pytest.fixture
 def jog(robot):
     """Return a runner of a jog controller."""
-    return Runner(robot, robot.start(JointJogController, **LIMITS))
+    return Runner(robot, robot.start(PositionJointJogController, **LIMITS))

@@ -2,10 +2,10 @@
 
 import pytest
 
+from station.controllers.smoothed_motion.axis_limits import AxisLimits
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.controllers.smoothed_motion.motion_limits import MotionLimits
 
-LIMITS = MotionLimits((1.0, 1.0), (2.0, 2.0), (20.0, 20.0))
+LIMITS = AxisLimits((1.0, 1.0), (2.0, 2.0), (20.0, 20.0))
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def run(generator, cycles, period=0.001):
         generator.advance(period)
 
 
-def test_it_rests_where_it_started(generator):
+def test_a_motion_without_target_rests_where_it_started(generator):
     run(generator, 100)
 
     assert generator.positions == [0.0, 0.5]
@@ -83,7 +83,7 @@ def test_a_start_in_motion_is_continued_and_ended(generator):
 def test_what_cannot_arrive_together_arrives_all_the_same():
     # Found among random streams: ruckig 0.19.4 finds no synchronised motion here.
     axis = 1.0 / 3.0**0.5
-    limits = MotionLimits(
+    limits = AxisLimits(
         (0.3 * axis,) * 3 + (1.0 * axis,) * 3,
         (1.5 * axis,) * 3 + (4.0 * axis,) * 3,
         (15.0 * axis,) * 3 + (40.0 * axis,) * 3,

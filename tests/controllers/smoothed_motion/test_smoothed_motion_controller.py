@@ -2,14 +2,16 @@
 
 import pytest
 
-from station.controllers.smoothed_motion.position_controllers import (
-    JointJogController,
-    JointStreamingController,
+from station.controllers.smoothed_motion import (
+    PositionJointJogController,
+    PositionJointStreamingController,
 )
 from station.core.errors import ParameterError, RobotDescriptionError
 from tests.controllers.smoothed_motion.conftest import JOINTS, LIMITS
 
-BOTH = pytest.mark.parametrize("kind", [JointJogController, JointStreamingController])
+BOTH = pytest.mark.parametrize(
+    "kind", [PositionJointJogController, PositionJointStreamingController]
+)
 
 
 @BOTH
@@ -44,16 +46,26 @@ def test_impossible_parameters_are_refused(robot, kind, values):
 
 
 @BOTH
-def test_it_needs_a_robot_description(make_robot, kind):
+def test_smoothed_motion_needs_a_robot_description(make_robot, kind):
     with pytest.raises(RobotDescriptionError):
         make_robot(JOINTS, "").load(kind, joints=JOINTS)
 
 
 @BOTH
-def test_the_sample_tells_the_smoothed_motion(robot, kind):
+def test_the_desired_positions_of_a_sample_are_the_smoothed_ones(robot, kind):
     controller = robot.start(kind, **LIMITS)
     robot.step(controller)
 
     sample = controller.sample
     assert sample.desired == sample.output == [0.0, 0.0]
     assert sample.actual == sample.error == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    "kind", [PositionJointJogController, PositionJointStreamingController]
+)
+def test_smoothed_motion_claims_its_joints_for_position_commands(robot, kind):
+    (claim,) = robot.load(kind, **LIMITS).claims
+
+    assert claim.hardware_interface == "hardware_interface::PositionJointInterface"
+    assert claim.resources == ("elbow", "slide")

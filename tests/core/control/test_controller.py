@@ -146,12 +146,12 @@ def test_starting_voids_a_set_point_from_before():
     assert controller.set_points.take() is None
 
 
-def test_a_controller_has_no_gains_unless_it_says_so():
-    controller = ControllerBase()
+def test_a_controller_that_declares_no_tunables_has_none():
+    tunables = ControllerBase().tunables
 
-    assert controller.gain_schema() == {}
-    assert controller.gains() == {}
-    assert controller.check_gains({}) is None
+    assert tunables.schema == {}
+    assert tunables.values == {}
+    assert tunables.checked({}) == {}
 
 
 def test_what_every_controller_must_bring_is_demanded():

@@ -9,7 +9,7 @@ def _due(timer, times):
     return [time for time in times if timer.is_due(time)]
 
 
-def test_it_keeps_the_rate_whatever_the_cycle():
+def test_a_publish_timer_keeps_its_rate_at_any_cycle_time():
     timer = PublishTimer(10.0)
     timer.start(5.0, at_once=False)
     due = _due(timer, [5.0 + 0.003 * cycle for cycle in range(1000)])

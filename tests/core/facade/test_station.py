@@ -7,7 +7,7 @@ from station.core.control.controller import Controller, ControllerState
 from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.switching import SwitchRequest
-from station.core.control.tunables import Tunable
+from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import (
     ControllerExistsError,
     ControllerNotFoundError,
@@ -42,7 +42,9 @@ class Spring(Controller[EffortJointInterface]):
 
     def init(self, interface, params):
         self.joint = interface.get_handle(params.get_str("joint"))
-        self.k = params.get_float("k", 1.0)
+        self.tunables = Tunables(
+            {"k": Tunable("Nm/rad", 0.0, 10.0)}, {"k": params.get_float("k", 1.0)}
+        )
         self.target = 0.0
         self.set_points = SetPointPort([SetPointElement("j", "rad", -1.0, 1.0)])
 
@@ -53,16 +55,9 @@ class Spring(Controller[EffortJointInterface]):
         command = self.set_points.take()
         if command is not None:
             self.target = command[0]
-        self.joint.set_command(self.k * (self.target - self.joint.get_position()))
-
-    def gain_schema(self):
-        return {"k": Tunable("Nm/rad", 0.0, 10.0)}
-
-    def gains(self):
-        return {"k": self.k}
-
-    def apply_gains(self, values):
-        self.k = values["k"]
+        self.joint.set_command(
+            self.tunables.values["k"] * (self.target - self.joint.get_position())
+        )
 
 
 class SpringLoader(ControllerLoader):

@@ -1,0 +1,23 @@
+"""What all controllers of a Franka arm share: its parameters, handles and poses."""
+
+from station.controllers.franka_arm.arm_handles import (
+    claim_torques,
+    find_model,
+    find_state,
+    read_arm_id,
+    read_arm_joints,
+    require,
+    saturate_torque_rate,
+)
+from station.controllers.franka_arm.pose_port import PosePort
+
+__all__ = [
+    "PosePort",
+    "claim_torques",
+    "find_model",
+    "find_state",
+    "read_arm_id",
+    "read_arm_joints",
+    "require",
+    "saturate_torque_rate",
+]

@@ -1,0 +1,114 @@
+"""Parameters and handles of a Franka arm, and the rate limit of its torques."""
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from station.core.errors import ControllerLoadError, ParameterError
+from station.core.franka import (
+    FrankaModelHandle,
+    FrankaModelInterface,
+    FrankaStateHandle,
+    FrankaStateInterface,
+)
+from station.core.hardware.interfaces import EffortJointInterface, JointGroup
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.robot_hw import RobotHW
+from station.core.parameters import Parameters
+
+LARGEST_STEP = 1.0
+"""Largest change of a torque per cycle [Nm]."""
+JOINT_COUNT = 7
+"""Number of joints of an arm."""
+
+InterfaceT = TypeVar("InterfaceT")
+
+
+def read_arm_id(params: Parameters) -> str:
+    """Return the parameter `arm_id`.
+
+    Raises:
+        ParameterError: `arm_id` is missing or not a string.
+    """
+    return params.get_str("arm_id")
+
+
+def read_arm_joints(params: Parameters) -> list[str]:
+    """Return the parameter `joint_names`, the joints from base to flange.
+
+    Raises:
+        ParameterError: `joint_names` is missing, or does not name 7 joints.
+    """
+    names = params.get_str_list("joint_names")
+    if len(set(names)) != JOINT_COUNT:
+        raise ParameterError(
+            f"Parameter '{params.resolve('joint_names')}' is {names}; it must name "
+            f"{JOINT_COUNT} joints.",
+            remedy="Name the joints from base to flange.",
+        )
+    return names
+
+
+def require(hw: RobotHW, interface_type: type[InterfaceT]) -> InterfaceT:
+    """Return the robot's interface of a type.
+
+    Raises:
+        ControllerLoadError: The robot has no interface of that type.
+    """
+    interface = hw.get(interface_type)
+    if interface is None:
+        name = interface_type_name(interface_type)
+        raise ControllerLoadError(
+            f"The robot has no interface '{name}'.",
+            remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
+            details={"hardware_interface": name},
+        )
+    return interface
+
+
+def claim_torques(hw: RobotHW, joint_names: Sequence[str]) -> JointGroup:
+    """Claim the joints of an arm for torque commands and return them.
+
+    Raises:
+        ControllerLoadError: The robot has no effort interface.
+        ResourceNotFoundError: The robot has no joint of that name.
+    """
+    efforts = require(hw, EffortJointInterface)
+    return JointGroup([efforts.get_handle(name) for name in joint_names])
+
+
+def find_state(hw: RobotHW, arm_id: str) -> FrankaStateHandle:
+    """Return the handle of an arm's state.
+
+    Raises:
+        ControllerLoadError: The robot has no states of Franka arms.
+        ResourceNotFoundError: The robot has no arm of that name.
+    """
+    return require(hw, FrankaStateInterface).get_handle(f"{arm_id}_robot")
+
+
+def find_model(hw: RobotHW, arm_id: str) -> FrankaModelHandle:
+    """Return the handle of an arm's model.
+
+    Raises:
+        ControllerLoadError: The robot has no models of Franka arms.
+        ResourceNotFoundError: The robot has no arm of that name.
+    """
+    return require(hw, FrankaModelInterface).get_handle(f"{arm_id}_model")
+
+
+def saturate_torque_rate(
+    tau: NDArray[np.float64], last_tau: Sequence[float]
+) -> list[float]:
+    """Return torques that differ from the last torques by at most `LARGEST_STEP`.
+
+    Args:
+        tau: Desired torques [Nm], shape (7,).
+        last_tau: Torques commanded last, `tau_J_d` [Nm], shape (7,).
+    """
+    last = np.asarray(last_tau)
+    step = np.clip(tau - last, -LARGEST_STEP, LARGEST_STEP)
+    result: list[float] = (last + step).tolist()
+    return result

@@ -1,0 +1,116 @@
+"""Goals of the action gripper_cmd: the message, its checks, and the queue.
+
+Source: control_msgs@1.5.2 action/GripperCommand.action, msg/GripperCommand.msg.
+"""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+
+from typing_extensions import override
+
+from station.core.description.robot_description import JointDescription
+from station.core.errors import ControllerStateError, InvalidCommandError
+from station.core.ports.goal import Goal, GoalPort
+
+
+@dataclass(frozen=True, slots=True)
+class GripperTarget:
+    """Where a gripper shall go, and how strongly.
+
+    Attributes:
+        position: Desired position of the joint [m or rad].
+        max_effort: Largest effort [N or Nm], >= 0.
+    """
+
+    position: float
+    max_effort: float
+
+
+class GripperGoalPort(GoalPort):
+    """Checks goals and queues them for the controller.
+
+    Args:
+        joint: The gripper's joint.
+        max_effort: Effort of goals that do not state one [N or Nm], >= 0.
+        is_running: Returns whether the controller is running.
+        feedback: Returns the feedback message of the active goal.
+
+    Attributes:
+        waiting: Goals that the controller has yet to take up, oldest first.
+    """
+
+    def __init__(
+        self,
+        joint: JointDescription,
+        max_effort: float,
+        is_running: Callable[[], bool],
+        feedback: Callable[[], Mapping[str, object]],
+    ) -> None:
+        super().__init__()
+        self.waiting: deque[tuple[Goal, GripperTarget]] = deque()
+        self._joint = joint
+        self._max_effort = max_effort
+        self._is_running = is_running
+        self._feedback = feedback
+
+    @override
+    def submit(self, request: Mapping[str, object]) -> Goal:
+        """Check a goal and let it replace the present one.
+
+        Args:
+            request: `{"command": {"position", "max_effort"}}`; `max_effort` is
+                optional, and its sign is ignored.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The goal is malformed, or its position is beyond the
+                limits of the joint.
+        """
+        command = self._parse(request)
+        if not self._is_running():
+            raise ControllerStateError(
+                "The controller is not running; only a running controller takes goals.",
+                remedy="Start the controller first.",
+            )
+        goal = self.new_goal(request)
+        goal.feedback = self._feedback
+        self.remember(goal)
+        self.waiting.append((goal, command))
+        return goal
+
+    def _parse(self, request: Mapping[str, object]) -> GripperTarget:
+        message = request.get("command")
+        if not isinstance(message, Mapping) or set(request) != {"command"}:
+            raise _malformed(f"The goal is {dict(request)!r}.")
+        unknown = set(message) - {"position", "max_effort"}
+        if unknown:
+            raise _malformed(f"The command has the unknown fields {sorted(unknown)}.")
+        joint = self._joint
+        position = _number(message, "position", None)
+        if not joint.lower <= position <= joint.upper:
+            raise InvalidCommandError(
+                f"The position for '{joint.name}' is {position}; allowed is "
+                f"{joint.lower} to {joint.upper}.",
+                remedy="Give a position within the limits of the joint.",
+                details={"joint": joint.name, "reason": "limits"},
+            )
+        effort = _number(message, "max_effort", self._max_effort)
+        return GripperTarget(position, abs(effort))
+
+
+def _number(message: Mapping[str, object], key: str, default: float | None) -> float:
+    value = message.get(key, default)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not number or not isfinite(float(str(value))):
+        raise _malformed(f"'command/{key}' is {value!r}; it must be a finite number.")
+    return float(str(value))
+
+
+def _malformed(message: str) -> InvalidCommandError:
+    return InvalidCommandError(
+        message,
+        remedy='Send {"command": {"position": 0.02, "max_effort": 10.0}}.',
+        details={"reason": "malformed"},
+    )

@@ -1,0 +1,214 @@
+"""Write desired joint states to each kind of command interface.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/
+hardware_interface_adapter.h.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable  # noqa: TC003 - a native attribute
+
+from typing_extensions import override
+
+from station.controllers.forward_command_controller import JointQuantity
+from station.controllers.joint_trajectory_controller.trajectory_execution import (
+    TrajectoryExecution,
+)
+from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.core.control.tunables import Tunables
+from station.core.description.robot_description import JointDescription
+from station.core.errors import ControllerLoadError
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointGroup,
+    JointStateGroup,
+    PositionJointInterface,
+    PosVelAccJointInterface,
+    PosVelJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.parameters import Parameters
+
+
+class HardwareInterfaceAdapter(ABC):
+    """Reads joints and commands them towards desired states. Control thread only.
+
+    Args:
+        group: The joints, for reading.
+
+    Attributes:
+        group: As given.
+        tunables: Run-time parameters of the command law; none by default.
+    """
+
+    def __init__(self, group: JointStateGroup) -> None:
+        self.group = group
+        self.tunables = Tunables()
+
+    def starting(self) -> None:  # noqa: B027 - most adapters have nothing to forget
+        """Forget earlier commands; called when the controller starts."""
+
+    @abstractmethod
+    def update_command(
+        self, execution: TrajectoryExecution, period: float
+    ) -> list[float]:
+        """Command the joints towards the desired states; return the commands.
+
+        Args:
+            execution: Desired states and errors of this cycle.
+            period: Time since the last cycle [s], >= 0.
+
+        Returns:
+            What a sample shows as output, shape (n,).
+        """
+
+
+class PositionAdapter(HardwareInterfaceAdapter):
+    """Commands the desired positions.
+
+    Args:
+        interface: The robot's interface.
+        joints: The joints.
+    """
+
+    def __init__(
+        self, interface: JointCommandInterface, joints: list[JointDescription]
+    ) -> None:
+        self._joints = JointGroup([interface.get_handle(j.name) for j in joints])
+        super().__init__(self._joints)
+
+    @override
+    def update_command(
+        self, execution: TrajectoryExecution, period: float
+    ) -> list[float]:
+        self._joints.set_commands(execution.positions)
+        return execution.positions
+
+
+class ClosedLoopAdapter(HardwareInterfaceAdapter):
+    """Commands `velocity_ff` times the desired velocity plus the output of a PID.
+
+    Parameters: the gains of every joint, see `read_pid_gains`; `velocity_ff/<joint>`, 0
+    by default.
+
+    Args:
+        interface: The robot's interface.
+        joints: The joints.
+        params: The controller's namespace.
+        command: The quantity that the interface commands.
+
+    Raises:
+        ParameterError: A joint has no gains, or a parameter is not allowed.
+
+    Source:
+        ClosedLoopHardwareInterfaceAdapter; differs: missing gains are refused when the
+        controller is loaded.
+    """
+
+    def __init__(
+        self,
+        interface: JointCommandInterface,
+        joints: list[JointDescription],
+        params: Parameters,
+        command: JointQuantity,
+    ) -> None:
+        self._joints = JointGroup([interface.get_handle(j.name) for j in joints])
+        super().__init__(self._joints)
+        self._pids = JointPidGroup(
+            joints,
+            read_pid_gains(params, joints),
+            error=JointQuantity.POSITION,
+            command=command,
+        )
+        self._velocity_ff = [
+            params.get_float(f"velocity_ff/{joint.name}", 0.0) for joint in joints
+        ]
+        self.tunables = self._pids.tunables
+
+    @override
+    def starting(self) -> None:
+        self._pids.reset()
+
+    @override
+    def update_command(
+        self, execution: TrajectoryExecution, period: float
+    ) -> list[float]:
+        errors = execution.errors
+        corrections = self._pids.compute_commands_with_rates(
+            errors.positions, errors.velocities, period
+        )
+        commands = [
+            share * velocity + correction
+            for share, velocity, correction in zip(
+                self._velocity_ff, execution.velocities, corrections, strict=True
+            )
+        ]
+        self._joints.set_commands(commands)
+        return commands
+
+
+class DesiredStateAdapter(HardwareInterfaceAdapter):
+    """Commands desired positions and velocities, and accelerations where they count.
+
+    The output of a sample is the positions.
+
+    Args:
+        interface: The robot's interface; its type decides about accelerations.
+        joints: The joints.
+    """
+
+    def __init__(
+        self,
+        interface: PosVelJointInterface | PosVelAccJointInterface,
+        joints: list[JointDescription],
+    ) -> None:
+        handles = [interface.get_handle(joint.name) for joint in joints]
+        super().__init__(JointStateGroup(handles))
+        self._takes_accelerations = isinstance(interface, PosVelAccJointInterface)
+        self._set_commands: list[Callable[..., None]] = [
+            handle.set_command for handle in handles
+        ]
+
+    @override
+    def update_command(
+        self, execution: TrajectoryExecution, period: float
+    ) -> list[float]:
+        columns = [execution.positions, execution.velocities]
+        if self._takes_accelerations:
+            columns.append(execution.accelerations)
+        states = zip(*columns, strict=True)
+        for set_command, state in zip(self._set_commands, states, strict=True):
+            set_command(*state)
+        return execution.positions
+
+
+def adapter_for(
+    interface: object, joints: list[JointDescription], params: Parameters
+) -> HardwareInterfaceAdapter:
+    """Claim joints of an interface and return the adapter for its type.
+
+    Args:
+        interface: One of the robot's joint command interfaces.
+        joints: The joints.
+        params: The controller's namespace.
+
+    Raises:
+        ControllerLoadError: There is no adapter for the type of `interface`.
+        ParameterError: A joint has no gains, or a parameter is not allowed.
+        ResourceNotFoundError: The robot has no joint of that name.
+    """
+    match interface:
+        case PositionJointInterface():
+            return PositionAdapter(interface, joints)
+        case VelocityJointInterface():
+            return ClosedLoopAdapter(interface, joints, params, JointQuantity.VELOCITY)
+        case EffortJointInterface():
+            return ClosedLoopAdapter(interface, joints, params, JointQuantity.EFFORT)
+        case PosVelJointInterface() | PosVelAccJointInterface():
+            return DesiredStateAdapter(interface, joints)
+    raise ControllerLoadError(
+        "No trajectory can be commanded over "
+        f"'{interface_type_name(type(interface))}'.",
+        remedy="Use a joint command interface, or override `make_adapter`.",
+    )

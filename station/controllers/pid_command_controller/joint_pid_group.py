@@ -1,0 +1,198 @@
+"""One PID per joint, and its gains as run-time parameters."""
+
+from collections.abc import Mapping
+
+from station.controllers.forward_command_controller import JointQuantity
+from station.core.control.tunables import Tunable, Tunables
+from station.core.description.robot_description import JointDescription
+from station.core.errors import InvalidGainError, ParameterError
+from station.core.numerics.pid import Pid, PidGains
+from station.core.parameters import Parameters
+
+GAIN_MAXIMUM = 10_000.0
+"""Largest `p` and `i` offered for tuning, in the units of the gain."""
+DERIVATIVE_GAIN_MAXIMUM = 1_000.0
+"""Largest `d` offered for tuning, in the unit of the gain."""
+CLAMP_MAXIMUM = 1_000.0
+"""Largest bound of the integral part offered for tuning, in the command's unit."""
+
+_DESCRIPTIONS = {
+    "p": "proportional gain",
+    "i": "integral gain",
+    "d": "derivative gain",
+    "i_clamp_max": "upper bound of the integral part",
+    "i_clamp_min": "lower bound of the integral part",
+}
+
+
+class JointPidGroup:
+    """The PIDs of a controller, in the order of its joints.
+
+    Args:
+        joints: The joints.
+        gains: First gains, in the same order.
+        error: The quantity whose error the PIDs reduce.
+        command: The quantity that the PIDs compute.
+
+    Attributes:
+        tunables: The gains as run-time parameters, named `<joint>/p`, `/i`, `/d`,
+            `/i_clamp_max` and `/i_clamp_min`. A change keeps errors and integrals.
+    """
+
+    def __init__(
+        self,
+        joints: list[JointDescription],
+        gains: list[PidGains],
+        *,
+        error: JointQuantity,
+        command: JointQuantity,
+    ) -> None:
+        self._names = [joint.name for joint in joints]
+        self._pids = [Pid(each) for each in gains]
+        schema: dict[str, Tunable] = {}
+        values: dict[str, float] = {}
+        for joint, each in zip(joints, gains, strict=True):
+            units = _units(command.unit(joint), error.unit(joint))
+            for key, value in _named(each).items():
+                schema[f"{joint.name}/{key}"] = _tunable(key, value, units[key])
+                values[f"{joint.name}/{key}"] = value
+        self.tunables = Tunables(
+            schema, values, check=self._check_bounds, apply=self._set_gains
+        )
+
+    def reset(self) -> None:
+        """Forget all errors and integrals."""
+        for pid in self._pids:
+            pid.reset()
+
+    def compute_commands(self, errors: list[float], period: float) -> list[float]:
+        """Return the commands for `errors`, shape (n,) both.
+
+        Args:
+            errors: Set-points minus measured values, in the unit of the error.
+            period: Time since the last cycle [s]; the commands are 0 when it is 0.
+        """
+        return [
+            pid.compute_command(error, period)
+            for pid, error in zip(self._pids, errors, strict=True)
+        ]
+
+    def compute_commands_with_rates(
+        self, errors: list[float], rates: list[float], period: float
+    ) -> list[float]:
+        """Return the commands for `errors` whose rates are known, shape (n,) all.
+
+        Args:
+            errors: Set-points minus measured values, in the unit of the error.
+            rates: Rates of the errors, in the unit of the error per second.
+            period: Time since the last cycle [s]; the commands are 0 when it is 0.
+        """
+        return [
+            pid.compute_command_with_rate(error, rate, period)
+            for pid, error, rate in zip(self._pids, errors, rates, strict=True)
+        ]
+
+    def columns(self) -> dict[str, list[float] | list[bool]]:
+        """Return the gains in force by their name in JointControllerState, (n,) each.
+
+        Source:
+            control_msgs@1.5.2 msg/JointControllerState.msg.
+        """
+        gains = [pid.gains for pid in self._pids]
+        return {
+            "p": [each.p for each in gains],
+            "i": [each.i for each in gains],
+            "d": [each.d for each in gains],
+            "i_clamp": [each.i_max for each in gains],
+            "antiwindup": [each.antiwindup for each in gains],
+        }
+
+    def _check_bounds(self, values: Mapping[str, float]) -> None:
+        for name in self._names:
+            lower = values[f"{name}/i_clamp_min"]
+            upper = values[f"{name}/i_clamp_max"]
+            if lower > upper:
+                raise InvalidGainError(
+                    f"Gain '{name}/i_clamp_min' is {lower}, above "
+                    f"'{name}/i_clamp_max', which is {upper}.",
+                    remedy="Send bounds with i_clamp_min <= i_clamp_max.",
+                )
+
+    def _set_gains(self, values: Mapping[str, float]) -> None:
+        for name, pid in zip(self._names, self._pids, strict=True):
+            pid.set_gains(
+                PidGains(
+                    p=values[f"{name}/p"],
+                    i=values[f"{name}/i"],
+                    d=values[f"{name}/d"],
+                    i_max=values[f"{name}/i_clamp_max"],
+                    i_min=values[f"{name}/i_clamp_min"],
+                    antiwindup=pid.gains.antiwindup,
+                )
+            )
+
+
+def read_pid_gains(
+    params: Parameters, joints: list[JointDescription]
+) -> list[PidGains]:
+    """Read the gains of every joint from any of the places where ROS files have them.
+
+    These are `<joint>/pid`, `<joint>`, `gains/<joint>`, and `pid` for a controller of
+    one joint. Each holds `p`, `i`, `d`, `i_clamp` (or `i_clamp_min` and `i_clamp_max`)
+    and `antiwindup`.
+
+    Args:
+        params: The controller's namespace.
+        joints: The joints, in the order of the result.
+
+    Raises:
+        ParameterError: A joint has no gains, or its gains are not allowed.
+    """
+    return [
+        _read_gains(params, joint.name, is_only=len(joints) == 1) for joint in joints
+    ]
+
+
+def _read_gains(params: Parameters, joint: str, *, is_only: bool) -> PidGains:
+    places = [f"{joint}/pid", joint, f"gains/{joint}"] + (["pid"] if is_only else [])
+    for place in places:
+        if params.has(f"{place}/p") or params.has(f"{place}/pid/p"):
+            return PidGains.from_parameters(params.namespace(place))
+    raise ParameterError(
+        f"Parameter '{params.resolve(f'{places[0]}/p')}' is missing.",
+        remedy=f"Give the gains of joint '{joint}' as '{places[0]}: {{p, i, d}}'.",
+        details={"parameter": params.resolve(f"{places[0]}/p")},
+    )
+
+
+def _named(gains: PidGains) -> dict[str, float]:
+    return {
+        "p": gains.p,
+        "i": gains.i,
+        "d": gains.d,
+        "i_clamp_max": gains.i_max,
+        "i_clamp_min": gains.i_min
+        + 0.0,  # turns -0.0, which would be printed, into 0.0
+    }
+
+
+def _units(command: str, error: str) -> dict[str, str]:
+    """Return the unit of every gain, e.g. Nm/rad, Nm/(rad s), Nm s/rad."""
+    base, per_second = (error[:-2], True) if error.endswith("/s") else (error, False)
+    proportional = f"{command} s/{base}" if per_second else f"{command}/{base}"
+    integral = f"{command}/{base}" if per_second else f"{command}/({base} s)"
+    derivative = f"{command} s^2/{base}" if per_second else f"{command} s/{base}"
+    units = {"p": proportional, "i": integral, "d": derivative}
+    if command == f"{error}/s":
+        units = {"p": "1/s", "i": "1/s^2", "d": ""}
+    return {**units, "i_clamp_max": command, "i_clamp_min": command}
+
+
+def _tunable(key: str, value: float, unit: str) -> Tunable:
+    """Return unit and range of a gain; the range includes the configured value."""
+    maximum = {"p": GAIN_MAXIMUM, "i": GAIN_MAXIMUM, "d": DERIVATIVE_GAIN_MAXIMUM}
+    upper = maximum.get(key, CLAMP_MAXIMUM)
+    lower = 0.0
+    if key == "i_clamp_min":
+        lower, upper = -upper, 0.0
+    return Tunable(unit, min(lower, value), max(upper, value), _DESCRIPTIONS[key])

@@ -1,0 +1,78 @@
+"""Move joints at a velocity for as long as the set-point is repeated."""
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.forward_command_controller import (
+    CommandInterfaceT,
+    JointQuantity,
+)
+from station.controllers.smoothed_motion.smoothed_motion_controller import (
+    SmoothedMotionController,
+)
+from station.core.description.robot_description import JointDescription
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+)
+
+
+class JointJogController(SmoothedMotionController[CommandInterfaceT]):
+    """Moves each joint at the velocity of the set-point, while a button is held.
+
+    Every set-point is a heartbeat: when no set-point arrives within `command_timeout`,
+    or the set-point is zero, the joints come to rest. A joint brakes early enough to
+    stop at its position limits, and may move back from beyond them.
+    """
+
+    quantity: ClassVar[JointQuantity] = JointQuantity.VELOCITY
+
+    @override
+    def heading(self, set_point: list[float]) -> list[float]:
+        return set_point
+
+    @override
+    def steer(self, set_point: list[float], period: float) -> None:
+        moving = self.generator.velocities
+        if not any(set_point) and not any(moving):
+            self.generator.brake()
+            return
+        limits, ends = self.limits, self.generator.resting_positions()
+        allowed = []
+        for index, wanted in enumerate(set_point):
+            # The braking distance can grow by this much until the next cycle.
+            growth = limits.acceleration[index] ** 2 / limits.jerk[index]
+            margin = period * (3.0 * abs(moving[index]) + growth)
+            allowed.append(_within(self.joints[index], wanted, ends[index], margin))
+        self.generator.go_at(allowed)
+
+
+class PositionJointJogController(JointJogController[PositionJointInterface]):
+    """Jogs joints by position commands."""
+
+    hardware_interface: ClassVar[type] = PositionJointInterface
+
+
+class EffortJointJogController(JointJogController[EffortJointInterface]):
+    """Jogs joints by effort commands."""
+
+    hardware_interface: ClassVar[type] = EffortJointInterface
+
+
+def _within(
+    joint: JointDescription, velocity: float, end: float, margin: float
+) -> float:
+    """Return the velocity, or 0 when it would lead beyond the limits of the joint.
+
+    Args:
+        joint: The joint.
+        velocity: Desired velocity [rad/s or m/s].
+        end: Position at which the joint would rest if it braked now [rad or m].
+        margin: Distance before the limit at which to brake [rad or m].
+    """
+    if (velocity > 0.0 and end + margin >= joint.upper) or (
+        velocity < 0.0 and end - margin <= joint.lower
+    ):
+        return 0.0
+    return velocity

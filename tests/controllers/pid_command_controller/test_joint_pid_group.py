@@ -1,0 +1,62 @@
+"""One PID per joint: names, units and ranges of the gains."""
+
+import pytest
+
+from station.controllers.forward_command_controller import JointQuantity
+from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.core.description.robot_description import JointDescription
+from station.core.description.urdf import JointType
+from station.core.errors import ParameterError
+from station.core.numerics.pid import PidGains
+from station.core.parameters import Parameters, ParameterTree
+
+ELBOW = JointDescription("elbow", JointType.REVOLUTE)
+SLIDE = JointDescription("slide", JointType.PRISMATIC)
+POSITION, VELOCITY, EFFORT = JointQuantity
+
+
+@pytest.mark.parametrize(
+    ("joint", "error", "command", "units"),
+    [
+        (ELBOW, POSITION, EFFORT, ["Nm/rad", "Nm/(rad s)", "Nm s/rad", "Nm"]),
+        (SLIDE, POSITION, EFFORT, ["N/m", "N/(m s)", "N s/m", "N"]),
+        (ELBOW, POSITION, VELOCITY, ["1/s", "1/s^2", "", "rad/s"]),
+        (ELBOW, VELOCITY, EFFORT, ["Nm s/rad", "Nm/rad", "Nm s^2/rad", "Nm"]),
+    ],
+)
+def test_units_follow_from_error_and_command(joint, error, command, units):
+    schema = JointPidGroup([joint], [PidGains()], error=error, command=command)
+    names = [f"{joint.name}/{key}" for key in ("p", "i", "d", "i_clamp_max")]
+    assert [schema.tunables.schema[name].unit for name in names] == units
+
+
+def test_commands_are_computed_joint_by_joint():
+    pids = JointPidGroup(
+        [ELBOW, SLIDE],
+        [PidGains(p=2.0), PidGains(i=3.0, i_max=9.0, i_min=-9.0)],
+        error=POSITION,
+        command=EFFORT,
+    )
+    assert pids.compute_commands([0.5, 0.1], 0.1) == pytest.approx([1.0, 0.03])
+    assert pids.compute_commands([0.5, 0.1], 0.1) == pytest.approx([1.0, 0.06])
+    pids.reset()
+    assert pids.compute_commands([0.5, 0.1], 0.1) == pytest.approx([1.0, 0.03])
+
+
+def test_gains_go_in_and_come_out_by_name():
+    pids = JointPidGroup([ELBOW], [PidGains(p=1.0)], error=POSITION, command=EFFORT)
+    wanted = {
+        "elbow/p": 1.0,
+        "elbow/i": 2.0,
+        "elbow/d": 3.0,
+        "elbow/i_clamp_max": 4.0,
+        "elbow/i_clamp_min": -5.0,
+    }
+    pids.tunables.apply(pids.tunables.checked(wanted))
+    assert pids.tunables.values == wanted
+
+
+def test_the_gains_of_a_group_are_not_taken_from_a_single_pid_block():
+    params = Parameters(ParameterTree({"arm": {"pid": {"p": 1.0}}}), "arm")
+    with pytest.raises(ParameterError, match="'arm/elbow/pid/p' is missing"):
+        read_pid_gains(params, [ELBOW, SLIDE])
