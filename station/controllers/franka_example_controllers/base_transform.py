@@ -29,7 +29,7 @@ def base_transform(xml: str, link: str, other: str) -> NDArray[np.float64]:
     root_of_second, second = _fixed_root(urdf, other)
     if root_of_first != root_of_second:
         raise RobotDescriptionError(
-            f"Links '{link}' and '{other}' do not stand on the same ground: the first "
+            f"Links '{link}' and '{other}' are not fixed to the same link: the first "
             f"is fixed to '{root_of_first}', the second to '{root_of_second}'.",
             remedy="Connect them by fixed joints in the robot description.",
             details={"links": [link, other]},
