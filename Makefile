@@ -5,9 +5,10 @@
 #   make test   all that CI runs      make check   without the slow and browser tests
 #   make setup  only prepares .venv   make lock    after a change of dependencies
 #   make bench  the benchmarks        make clean   removes all that can be made again
+#   make client  generates the blocking client from the one for asyncio
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test check static lock bench clean
+.PHONY: help setup run test check static client lock bench clean
 
 ARGS ?=
 PYTEST_ARGS ?=
@@ -36,6 +37,10 @@ static: $(READY_DEV)
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-logo
+	.venv/bin/python tools/generate_client.py --check
+
+client: $(READY_DEV)
+	.venv/bin/python tools/generate_client.py
 
 check: static
 	.venv/bin/python -m pytest -m "not slow and not browser" $(PYTEST_ARGS)

@@ -1,15 +1,17 @@
 """The web application: routes, errors, access, documentation."""
 
+from collections.abc import Callable
+
 from fastapi import FastAPI
 
 import station as package
-from station.api import docs_page
+from station.api import docs_page, index
 from station.api.auth import Authenticator
 from station.api.errors import add_error_handlers
 from station.api.guard import MAX_BODY_BYTES, Guard
 from station.api.host_policy import HostPolicy
 from station.api.openapi import StationApi
-from station.api.routes import PREFIX, api_router
+from station.api.routes import PREFIX, api_router, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
@@ -29,6 +31,7 @@ def create_app(
     slow_after: float = 5.0,
     max_streams: int = 64,
     max_body: int = MAX_BODY_BYTES,
+    dashboard_url: Callable[[], str | None] = lambda: None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -40,6 +43,7 @@ def create_app(
         slow_after: A stream's client that takes nothing for so long is closed [s].
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
+        dashboard_url: Returns where the dashboard is; None while it is not known.
     """
     app = StationApi(
         title="Control station",
@@ -53,12 +57,15 @@ def create_app(
     )
     app.state.station = station
     app.state.authenticator = authenticator
+    app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams
     )
     add_error_handlers(app)
     app.include_router(api_router)
+    app.include_router(robots.declared(station), prefix=PREFIX)
     app.include_router(login_page)
     app.include_router(docs_page.router)
+    app.include_router(index.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
     return app

@@ -1,4 +1,4 @@
-"""Who may do what: two tokens, cookies for browsers, tickets for WebSockets."""
+"""Authentication: two tokens, cookies for browsers, tickets for WebSockets."""
 
 import hmac
 import secrets
@@ -9,28 +9,28 @@ from http.cookies import CookieError, SimpleCookie
 from station.core.clock import Clock, SystemClock
 
 TICKET_LIFETIME = 30.0
-"""How long a ticket opens a WebSocket [s]."""
+"""How long after its issue a ticket can open a WebSocket [s]."""
 SESSION_LIFETIME = 12 * 3600.0
-"""How long a cookie is good for [s]."""
+"""How long a cookie is valid [s]."""
 MAX_GRANTS = 1024
-"""How many cookies, and how many tickets, are kept; the oldest go first."""
+"""Most cookies, and most tickets, that are kept; the oldest are dropped first."""
 
 
 class Role(Enum):
-    """What someone may do."""
+    """What the bearer of a token may do."""
 
     VIEWER = "viewer"
-    """Look, and stop the robot."""
+    """Read everything, and stop the robot."""
     OPERATOR = "operator"
     """Everything."""
 
     def includes(self, needed: "Role") -> bool:
-        """Say whether this role may do what `needed` may."""
+        """Return whether this role may do everything that `needed` may do."""
         return self is Role.OPERATOR or needed is Role.VIEWER
 
 
 class _Grants:
-    """Random names that stand for a role for a while. For one thread."""
+    """Random names, each of which proves a role for a limited time. Not thread-safe."""
 
     def __init__(self, clock: Clock, lifetime: float) -> None:
         self._clock = clock
@@ -55,7 +55,7 @@ class _Grants:
 
 
 class Authenticator:
-    """Knows the tokens. Used from the server's event loop only.
+    """Checks tokens, cookies and tickets. Used in the server's event loop only.
 
     Args:
         operator_token: Lets its bearer do everything; random when left out.
@@ -84,7 +84,7 @@ class Authenticator:
         self._tickets = _Grants(clock, TICKET_LIFETIME)
 
     def role_of_token(self, token: str) -> Role | None:
-        """Return the role of a token; takes the same time for every wrong one."""
+        """Return the role of a token, in the same time for every wrong token."""
         given = token.encode()
         operator = hmac.compare_digest(given, self.operator_token.encode())
         viewer = hmac.compare_digest(given, self.viewer_token.encode())
@@ -97,7 +97,7 @@ class Authenticator:
         return self._sessions.issue(role)
 
     def close_session(self, cookie: str) -> None:
-        """Make a session cookie worthless."""
+        """Revoke a session cookie."""
         self._sessions.revoke(cookie)
 
     def issue_ticket(self, role: Role) -> str:
@@ -105,13 +105,13 @@ class Authenticator:
         return self._tickets.issue(role)
 
     def redeem_ticket(self, ticket: str) -> Role | None:
-        """Return the role of a ticket and make it worthless."""
+        """Return the role of a ticket and revoke the ticket."""
         role = self._tickets.role(ticket)
         self._tickets.revoke(ticket)
         return role
 
     def session_of(self, headers: Mapping[str, str]) -> str:
-        """Return the session cookie among a request's headers; empty if none."""
+        """Return the session cookie in a request's headers; empty without a cookie."""
         try:
             cookies = SimpleCookie(headers.get("cookie", ""))
         except CookieError:
@@ -120,9 +120,9 @@ class Authenticator:
         return "" if morsel is None else morsel.value
 
     def role_of_headers(self, headers: Mapping[str, str]) -> Role | None:
-        """Return the role that a request's headers prove; None if none.
+        """Return the role that a request's headers prove; None when they prove no role.
 
-        A bearer token decides alone where there is one; else the session cookie does.
+        A bearer token, where there is one, decides alone; the cookie is not looked at.
         """
         authorization = headers.get("authorization")
         if authorization is not None:

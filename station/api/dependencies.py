@@ -1,4 +1,4 @@
-"""What routes ask for: the station, and someone who may."""
+"""Dependencies of routes: the station, its arms, and the role of the caller."""
 
 from typing import Annotated
 
@@ -8,6 +8,8 @@ from fastapi.security import HTTPBearer
 from station.api.auth import Authenticator, Role
 from station.api.errors import ProblemError
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
+from station.core.franka.grippers import Grippers
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -23,12 +25,26 @@ async def get_station(request: Request) -> Station:
 
 
 async def get_authenticator(request: Request) -> Authenticator:
-    """Return what knows the tokens."""
+    """Return the authenticator of the app."""
     authenticator: Authenticator = request.app.state.authenticator
     return authenticator
 
 
 StationDep = Annotated[Station, Depends(get_station)]
+
+
+async def get_arms(station: StationDep) -> Arms:
+    """Return the Franka arms of the station."""
+    return Arms(station.robots)
+
+
+async def get_grippers(station: StationDep) -> Grippers:
+    """Return the grippers of the station's Franka arms."""
+    return Grippers(station.robots)
+
+
+ArmsDep = Annotated[Arms, Depends(get_arms)]
+GrippersDep = Annotated[Grippers, Depends(get_grippers)]
 AuthenticatorDep = Annotated[Authenticator, Depends(get_authenticator)]
 
 
@@ -40,7 +56,7 @@ async def viewer(
     """Return the caller's role.
 
     Raises:
-        ProblemError: The caller proves none.
+        ProblemError: The caller proves no role.
     """
     role = authenticator.role_of_headers(request.headers)
     if role is None:
@@ -62,13 +78,13 @@ async def operator(role: RoleDep) -> Role:
     """Return the caller's role, which is operator.
 
     Raises:
-        ProblemError: The caller is none.
+        ProblemError: The caller is no operator.
     """
     if not role.includes(Role.OPERATOR):
         raise ProblemError(
             403,
             "operator_needed",
-            f"A {role.value} may look and stop, not change anything else.",
+            f"A {role.value} may read and stop, but not change anything else.",
             "Use the operator token.",
         )
     return role

@@ -29,6 +29,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.InvalidCommandError: 422,
     errors.ArmCommandError: 409,
     errors.ArmNotFoundError: 404,
+    errors.ServiceNotFoundError: 404,
     errors.GripperNotFoundError: 404,
     errors.GripperCommandError: 409,
     errors.CommandTimeoutError: 409,
@@ -43,6 +44,21 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.RobotDescriptionError: 422,
 }
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
+
+ROUTES: Mapping[str, str] = {
+    "controller_not_found": "POST /api/v1/controllers loads a controller.",
+    "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
+    "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
+    "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
+    "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",
+    "loop": "GET /api/v1/loop has the state of the control loop.",
+    "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
+    "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "stale_epoch": "GET /api/v1/status has the present epoch.",
+    "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
+    '{"arm": true} allows motion.',
+}
+"""The route that helps with a kind of error, by its code; core knows no routes."""
 
 HTTP_REMEDIES: Mapping[int, str] = {
     400: "Send a JSON body as /docs describes it.",
@@ -77,7 +93,7 @@ class ProblemError(HTTPException):
         self.remedy = remedy
 
     def response(self) -> Response:
-        """Return the answer that says so."""
+        """Return the problem document of this refusal."""
         return problem_response(
             self.status_code,
             self.code,
@@ -132,10 +148,16 @@ def station_error_response(error: errors.StationError) -> Response:
         status_of(type(error)),
         error.code,
         error.message,
-        error.remedy or "See the detail.",
+        _remedy(error),
         field_errors=field_errors,
         details=details,
     )
+
+
+def _remedy(error: errors.StationError) -> str:
+    """Return the error's remedy and the route that carries it out."""
+    parts = (error.remedy, ROUTES.get(error.code))
+    return " ".join(part for part in parts if part) or "See the detail."
 
 
 def validation_response(error: RequestValidationError) -> Response:

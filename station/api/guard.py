@@ -1,4 +1,4 @@
-"""What every request passes first: Host, Origin, and the size of its body."""
+"""The first check of every request: Host, Origin, and the size of the body."""
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -21,10 +21,10 @@ _HEADERS = (
 
 
 class Guard:
-    """Refuses what comes from the wrong place or is too large, before it is read.
+    """Refuses requests from other origins and large bodies, before they are read.
 
     Args:
-        app: Where everything else goes.
+        app: The application that gets all other requests.
         policy: Judges Host and Origin.
         max_body: Largest request body [bytes].
     """

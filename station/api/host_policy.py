@@ -35,7 +35,7 @@ class HostPolicy:
         self.origins = {origin.lower().rstrip("/") for origin in origins}
 
     def allows_host(self, host: str | None) -> bool:
-        """Say whether a request may name `host` as where it goes."""
+        """Return whether a request may name `host` in its Host header."""
         match = _HOST.fullmatch((host or "").lower())
         if match is None:
             return False
@@ -43,7 +43,7 @@ class HostPolicy:
         return name in self.hosts or _is_numeric(name)
 
     def allows_origin(self, origin: str | None, host: str | None) -> bool:
-        """Say whether a page of `origin` may use the station at `host`.
+        """Return whether a page of `origin` may use the station at `host`.
 
         A request without Origin comes from a program, not from a web page.
         """

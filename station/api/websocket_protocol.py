@@ -25,7 +25,7 @@ class StreamProtocol(WebSocketsSansIOProtocol):
             self.scope["state"][ABORT] = self.abort
 
     def abort(self, code: int, reason: str) -> None:
-        """Say goodbye, then cut the connection, whether it was read or not.
+        """Send a close frame, then cut the connection even if nobody reads the frame.
 
         Args:
             code: Close code.

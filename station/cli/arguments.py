@@ -37,6 +37,7 @@ def build_parser() -> Parser:
     _add_gains(verbs)
     _add_motion_verbs(verbs)
     _add_simulation_verbs(verbs)
+    _add_robot(verbs)
     return parser
 
 
@@ -236,14 +237,14 @@ def _joint_position(text: str) -> tuple[str, float]:
     """Return a joint and its position.
 
     Raises:
-        ArgumentTypeError: It does not read NAME=NUMBER.
+        ArgumentTypeError: The text has another form.
     """
     name, _, number = text.partition("=")
     try:
         return name, float(number)
     except ValueError as error:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no JOINT=POSITION, such as panda_joint1=0.5"
+            f"{text!r} is not JOINT=POSITION, such as panda_joint1=0.5."
         ) from error
 
 
@@ -289,6 +290,22 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
     )
     release.add_argument(
         "--arm", action="store_true", help="second step: allow motion again"
+    )
+
+
+def _add_robot(verbs: _Verbs) -> None:
+    robot = verbs.add(
+        "robot", "robot:robot", "list the services of a robot, or call one of them"
+    )
+    robot.add_argument("arm_id", metavar="ROBOT", help="name of the robot, e.g. panda")
+    robot.add_argument(
+        "service", nargs="?", metavar="SERVICE", help="without it: list the services"
+    )
+    robot.add_argument(
+        "arguments",
+        nargs="*",
+        metavar="NAME=VALUE",
+        help="arguments of the service; VALUE is JSON or text, e.g. mass=0.5",
     )
 
 

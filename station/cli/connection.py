@@ -18,8 +18,8 @@ def open_client(options: Namespace) -> "StationClient":
     """Return a client for the station that the options, or the machine, name.
 
     Raises:
-        NoStationError: None was found, or more than one.
-        UsageError: The URL is none.
+        NoStationError: No station was found, or more than one.
+        UsageError: The URL is not that of a web server.
     """
     from station.client import StationClient
 
@@ -34,8 +34,8 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
     of a station on this machine.
 
     Raises:
-        NoStationError: None was found, or more than one.
-        UsageError: The URL is none.
+        NoStationError: No station was found, or more than one.
+        UsageError: The URL is not that of a web server.
     """
     url = url or os.environ.get("STATION_URL")
     token = token or os.environ.get("STATION_TOKEN")
@@ -45,7 +45,7 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
     address = urlsplit(url)
     if address.scheme not in {"http", "https"} or not address.hostname:
         raise UsageError(
-            f"The URL {url!r} is none of a station.",
+            f"{url!r} is not the URL of a station.",
             remedy="Write it like http://127.0.0.1:8000.",
         )
     if token is None:
@@ -58,7 +58,7 @@ def _only(stations: list[RunningStation]) -> RunningStation:
     """Return the one station.
 
     Raises:
-        NoStationError: There is none, or more than one.
+        NoStationError: There is no station, or more than one.
     """
     if not stations:
         raise NoStationError("No station runs on this machine.", remedy=_START_ONE)

@@ -1,4 +1,4 @@
-"""Errors of the command line, and what is said about everybody else's."""
+"""Errors of the command line, and how errors of all kinds are reported."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from station.core.errors import StationError
 
 
 class UsageError(StationError, ValueError):
-    """The command line does not say something that can be done."""
+    """The command line is wrong, or asks for something that cannot be done."""
 
     code = "usage"
 
@@ -48,7 +48,7 @@ class Failure:
 
 
 def failure_of(error: Exception) -> Failure | None:
-    """Return what to say about `error`; None when it is a defect of the program."""
+    """Return how to report `error`; None when it is a defect of the program."""
     if isinstance(error, StationError):
         return Failure(
             error.code, error.message, error.remedy, isinstance(error, UsageError)

@@ -41,7 +41,7 @@ class Finding:
 
 
 def check_python() -> Finding:
-    """Say which interpreter runs and whether it has a lock."""
+    """Report which interpreter runs and whether it has a lock."""
     is_locked = getattr(sys, "_is_gil_enabled", lambda: True)()
     name = f"{platform.python_implementation()} {platform.python_version()}"
     lock = "with" if is_locked else "without"

@@ -41,7 +41,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # Who read us has enough; keep Python from complaining when it flushes.
+        # The reader of the output is gone; without this, Python would report the
+        # broken pipe once more when it flushes at its exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
@@ -53,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def normalise(argv: Sequence[str]) -> list[str]:
-    """Return the arguments as the parser wants them.
+    """Return the arguments in the form that the parser expects.
 
     A verb may be written with dashes; negative numbers lose the exponent, which
     argparse takes for an option.
@@ -67,7 +68,7 @@ def normalise(argv: Sequence[str]) -> list[str]:
 
 
 def report(failure: Failure, *, as_json: bool) -> None:
-    """Say on stderr what went wrong and what to do."""
+    """Write to stderr what went wrong and what to do."""
     if as_json:
         sys.stderr.write(json.dumps(failure.as_problem()) + "\n")
         return

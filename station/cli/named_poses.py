@@ -44,7 +44,7 @@ def check_name(pose: str) -> None:
     """
     if pose not in POSES:
         raise UsageError(
-            f"There is no pose '{pose}'; there are {', '.join(sorted(POSES))}.",
+            f"There is no pose '{pose}'. The poses are: {', '.join(sorted(POSES))}.",
             remedy="Name one of them, or a controller and one number per joint.",
         )
 
@@ -57,7 +57,7 @@ def positions_of(pose: str, joints: Sequence[str]) -> list[float]:
         joints: The joints.
 
     Raises:
-        UsageError: It is no pose of these joints.
+        UsageError: The pose is one of other joints.
     """
     known = POSES[pose]
     ends = [re.sub(r"^.*_(?=joint\d+$)", "", name) for name in joints]
@@ -85,7 +85,7 @@ def ready_controller(client: "StationClient") -> str:
             return controller.name
     if not found:
         raise UsageError(
-            "No JointTrajectoryController is loaded, which could go to a pose.",
+            "No JointTrajectoryController is loaded, and no other goes to a pose.",
             remedy="Load one: `station load_controller NAME FILE`.",
         )
     # By positions the arm itself keeps to the way, whatever it carries.

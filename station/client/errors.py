@@ -15,7 +15,7 @@ from station.wire import FieldError, Problem
 
 
 class ApiError(Exception):
-    """The station refused a request; nothing was changed by it.
+    """The station refused a request, and nothing has changed.
 
     Attributes:
         status: HTTP status, or close code of a stream; 0 when there was no answer.
@@ -46,7 +46,7 @@ class ApiError(Exception):
 
     @override
     def __str__(self) -> str:
-        """Return detail and remedy, as a person should read them."""
+        """Return detail and remedy."""
         return f"{self.detail} {self.remedy}".strip()
 
     @classmethod

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Stream:
-    """Frames of a topic, newest first come: a slow reader misses frames.
+    """Frames of a topic; a slow reader misses frames.
 
     Iterate over it in one thread; `close()` from any other ends the iteration. The
     station's first frame does not come as an item but as `progress.hello`; a new
@@ -77,7 +77,7 @@ class Stream:
             self._closed.wait(backoff.next())
 
     def _judge(self, error: Exception) -> None:
-        """Return when to try again; raise the reason when not.
+        """Return when connecting again makes sense; raise the reason when it does not.
 
         Raises:
             ApiError: The station refuses the stream.

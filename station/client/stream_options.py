@@ -1,4 +1,4 @@
-"""What the two kinds of stream share: the address, the frames, the back-off."""
+"""Parts of both kinds of stream: the address, the frames, the back-off."""
 
 import random
 from collections.abc import Mapping
@@ -9,8 +9,8 @@ from urllib.parse import quote, urlencode
 from pydantic import JsonValue
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from station.client.calls import PREFIX
 from station.client.errors import ApiError
+from station.client.routes import PREFIX
 from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_FORBIDDEN,
@@ -40,7 +40,7 @@ def bearer(token: str | None) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class StreamOptions:
-    """Where a stream comes from and how.
+    """Address and options of a stream.
 
     Attributes:
         base_url: The station, http or https.
@@ -71,13 +71,13 @@ class StreamOptions:
 
 
 class Backoff:
-    """How long to wait before the next attempt: doubling, with jitter."""
+    """Delays between attempts to connect: doubling, with jitter."""
 
     def __init__(self) -> None:
         self._delay = FIRST_DELAY
 
     def reset(self) -> None:
-        """Start over: a connection worked."""
+        """Begin again with the first delay, after a connection that worked."""
         self._delay = FIRST_DELAY
 
     def next(self) -> float:
@@ -88,7 +88,7 @@ class Backoff:
 
 
 class StreamProgress:
-    """What is known of a stream, besides its frames.
+    """State of a stream.
 
     Attributes:
         connected: The link stands and its first frame has come.
@@ -102,7 +102,7 @@ class StreamProgress:
         self.connections = 0
 
     def accept(self, message: str | bytes) -> StreamFrame | None:
-        """Take a message in; return its frame, or None for the hello."""
+        """Read a message; return its frame, or None for the first message (`hello`)."""
         frame = StreamFrame.model_validate_json(message)
         if frame.topic == "hello":
             self.hello = frame

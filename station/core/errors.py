@@ -168,6 +168,12 @@ class ArmCommandError(StationError, RuntimeError):
     code = "arm_command_refused"
 
 
+class ServiceNotFoundError(StationError, KeyError):
+    """The robot has no service of that name."""
+
+    code = "service_not_found"
+
+
 class GripperNotFoundError(StationError, KeyError):
     """The arm has no hand."""
 

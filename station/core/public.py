@@ -79,6 +79,12 @@ from station.core.hardware.robot_hw import (
     RobotHW,
     SwitchState,
 )
+from station.core.hardware.services import (
+    RobotServices,
+    RobotServicesInterface,
+    ServiceKind,
+    service,
+)
 from station.core.hardware.transmissions import (
     DifferentialTransmission,
     FourBarLinkageTransmission,
@@ -162,6 +168,9 @@ __all__ = [
     "ResourceHandle",
     "ResourceManager",
     "RobotHW",
+    "RobotServices",
+    "RobotServicesInterface",
+    "ServiceKind",
     "SetPointElement",
     "SetPointPort",
     "SimpleTransmission",
@@ -185,4 +194,5 @@ __all__ = [
     "VelocityJointSoftLimitsHandle",
     "VelocityJointSoftLimitsInterface",
     "default_loaders",
+    "service",
 ]

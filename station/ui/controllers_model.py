@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from station.client.models import ControllerState
 from station.ui.station_view import StationView
+from station.wire import ControllerState
 
 
 @dataclass(frozen=True, slots=True)

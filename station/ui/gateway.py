@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.websockets import WebSocket
 
-    from station.client.models import StopState
     from station.ui.gateway_state import BarState
     from station.ui.origins import OriginPolicy
     from station.ui.viser_relay import ViserRelay
+    from station.wire import StopState
 
 _STATIC_TYPES = {
     "page.css": "text/css; charset=utf-8",

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from station.client.models import Status
 from station.ui.station_view import StationView
+from station.wire import Status
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ dark; a word always says what a colour says.
 from collections.abc import Sequence
 from html import escape
 
-from station.client.models import ControllerState
 from station.ui.controllers_model import claims_text
+from station.wire import ControllerState
 
 _STATE_COLOURS = {
     "running": "rgba(47, 158, 68, .25)",

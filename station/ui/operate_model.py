@@ -9,9 +9,9 @@ go: the sliders follow again.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from station.client.models import CommandElement
 from station.ui.recovery_model import choose_rescue
 from station.ui.station_view import StationView
+from station.wire import CommandElement
 
 HOLD = 1.0
 """How long a slider stays as it was left before it follows the robot again [s]."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from station.client.models import ControllerSample
+from station.wire import ControllerSample
 
 MAX_POINTS = 500
 """Most points of a chart; more do not keep up in a browser."""

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from station.client.models import ArmReport
 from station.ui.station_view import StationView
+from station.wire import ArmReport
 
 _NOTHING_MOVES = "Nothing moves by itself; controllers stay stopped."
 _MOST_ERRORS = 3

@@ -6,7 +6,7 @@ from pathlib import Path
 import trimesh
 import viser
 
-from station.client.models import SceneObject
+from station.wire import SceneObject
 
 _ROOT = "/scene"
 _SMALLEST_STEP = 1e-4

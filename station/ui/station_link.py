@@ -12,7 +12,9 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Collection
 from pydantic import ValidationError
 
 from station.client import ApiError, AsyncStationClient
-from station.client.models import (
+from station.ui.plot_history import PlotHistory
+from station.ui.station_view import StationView
+from station.wire import (
     CommandElement,
     ControllerSample,
     ControllerState,
@@ -23,8 +25,6 @@ from station.client.models import (
     Status,
     StreamFrame,
 )
-from station.ui.plot_history import PlotHistory
-from station.ui.station_view import StationView
 
 JOINT_RATE = 60.0
 """Joint states per second for the 3D view [Hz]."""

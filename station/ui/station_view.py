@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from station.client.models import (
+from station.wire import (
     CommandElement,
     ControllerSample,
     ControllerState,

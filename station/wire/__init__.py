@@ -83,6 +83,8 @@ from station.wire.robots import (
     Recoveries,
     Recovery,
     RecoveryRequest,
+    ServiceInfo,
+    Services,
     StiffnessFrame,
     UserStopRequest,
 )
@@ -203,6 +205,8 @@ __all__ = [
     "ResponseModel",
     "Scene",
     "SceneObject",
+    "ServiceInfo",
+    "Services",
     "Session",
     "Simulation",
     "SimulationPatch",

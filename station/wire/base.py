@@ -1,8 +1,23 @@
-"""The bases of all wire models, and the numbers and names they are made of."""
+"""The bases of all wire models, and the numbers and names they are made of.
 
-from typing import Annotated
+Answers are read from the core's own values by attribute, without importing them:
+`wire.LoopReport.model_validate(report)`. The types here convert what JSON has no word
+for: numbers that are not finite, members of enumerations, tuples and absent reasons.
+"""
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue
+import math
+from collections.abc import Iterable
+from enum import Enum
+from typing import Annotated, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    JsonValue,
+)
 
 MAX_DEPTH = 32
 
@@ -11,15 +26,67 @@ ControllerName = Annotated[
 ]
 """A name that is also one segment of a URL."""
 
-Measured = float | None
+ItemT = TypeVar("ItemT")
+
+
+def finite_or_none(value: object) -> object:
+    """Return `value`, or None for a float that is not finite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def list_of_finite(values: object) -> object:
+    """Return the items of `values` with None for every float that is not finite."""
+    if isinstance(values, Iterable) and not isinstance(values, str):
+        return [finite_or_none(value) for value in values]
+    return values
+
+
+def name_of(value: object) -> object:
+    """Return the name that a member of an enumeration has on the wire.
+
+    The name is the member's value when the value is text, and otherwise the member's
+    own name in lower case (libfranka numbers its modes and frames).
+    """
+    if isinstance(value, Enum):
+        return value.value if isinstance(value.value, str) else value.name.lower()
+    return value
+
+
+def text_or_empty(value: object) -> object:
+    """Return `value`, or empty text for None."""
+    return "" if value is None else value
+
+
+Measured = Annotated[float | None, BeforeValidator(finite_or_none)]
 """A number as it was measured or computed; null where there is no finite value."""
+
+Measurements = Annotated[list[float | None], BeforeValidator(list_of_finite)]
+"""Numbers as they were measured or computed; null where there is no finite value."""
+
+Items = Annotated[list[ItemT], Field(strict=False)]
+"""A JSON array; the core may have it as a tuple."""
+
+Reason = Annotated[str, BeforeValidator(text_or_empty)]
+"""A reason or a remedy; empty where there is none, which is None in the core."""
+
+FromEnum = BeforeValidator(name_of)
+"""Reads the name of a member of one of the core's enumerations."""
 
 
 class ResponseModel(BaseModel):
-    """What the station answers. Unknown keys are ignored: a newer station may add."""
+    """What the station answers; read from JSON, or from the core by attribute.
+
+    Unknown keys are ignored, because a newer station may add some.
+    """
 
     model_config = ConfigDict(
-        strict=True, extra="ignore", frozen=True, allow_inf_nan=False
+        strict=True,
+        extra="ignore",
+        frozen=True,
+        allow_inf_nan=False,
+        from_attributes=True,
     )
 
 

@@ -1,19 +1,26 @@
 """Wire models of controllers: listing, loading, switching, gains and set-points."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from station.wire.base import (
     ControllerName,
+    FromEnum,
+    Items,
     Measured,
+    Measurements,
     ParameterValues,
+    Reason,
     RequestModel,
     ResponseModel,
 )
 
-ControllerStateName = Literal[
-    "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
+ControllerStateName = Annotated[
+    Literal[
+        "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
+    ],
+    FromEnum,
 ]
 
 
@@ -21,7 +28,7 @@ class ClaimedResources(ResponseModel):
     """What a controller claims of one interface (HardwareInterfaceResources)."""
 
     hardware_interface: str
-    resources: list[str]
+    resources: Items[str]
 
 
 class Percentiles(ResponseModel):
@@ -59,17 +66,17 @@ class ControllerState(ResponseModel):
     name: str
     type: str
     state: ControllerStateName
-    claimed_resources: list[ClaimedResources]
-    fault: str
-    traceback: str
-    fallback: list[str]
+    claimed_resources: Items[ClaimedResources]
+    fault: Reason
+    traceback: Reason
+    fallback: Items[str]
     time: Percentiles
 
 
 class Controllers(ResponseModel):
     """All loaded controllers, in the order in which they are updated."""
 
-    controllers: list[ControllerState]
+    controllers: Items[ControllerState]
 
 
 class LoadRequest(RequestModel):
@@ -78,7 +85,8 @@ class LoadRequest(RequestModel):
     Attributes:
         name: Its name.
         type: Its plugin type; may be left out when the configuration has it.
-        params: Its parameters as in a ros_control YAML; may be left out likewise.
+        params: Its parameters as in a ros_control YAML; may be left out when the
+            configuration has them.
     """
 
     model_config = ConfigDict(
@@ -110,7 +118,7 @@ class SwitchRequest(RequestModel):
         strictness: `strict`: all or nothing; `best_effort`: what is possible.
         start_asap: Start each as soon as its joints are ready.
         timeout: Wall-clock deadline [s]; 0 means the station's default.
-        dry_run: Only say what would happen.
+        dry_run: Only return what would happen.
     """
 
     model_config = ConfigDict(
@@ -166,31 +174,31 @@ class SwitchResult(ResponseModel):
     )
 
     ok: bool
-    started: list[str]
-    stopped: list[str]
+    started: Items[str]
+    stopped: Items[str]
     failed: dict[str, str]
-    ignored: list[str]
+    ignored: Items[str]
     jump: dict[str, Measured]
     cycle: int
     dry_run: bool
 
 
 class Tunable(ResponseModel):
-    """What a run-time parameter may be.
+    """Unit and range of a run-time parameter.
 
     Attributes:
         type: Always a number.
         unit: Its unit; empty for a plain number.
         minimum: Smallest value allowed; null where unlimited.
         maximum: Largest value allowed; null where unlimited.
-        description: One line for people.
+        description: One sentence.
     """
 
     type: Literal["number"] = "number"
     unit: str = ""
     minimum: Measured = None
     maximum: Measured = None
-    description: str = ""
+    description: Reason = ""
 
 
 class Gains(ResponseModel):
@@ -198,7 +206,7 @@ class Gains(ResponseModel):
 
     Attributes:
         values: Present values by name.
-        tunables: What each may be; called `schema` on the wire.
+        tunables: Unit and range of each; called `schema` on the wire.
         revision: Counts the changes; the ETag follows it.
         etag: What to send as If-Match; the same as the ETag header.
     """
@@ -236,7 +244,7 @@ class GainsChange(ResponseModel):
 
 
 class CommandElement(ResponseModel):
-    """One number of a set-point: what it commands, its unit and its range."""
+    """One number of a set-point: its name, unit and range."""
 
     name: str
     unit: str
@@ -245,15 +253,15 @@ class CommandElement(ResponseModel):
 
 
 class CommandInfo(ResponseModel):
-    """What a controller takes as set-point, and the last one it took.
+    """The elements of a controller's set-point, and the last set-point.
 
     Attributes:
-        elements: What the numbers are, in order.
+        elements: Name, unit and range of each number, in order.
         last: The last set-point, shape (n,); null before the first.
     """
 
-    elements: list[CommandElement]
-    last: list[Measured] | None = None
+    elements: Items[CommandElement]
+    last: Measurements | None = None
 
 
 class CommandRequest(RequestModel):
@@ -305,11 +313,11 @@ class ControllerSample(ResponseModel):
     """
 
     stamp: float
-    name: list[str]
-    desired: list[Measured]
-    actual: list[Measured]
-    error: list[Measured]
-    output: list[Measured]
+    name: Items[str]
+    desired: Measurements
+    actual: Measurements
+    error: Measurements
+    output: Measurements
     published: dict[str, dict[str, JsonValue]] = Field(default_factory=dict)
 
 
@@ -318,10 +326,10 @@ class ControllerType(ResponseModel):
 
     type: str
     base_class: str
-    description: str = ""
+    description: Reason = ""
 
 
 class ControllerTypes(ResponseModel):
     """All plugins that can be loaded, by type."""
 
-    controller_types: list[ControllerType]
+    controller_types: Items[ControllerType]

@@ -1,18 +1,23 @@
 """Wire models of goals and trajectories."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, JsonValue
 from pydantic.config import JsonDict
 
 from station.wire.base import (
-    Measured,
+    FromEnum,
+    Items,
+    Measurements,
     ParameterValues,
+    Reason,
     RequestModel,
     ResponseModel,
 )
 
-GoalStatusName = Literal["pending", "active", "preempted", "succeeded", "aborted"]
+GoalStatusName = Annotated[
+    Literal["pending", "active", "preempted", "succeeded", "aborted"], FromEnum
+]
 
 _TRAJECTORY: JsonDict = {
     "joint_names": ["panda_joint1", "panda_joint2"],
@@ -52,7 +57,7 @@ class GoalResult(ResponseModel):
     """
 
     code: int
-    message: str
+    message: Reason
     details: dict[str, JsonValue]
 
 
@@ -61,9 +66,9 @@ class Goal(ResponseModel):
 
     Attributes:
         id: Its name within the controller.
-        status: How far it is; the last three are final.
+        status: Its status; the last three are final.
         progress: Part of its time that has passed, 0 to 1.
-        cancel_requested: Somebody wants it to end.
+        cancel_requested: The goal is to be cancelled.
         feedback: The action's feedback while the goal is active: desired and actual
             states and errors of joints, or position and effort of a gripper.
         result: How it ended; null until then.
@@ -80,11 +85,11 @@ class Goal(ResponseModel):
 class Goals(ResponseModel):
     """The latest goals of a controller, oldest first."""
 
-    goals: list[Goal]
+    goals: Items[Goal]
 
 
 class TrajectoryRequest(RequestModel):
-    """Let a controller follow a trajectory for which nobody waits.
+    """Let a controller follow a trajectory without a goal.
 
     Attributes:
         trajectory: trajectory_msgs/JointTrajectory with times in seconds; without
@@ -101,7 +106,7 @@ class TrajectoryRequest(RequestModel):
 
 
 class DesiredState(ResponseModel):
-    """Where joints shall be at a time, shape (n,) each.
+    """Desired state of joints at a time, shape (n,) each.
 
     Attributes:
         name: The joints.
@@ -110,7 +115,7 @@ class DesiredState(ResponseModel):
         acceleration: [rad/s^2 or m/s^2].
     """
 
-    name: list[str]
-    position: list[Measured]
-    velocity: list[Measured]
-    acceleration: list[Measured]
+    name: Items[str]
+    position: Measurements
+    velocity: Measurements
+    acceleration: Measurements

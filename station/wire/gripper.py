@@ -1,17 +1,20 @@
-"""Wire models of a gripper: its state, and what it can be told."""
+"""Wire models of a gripper: its state and its commands."""
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import AliasChoices, ConfigDict, Field
 
-from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.base import FromEnum, Measured, Reason, RequestModel, ResponseModel
 
-GripperActionName = Literal["homing", "move", "grasp"]
-GripperActivityName = Literal[
-    "idle", "homing", "moving", "grasping", "holding", "controlled"
+GripperActionName = Annotated[Literal["homing", "move", "grasp"], FromEnum]
+GripperActivityName = Annotated[
+    Literal["idle", "homing", "moving", "grasping", "holding", "controlled"], FromEnum
 ]
-GripperCommandStatus = Literal["active", "succeeded", "aborted", "preempted"]
+GripperCommandStatus = Annotated[
+    Literal["active", "succeeded", "aborted", "preempted"], FromEnum
+]
 
+_Identifier = Annotated[str, Field(strict=False, coerce_numbers_to_str=True)]
 _Distance = Annotated[float, Field(ge=0.0)]
 _Positive = Annotated[float, Field(gt=0.0)]
 
@@ -22,25 +25,25 @@ class GripperCommand(ResponseModel):
     Attributes:
         id: Its number in this run of the station.
         action: What was asked for.
-        status: `active`, and then for good `succeeded`, `aborted` (it did not reach
-            its aim) or `preempted` (something else ended it).
-        message: Why it did not succeed; else empty.
+        status: `active`, and finally `succeeded`, `aborted` (it did not reach its aim)
+            or `preempted` (another command or a stop ended it).
+        message: Why it did not succeed; empty when it did.
         request: The numbers that were asked for, by name [m, m/s, N].
         started: When it began [s, `time` of the gripper].
         ended: When it ended; null until then.
     """
 
-    id: str
+    id: _Identifier = Field(validation_alias=AliasChoices("id", "identifier"))
     action: GripperActionName
     status: GripperCommandStatus
-    message: str
+    message: Reason
     request: dict[str, float]
     started: float
     ended: float | None
 
 
 class Gripper(ResponseModel):
-    """A gripper's state, as `franka_gripper` has it, and what it does.
+    """A gripper's state, as `franka_gripper` has it, and its activity.
 
     Attributes:
         arm_id: The arm it belongs to.
@@ -49,10 +52,10 @@ class Gripper(ResponseModel):
         is_grasped: Something of the expected width is held.
         temperature: Of the gripper [degree Celsius].
         time: Of the gripper [s]; never goes back.
-        activity: What the fingers are doing; `holding` is with the force of the last
-            grasp, `controlled` by a controller that claims their joints.
+        activity: What the fingers are doing. `holding`: they press with the force of
+            the last grasp. `controlled`: a controller claims their joints.
         force: What each finger presses with, > 0 outwards [N].
-        command: What it was told and has not finished; null when there is nothing.
+        command: The command that is active; null when there is none.
         last: The last command that ended; null when there is none.
     """
 
@@ -85,7 +88,7 @@ class GripperMoveRequest(RequestModel):
 
 
 class GraspEpsilon(RequestModel):
-    """How far the width of what is grasped may be from the expected one.
+    """How far the width of a grasped object may be from the expected one.
 
     Attributes:
         inner: How much narrower [m].

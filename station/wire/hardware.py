@@ -1,13 +1,14 @@
 """Wire models of the robot: interfaces, claims, limits, transmissions, clamps."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
-from station.wire.base import Measured, ResponseModel
+from station.wire.base import FromEnum, Items, Measured, ResponseModel
 
-ClampReasonName = Literal[
-    "position", "velocity", "acceleration", "jerk", "effort", "soft_position"
+ClampReasonName = Annotated[
+    Literal["position", "velocity", "acceleration", "jerk", "effort", "soft_position"],
+    FromEnum,
 ]
 
 
@@ -20,7 +21,7 @@ class HardwareResource(ResponseModel):
     """
 
     name: str
-    claimed_by: list[str]
+    claimed_by: Items[str]
 
 
 class HardwareInterface(ResponseModel):
@@ -32,7 +33,7 @@ class HardwareInterface(ResponseModel):
     """
 
     name: str
-    resources: list[HardwareResource]
+    resources: Items[HardwareResource]
 
 
 class SoftLimits(ResponseModel):
@@ -75,7 +76,7 @@ class HardwareLimits(ResponseModel):
     max_jerk: Measured
     max_effort: Measured
     soft_limits: SoftLimits | None
-    sources: dict[str, str]
+    sources: Annotated[dict[str, str], Field(strict=False)]
 
 
 class HardwareTransmission(ResponseModel):
@@ -90,8 +91,8 @@ class HardwareTransmission(ResponseModel):
 
     name: str
     type: str
-    joints: list[str]
-    actuators: list[str]
+    joints: Items[str]
+    actuators: Items[str]
 
 
 class Clamp(ResponseModel):
@@ -178,7 +179,7 @@ class Hardware(ResponseModel):
         }
     )
 
-    interfaces: list[HardwareInterface]
-    limits: list[HardwareLimits]
-    transmissions: list[HardwareTransmission]
-    clamps: list[Clamp]
+    interfaces: Items[HardwareInterface]
+    limits: Items[HardwareLimits]
+    transmissions: Items[HardwareTransmission]
+    clamps: Items[Clamp]

@@ -1,25 +1,36 @@
-"""Wire models of arms: state, model, settings, errors, and what simulations can do."""
+"""Wire models of arms: state, model, settings, errors, and simulated faults."""
 # ruff: noqa: N815 - the names are libfranka's.
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
-from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.base import (
+    FromEnum,
+    Items,
+    Measured,
+    Measurements,
+    Reason,
+    RequestModel,
+    ResponseModel,
+)
 
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 Wrench = Annotated[list[float], Field(min_length=6, max_length=6)]
 Joints = Annotated[list[float], Field(min_length=7, max_length=7)]
 Tensor = Annotated[list[float], Field(min_length=9, max_length=9)]
 Transform = Annotated[list[float], Field(min_length=16, max_length=16)]
-RobotModeName = Literal[
-    "other",
-    "idle",
-    "move",
-    "guiding",
-    "reflex",
-    "user_stopped",
-    "automatic_error_recovery",
+RobotModeName = Annotated[
+    Literal[
+        "other",
+        "idle",
+        "move",
+        "guiding",
+        "reflex",
+        "user_stopped",
+        "automatic_error_recovery",
+    ],
+    FromEnum,
 ]
 FrameName = Literal[
     "joint1",
@@ -49,12 +60,12 @@ class ArmError(ResponseModel):
     """
 
     name: str
-    where: str
+    where: Reason
     value: Measured
     limit: Measured
     unit: str
     cycle: int
-    description: str
+    description: Reason
 
 
 class ArmReport(ResponseModel):
@@ -63,26 +74,50 @@ class ArmReport(ResponseModel):
     Attributes:
         arm_id: Its name.
         robot_mode: What it is doing.
-        connected: Whether it may be used.
+        connected: Whether the station is connected to the arm.
         errors: What its present errors, or else the last motion's, came from.
         remedy: What to do so that it can move; empty when it can.
     """
 
     arm_id: str
     robot_mode: RobotModeName
-    connected: bool
-    errors: list[ArmError]
-    remedy: str
+    connected: bool = Field(validation_alias=AliasChoices("connected", "is_connected"))
+    errors: Items[ArmError]
+    remedy: Reason
+
+
+class ServiceInfo(ResponseModel):
+    """A service of a robot.
+
+    Attributes:
+        name: Its name.
+        method: HTTP method of its route.
+        path: Last part of its route: `/robots/{arm_id}/{path}`.
+        description: What it does.
+        parameters: Names of its parameters, the keys of the request's body.
+    """
+
+    name: str
+    method: str
+    path: str
+    description: str
+    parameters: list[str]
+
+
+class Services(ResponseModel):
+    """The services of a robot."""
+
+    services: list[ServiceInfo]
 
 
 class Arms(ResponseModel):
     """All arms of the station."""
 
-    robots: list[ArmReport]
+    robots: Items[ArmReport]
 
 
 class RecoveryRequest(RequestModel):
-    """How to recover.
+    """How to recover from an error.
 
     Attributes:
         restart: `previous` starts the controllers again that the error stopped; with
@@ -99,7 +134,7 @@ class Recovery(ArmReport):
         restarted: Controllers that were started again.
     """
 
-    restarted: list[str]
+    restarted: Items[str]
 
 
 class Recoveries(Arms):
@@ -109,7 +144,7 @@ class Recoveries(Arms):
         restarted: Controllers that were started again.
     """
 
-    restarted: list[str]
+    restarted: Items[str]
 
 
 class UserStopRequest(RequestModel):
@@ -119,7 +154,7 @@ class UserStopRequest(RequestModel):
 
 
 class GuidingRequest(RequestModel):
-    """Hold or let go of the guiding buttons."""
+    """Press or release the guiding buttons."""
 
     pressed: bool
 
@@ -138,18 +173,18 @@ class ArmRecord(ResponseModel):
     """
 
     time: float
-    q: list[Measured]
-    dq: list[Measured]
-    tau_J: list[Measured]
-    q_d: list[Measured]
-    tau_J_d: list[Measured]
-    command: list[Measured]
+    q: Measurements
+    dq: Measurements
+    tau_J: Measurements
+    q_d: Measurements
+    tau_J_d: Measurements
+    command: Measurements
 
 
 class ArmLog(ResponseModel):
     """The last cycles of the motion before the last error, oldest first, up to 50."""
 
-    records: list[ArmRecord]
+    records: Items[ArmRecord]
 
 
 class JointImpedance(RequestModel):
@@ -180,7 +215,7 @@ class StiffnessFrame(RequestModel):
 
 
 class Load(RequestModel):
-    """What the hand holds.
+    """The load that the hand holds.
 
     Attributes:
         mass: [kg].
@@ -232,18 +267,19 @@ class ExternalForce(RequestModel):
     point: Vector3 | None = None
 
 
-FaultName = Literal[
-    "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"
+FaultName = Annotated[
+    Literal["lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint", "collision"],
+    FromEnum,
 ]
 
 
 class Fault(RequestModel):
-    """Something to go wrong, in simulation only.
+    """A fault to inject, in simulation only.
 
     Attributes:
-        kind: What.
-        cycles: For how many cycles of the arm; of a delayed cycle, up to 500: by how
-            many of the loop's.
+        kind: Kind of the fault.
+        cycles: How many cycles of the arm the fault lasts. For a delayed cycle, by how
+            many nominal periods the loop's next cycle is late, at most 500.
         joint: Number of the joint, 1 to 7, where the kind needs one.
         force: Force of a collision, axes of the world [N].
     """
@@ -255,11 +291,11 @@ class Fault(RequestModel):
 
 
 class ActiveFault(ResponseModel):
-    """What goes wrong at present.
+    """A fault that is active.
 
     Attributes:
-        kind: What.
-        cycles: For how many more cycles of the arm.
+        kind: Kind of the fault.
+        cycles: How many more cycles of the arm the fault lasts.
         joint: Number of the joint, where the kind has one.
     """
 
@@ -269,31 +305,31 @@ class ActiveFault(ResponseModel):
 
 
 class Faults(ResponseModel):
-    """What was made to go wrong and lasts."""
+    """The faults that are active."""
 
-    faults: list[ActiveFault]
+    faults: Items[ActiveFault]
 
 
 class ArmModel(ResponseModel):
-    """What the model says in the present state; matrices column-major.
+    """The model, evaluated in the present state; matrices column-major.
 
     Attributes:
         frame: Frame of pose and Jacobians.
         mass: [kg m^2], 7 x 7.
         coriolis: [Nm].
-        gravity: That hold the arm where it is mounted (`O_ddP_O`) [Nm].
+        gravity: Torques that hold the arm against `O_ddP_O` [Nm].
         pose: In the base frame, 4 x 4.
         zero_jacobian: Axes of the base, 6 x 7.
         body_jacobian: Axes of the frame, 6 x 7.
     """
 
-    frame: FrameName
-    mass: list[Measured]
-    coriolis: list[Measured]
-    gravity: list[Measured]
-    pose: list[Measured]
-    zero_jacobian: list[Measured]
-    body_jacobian: list[Measured]
+    frame: Annotated[FrameName, FromEnum]
+    mass: Measurements
+    coriolis: Measurements
+    gravity: Measurements
+    pose: Measurements
+    zero_jacobian: Measurements
+    body_jacobian: Measurements
 
 
 class FrankaState(ResponseModel):
@@ -305,47 +341,47 @@ class FrankaState(ResponseModel):
     robot_mode: RobotModeName
     time: float
     control_command_success_rate: float
-    current_errors: list[str]
-    last_motion_errors: list[str]
-    q: list[Measured]
-    dq: list[Measured]
-    tau_J: list[Measured]
-    dtau_J: list[Measured]
-    q_d: list[Measured]
-    dq_d: list[Measured]
-    ddq_d: list[Measured]
-    tau_J_d: list[Measured]
-    theta: list[Measured]
-    dtheta: list[Measured]
-    tau_ext_hat_filtered: list[Measured]
-    O_F_ext_hat_K: list[Measured]
-    K_F_ext_hat_K: list[Measured]
-    joint_contact: list[Measured]
-    joint_collision: list[Measured]
-    cartesian_contact: list[Measured]
-    cartesian_collision: list[Measured]
-    O_T_EE: list[Measured]
-    O_T_EE_d: list[Measured]
-    O_T_EE_c: list[Measured]
-    F_T_EE: list[Measured]
-    F_T_NE: list[Measured]
-    NE_T_EE: list[Measured]
-    EE_T_K: list[Measured]
+    current_errors: Items[str]
+    last_motion_errors: Items[str]
+    q: Measurements
+    dq: Measurements
+    tau_J: Measurements
+    dtau_J: Measurements
+    q_d: Measurements
+    dq_d: Measurements
+    ddq_d: Measurements
+    tau_J_d: Measurements
+    theta: Measurements
+    dtheta: Measurements
+    tau_ext_hat_filtered: Measurements
+    O_F_ext_hat_K: Measurements
+    K_F_ext_hat_K: Measurements
+    joint_contact: Measurements
+    joint_collision: Measurements
+    cartesian_contact: Measurements
+    cartesian_collision: Measurements
+    O_T_EE: Measurements
+    O_T_EE_d: Measurements
+    O_T_EE_c: Measurements
+    F_T_EE: Measurements
+    F_T_NE: Measurements
+    NE_T_EE: Measurements
+    EE_T_K: Measurements
     m_ee: float
-    F_x_Cee: list[Measured]
-    I_ee: list[Measured]
+    F_x_Cee: Measurements
+    I_ee: Measurements
     m_load: float
-    F_x_Cload: list[Measured]
-    I_load: list[Measured]
+    F_x_Cload: Measurements
+    I_load: Measurements
     m_total: float
-    F_x_Ctotal: list[Measured]
-    I_total: list[Measured]
-    elbow: list[Measured]
-    elbow_d: list[Measured]
-    elbow_c: list[Measured]
-    delbow_c: list[Measured]
-    ddelbow_c: list[Measured]
-    O_dP_EE_d: list[Measured]
-    O_dP_EE_c: list[Measured]
-    O_ddP_EE_c: list[Measured]
-    O_ddP_O: list[Measured]
+    F_x_Ctotal: Measurements
+    I_total: Measurements
+    elbow: Measurements
+    elbow_d: Measurements
+    elbow_c: Measurements
+    delbow_c: Measurements
+    ddelbow_c: Measurements
+    O_dP_EE_d: Measurements
+    O_dP_EE_c: Measurements
+    O_ddP_EE_c: Measurements
+    O_ddP_O: Measurements

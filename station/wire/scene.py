@@ -2,9 +2,9 @@
 
 from typing import Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import AliasChoices, ConfigDict, Field
 
-from station.wire.base import Measured, ResponseModel
+from station.wire.base import Items, Measurements, ResponseModel
 
 ObjectKind = Literal["box", "sphere", "cylinder", "table", "mesh"]
 
@@ -40,10 +40,10 @@ class SceneObject(ResponseModel):
     )
 
     name: str
-    type: ObjectKind
-    size: list[float]
-    position: list[Measured] = Field(min_length=3, max_length=3)
-    orientation: list[Measured] = Field(min_length=4, max_length=4)
+    type: ObjectKind = Field(validation_alias=AliasChoices("type", "kind"))
+    size: Items[float]
+    position: Measurements = Field(min_length=3, max_length=3)
+    orientation: Measurements = Field(min_length=4, max_length=4)
     mass: float
     file: str = ""
 
@@ -55,4 +55,4 @@ class Scene(ResponseModel):
         objects: The things; empty where there are none, and around a real robot.
     """
 
-    objects: list[SceneObject]
+    objects: Items[SceneObject]

@@ -1,16 +1,23 @@
 """Wire models of the station itself: health, status, loop, stop, joints, access."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from station.wire.base import Measured, RequestModel, ResponseModel
+from station.wire.base import (
+    FromEnum,
+    Items,
+    Measurements,
+    Reason,
+    RequestModel,
+    ResponseModel,
+)
 from station.wire.controllers import Percentiles
 from station.wire.hardware import Clamp
 from station.wire.robots import ArmReport
 from station.wire.simulation import Simulation
 
-StopStateName = Literal["armed", "stopped", "released"]
+StopStateName = Annotated[Literal["armed", "stopped", "released"], FromEnum]
 
 
 class Health(ResponseModel):
@@ -32,18 +39,18 @@ class Ready(ResponseModel):
 
 
 class LoopReport(ResponseModel):
-    """How the control loop does, measured since the last reset.
+    """State of the control loop, and statistics since their last reset.
 
     Attributes:
         state: What the control thread does.
-        failure: Traceback of what ended it; empty if nothing did.
+        failure: Traceback of the error that ended it; empty without an error.
         rate: Rate asked for [Hz].
         achieved_rate: Rate measured [Hz].
         period: Nominal period in station time [s].
         cycles: Number of cycles.
         skipped: Deadlines that had passed before their cycle could begin.
         real_time_factor: Station time over wall time, as asked for.
-        achieved_real_time_factor: The same, as it was.
+        achieved_real_time_factor: The real-time factor that was measured.
         lateness: How long after its deadline a cycle began [s].
         read: Time in the robot's `read` [s].
         update: Time in the controllers' `update` [s].
@@ -52,8 +59,8 @@ class LoopReport(ResponseModel):
         scheduler: What the operating system granted.
     """
 
-    state: Literal["running", "stopped", "failed"]
-    failure: str
+    state: Annotated[Literal["running", "stopped", "failed"], FromEnum]
+    failure: Reason
     rate: float
     achieved_rate: float
     period: float
@@ -78,13 +85,13 @@ class Status(ResponseModel):
         time: Station time [s].
         cycle: Number of the last cycle.
         robot_type: Which RobotHW it runs.
-        robot_mode: What the robot says it does.
+        robot_mode: Mode of the robot in one word.
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
-        loop: How the control loop does.
+        loop: State and statistics of the control loop.
         simulation: How simulated time passes; null for a real robot.
-        robots: The arms: mode, errors, and what to do about them.
-        versions: Versions of the station and what it is built on.
+        robots: The arms with their modes and errors.
+        versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
     """
 
@@ -95,12 +102,12 @@ class Status(ResponseModel):
     robot_type: str
     robot_mode: str
     stop_state: StopStateName
-    stop_reason: str
+    stop_reason: Reason
     loop: LoopReport
     simulation: Simulation | None = None
-    robots: list[ArmReport] = Field(default_factory=list)
+    robots: Items[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
-    clamps: list[Clamp] = Field(default_factory=list)
+    clamps: Items[Clamp] = Field(default_factory=list)
 
 
 class StopRequest(RequestModel):
@@ -114,10 +121,10 @@ class StopRequest(RequestModel):
 
 
 class ReleaseRequest(RequestModel):
-    """Take back a stop, in two steps.
+    """Release a stop, in two steps.
 
     Attributes:
-        arm: False: the cause is gone. True, afterwards: motion is allowed again.
+        arm: False, first: the cause is gone. True, afterwards: allow motion again.
     """
 
     arm: bool = False
@@ -135,7 +142,7 @@ class StopState(ResponseModel):
     """
 
     state: StopStateName
-    reason: str
+    reason: Reason
     epoch: int
     pending: bool = False
 
@@ -166,10 +173,10 @@ class JointStates(ResponseModel):
     )
 
     stamp: float
-    name: list[str]
-    position: list[Measured]
-    velocity: list[Measured]
-    effort: list[Measured]
+    name: Items[str]
+    position: Measurements
+    velocity: Measurements
+    effort: Measurements
 
 
 class LoginRequest(RequestModel):
@@ -179,7 +186,7 @@ class LoginRequest(RequestModel):
 
 
 class Session(ResponseModel):
-    """Who you are to the station."""
+    """The role that the station grants the caller."""
 
     role: Literal["viewer", "operator"]
 
@@ -189,7 +196,7 @@ class StreamTicket(ResponseModel):
 
     Attributes:
         ticket: Goes into the query, `?ticket=…`.
-        expires_in: How long it is good for [s].
+        expires_in: How long it is valid [s].
     """
 
     ticket: str

@@ -2,11 +2,16 @@
 
 import json
 import math
+import re
+from pathlib import Path
 
 import pytest
 from fastapi import FastAPI
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
 from station.api.errors import (
+    ROUTES,
     STATUS,
     ProblemError,
     problem_response,
@@ -15,6 +20,7 @@ from station.api.errors import (
 )
 from station.core import errors
 from station.core.errors import StationError
+from tests.api.spring import make_station
 
 ALL = [
     kind
@@ -41,7 +47,7 @@ def test_an_error_of_the_station_reaches_the_client_word_by_word(kind):
     assert response.media_type == "application/problem+json"
     assert response.status_code == problem["status"] == status_of(kind)
     assert problem["detail"] == "Joint 'a' is 3; allowed is 2."
-    assert problem["remedy"] == "x"
+    assert problem["remedy"].partition(" ")[0] == "x"
     assert problem["code"] == kind.code
     assert problem["type"].endswith(kind.code)
     assert problem["title"]
@@ -161,3 +167,36 @@ def test_a_validation_problem_names_field_and_value(operator):
     ]
     assert "body/command/1" in problem["detail"]
     assert "'abc'" in problem["detail"]
+
+
+def test_the_route_that_helps_follows_the_remedy():
+    error = errors.StoppedError("The station is stopped.", remedy="Release the stop.")
+
+    remedy = json.loads(station_error_response(error).body)["remedy"]
+
+    assert remedy.startswith("Release the stop. POST /api/v1/stop/release ")
+
+
+def test_every_hint_is_of_an_error_there_is_and_of_a_route_there_is():
+    codes = {kind.code for kind in STATUS}
+    routes = {
+        (method.upper(), path)
+        for path, methods in create_app(make_station(), Authenticator())
+        .openapi()["paths"]
+        .items()
+        for method in methods
+    }
+
+    assert set(ROUTES) <= codes
+    for hint in ROUTES.values():
+        method, path = hint.split()[:2]
+        assert (method, path) in routes, hint
+        assert hint.endswith(".")
+
+
+def test_the_core_and_the_robots_name_no_routes():
+    route = re.compile(r"\b(GET|POST|PUT|PATCH|DELETE) /")
+    package = Path(__file__).parents[2] / "station"
+    modules = [*(package / "core").rglob("*.py"), *(package / "hw").rglob("*.py")]
+
+    assert [path.name for path in modules if route.search(path.read_text())] == []

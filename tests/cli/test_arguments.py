@@ -35,6 +35,7 @@ LINES = {
     "resume": "resume",
     "step": "step 100",
     "reset": "reset panda_joint1=0.5",
+    "robot": "robot panda set_load mass=0.5",
 }
 
 

@@ -71,7 +71,7 @@ def test_environment_names_the_station(monkeypatch):
 
 @pytest.mark.parametrize("url", ["robot:8000", "ftp://robot", "http://", "robot"])
 def test_what_is_no_url_is_refused(url):
-    with pytest.raises(UsageError, match="none of a station"):
+    with pytest.raises(UsageError, match="is not the URL of a station"):
         locate(url, None)
 
 

@@ -21,7 +21,7 @@ def test_other_robots_have_no_such_poses():
 
 
 def test_what_is_unknown_is_told_with_what_there_is():
-    with pytest.raises(UsageError, match="there are ready, stretched"):
+    with pytest.raises(UsageError, match="The poses are: ready, stretched"):
         check_name("kitchen")
 
 

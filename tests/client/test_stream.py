@@ -13,6 +13,7 @@ from station.client import (
     StationUnreachableError,
     stream_options,
 )
+from station.core.franka.arms import Arms
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
 from tests.franka_station import make_franka_station
@@ -51,7 +52,7 @@ def test_whole_state_of_an_arm_is_streamed():
         frames.close()
 
     assert data["arm_id"] == "panda"
-    assert data["O_T_EE"] == pytest.approx(station.robots.state("panda").O_T_EE)
+    assert data["O_T_EE"] == pytest.approx(Arms(station.robots).state("panda").O_T_EE)
 
 
 def test_every_cycle(client, station):

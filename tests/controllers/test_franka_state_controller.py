@@ -7,6 +7,7 @@ import pytest
 from station.core.control.switching import SwitchRequest
 from station.core.errors import ParameterError
 from station.core.franka import RobotState
+from station.core.franka.arms import Arms
 from tests.franka_station import JOINTS, make_franka_station
 
 TYPE = "franka_control/FrankaStateController"
@@ -39,7 +40,7 @@ def test_all_topics_of_the_original_are_published():
     station.switch_controllers(SwitchRequest(("state",), ()))
     station.loop.step(50)
 
-    told, state = station.published("state"), station.robots.state("panda")
+    told, state = station.published("state"), Arms(station.robots).state("panda")
 
     assert list(told) == [
         "franka_states", "joint_states", "joint_states_desired", "F_ext", "tf"

@@ -8,6 +8,7 @@ import pytest
 
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
 from tests.franka_station import JOINTS, make_franka_station
 
 PARAMETERS = {"arm_id": "panda", "joint_names": JOINTS}
@@ -35,13 +36,13 @@ def step(station: Station, cycles: int) -> None:
 
 def position(station: Station) -> list[float]:
     """Return where the end effector is measured [m]."""
-    return list(station.robots.state("panda").O_T_EE[12:15])
+    return list(Arms(station.robots).state("panda").O_T_EE[12:15])
 
 
 def check_content(station: Station) -> None:
     assert station.controller("cartesian").fault == ""
     assert station.latest().mode == "move"
-    assert not any(station.robots.state("panda").last_motion_errors)
+    assert not any(Arms(station.robots).state("panda").last_motion_errors)
 
 
 @pytest.mark.slow

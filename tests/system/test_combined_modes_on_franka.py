@@ -13,6 +13,7 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
 from station.core.franka import FrankaStateInterface
+from station.core.franka.arms import Arms
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters, ParameterTree
@@ -84,7 +85,7 @@ def desired_at_the_end(kind: str, *torques: str) -> tuple[Station, list[float]]:
     assert station.switch_controllers(SwitchRequest((kind, *torques), ())).ok
     station.loop.step(round(SECONDS * 1000))
     assert station.latest().mode == "move", station.controller(kind).fault
-    return station, station.robots.state("panda").q_d
+    return station, Arms(station.robots).state("panda").q_d
 
 
 @pytest.mark.parametrize("kind", GENERATORS)
@@ -92,7 +93,7 @@ def test_arm_follows_the_motion_by_torques(kind: str) -> None:
     station, desired = desired_at_the_end(kind, "impedance")
 
     assert station.loop.hw.control_mode == GENERATORS[kind] | ControlMode.JOINT_TORQUE
-    state = station.robots.state("panda")
+    state = Arms(station.robots).state("panda")
     start = station.loop.hw.parameters.initial_positions
     assert np.abs(np.subtract(desired, start)).max() > 0.02
     assert state.q == pytest.approx(desired, abs=3e-3)
@@ -110,7 +111,7 @@ def test_motion_is_that_without_torques_and_torques_alone_move_the_arm(
     # Torques begin to act a cycle later, and the motion with them.
     assert desired == pytest.approx(alone, abs=5e-4)
     start = station.loop.hw.parameters.initial_positions
-    assert station.robots.state("panda").q == pytest.approx(start, abs=2e-3)
+    assert Arms(station.robots).state("panda").q == pytest.approx(start, abs=2e-3)
 
 
 def test_torques_go_on_while_the_motion_changes() -> None:
@@ -124,7 +125,7 @@ def test_torques_go_on_while_the_motion_changes() -> None:
         station.loop.step(400)
         assert station.latest().mode == "move", station.controller(kind).fault
         assert "impedance" in {c.name for c in station.controllers() if is_running(c)}
-    assert not any(station.robots.state("panda").last_motion_errors)
+    assert not any(Arms(station.robots).state("panda").last_motion_errors)
 
 
 @pytest.mark.slow

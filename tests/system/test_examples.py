@@ -7,6 +7,7 @@ import pytest
 from station.app.composition import Composition, compose
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
+from station.core.franka.arms import Arms
 from station.core.hardware.limits import ClampReason
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -125,5 +126,5 @@ def test_every_example_of_franka_ros_runs(robot):
         assert station.controller(name).fault == ""
         station.switch_controllers(SwitchRequest(stop=[name]))
         station.loop.step(200)
-    for arm_id in station.robots.names():
-        assert not any(station.robots.state(arm_id).last_motion_errors)
+    for arm_id in Arms(station.robots).names():
+        assert not any(Arms(station.robots).state(arm_id).last_motion_errors)

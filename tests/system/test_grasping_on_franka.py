@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.franka.arms import Arms
 from tests.system.arm_bench import ARM, ArmBench
 
 FINGER = "panda_finger_joint1"
@@ -55,7 +56,7 @@ def finger(bench):
 
 
 def hand_height(bench):
-    return bench.station.robots.state("panda").O_T_EE[14]
+    return Arms(bench.station.robots).state("panda").O_T_EE[14]
 
 
 def box_height(bench):

@@ -12,6 +12,7 @@ from station.core.franka import (
     FrankaPoseCartesianInterface,
     FrankaVelocityCartesianInterface,
 )
+from station.core.franka.arms import Arms
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
@@ -126,7 +127,7 @@ def test_command_that_is_no_number_ends_its_controller(name):
     station.switch_controllers(SwitchRequest(("bad",), ()))
     station.loop.step(BAD_AFTER - 10)
     assert station.latest().mode == "move"
-    before = station.robots.state("panda").q
+    before = Arms(station.robots).state("panda").q
     station.loop.step(500)
 
     status = station.controller("bad")
@@ -139,8 +140,8 @@ def test_command_that_is_no_number_ends_its_controller(name):
         assert status.state is ControllerState.ABORTED
         assert "nan" in status.fault
     assert station.latest().mode == "idle"
-    assert station.robots.report("panda").errors == ()
-    assert station.robots.state("panda").q == pytest.approx(before, abs=1e-3)
+    assert Arms(station.robots).report("panda").errors == ()
+    assert Arms(station.robots).state("panda").q == pytest.approx(before, abs=1e-3)
     station.switch_controllers(SwitchRequest(("arm",), ()))
     station.loop.step(10)
     assert station.latest().mode == "move"

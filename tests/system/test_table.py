@@ -12,6 +12,7 @@ from station.core.control.switching import SwitchRequest
 from station.core.errors import SwitchRefusedError
 from station.core.facade.station import Station
 from station.core.franka import RobotMode
+from station.core.franka.arms import Arms
 from station.hw.franka.franka_hw import FrankaHW
 from tests.franka_station import JOINTS, make_franka_station
 
@@ -67,7 +68,7 @@ def move_away(station: Station) -> None:
     station.switch_controllers(SwitchRequest(("speed",), ()))
     station.set_command("speed", UP)
     station.loop.step(300)
-    assert station.latest().mode == "move", station.robots.report("panda")
+    assert station.latest().mode == "move", Arms(station.robots).report("panda")
     station.switch_controllers(SwitchRequest((), ("speed",)))
     station.loop.step(100)
 
@@ -75,17 +76,17 @@ def move_away(station: Station) -> None:
 def run_into_table_and_recover(station: Station) -> int:
     """Return how many cycles after the crossing the arm stopped."""
     crossed, stopped = drive_into_table(station)
-    report = station.robots.report("panda")
+    report = Arms(station.robots).report("panda")
     assert report.mode is RobotMode.REFLEX
     assert "cartesian_reflex" in {error.name for error in report.errors}
     assert "recover" in report.remedy
     assert station.controller("speed").state is ControllerState.STOPPED
     station.loop.step(200)
-    held = station.robots.state("panda").q
+    held = Arms(station.robots).state("panda").q
     with pytest.raises(SwitchRefusedError, match="mode reflex"):
         station.switch_controllers(SwitchRequest(("speed",), ()))
     station.loop.step(100)
-    assert station.robots.state("panda").q == pytest.approx(held, abs=2e-4)
+    assert Arms(station.robots).state("panda").q == pytest.approx(held, abs=2e-4)
     station.robots.recover("panda")
     station.loop.step(50)
     assert station.latest().mode == "idle"  # although it still touches the table

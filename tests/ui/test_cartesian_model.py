@@ -2,7 +2,6 @@
 
 import pytest
 
-from station.client.models import ControllerType
 from station.ui.cartesian_model import (
     HELD_FOR,
     PATIENCE,
@@ -13,6 +12,7 @@ from station.ui.cartesian_model import (
     choose_cartesian,
     distance,
 )
+from station.wire import ControllerType
 from tests.ui.views import controller, element, view
 
 KIND = "CartesianJogController"

@@ -7,11 +7,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from station.client import ApiError, StationUnreachableError
-from station.client.models import StopState
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.gateway_state import BarState
 from station.ui.origins import OriginPolicy
 from station.ui.sessions import Role, Sessions
+from station.wire import StopState
 from tests.ui.served import Served
 
 ROLES = {"good": Role.OPERATOR, "watch": Role.VIEWER}

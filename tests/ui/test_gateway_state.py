@@ -1,8 +1,8 @@
 """What the bar at the top shows."""
 
-from station.client.models import ArmError, ArmReport
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.station_view import StationView
+from station.wire import ArmError, ArmReport
 from tests.ui.views import status, view
 
 

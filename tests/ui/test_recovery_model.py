@@ -2,9 +2,9 @@
 
 import pytest
 
-from station.client.models import ArmError
 from station.ui.recovery_model import choose_rescue
 from station.ui.station_view import StationView
+from station.wire import ArmError
 from tests.ui.views import arm, status
 
 HIT = ArmError(

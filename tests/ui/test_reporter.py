@@ -7,8 +7,8 @@ import pytest
 from viser import GuiEvent
 
 from station.client import ApiError
-from station.client.models import CommandElement
 from station.ui.reporter import Reporter
+from station.wire import CommandElement
 
 
 class _Browser:

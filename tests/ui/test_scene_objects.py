@@ -3,8 +3,8 @@
 import pytest
 import trimesh
 
-from station.client.models import SceneObject
 from station.ui.scene_objects import SceneObjects
+from station.wire import SceneObject
 
 
 def thing(name="cube", kind="box", size=(0.1, 0.1, 0.1), **values):

@@ -1,6 +1,7 @@
 """Station views to try the models with."""
 
-from station.client.models import (
+from station.ui.station_view import StationView
+from station.wire import (
     ArmReport,
     ClaimedResources,
     CommandElement,
@@ -10,7 +11,6 @@ from station.client.models import (
     Percentiles,
     Status,
 )
-from station.ui.station_view import StationView
 
 TIMES = Percentiles(p50=0.0, p99=1.5e-4, p999=2e-4, max=1e-3, count=10)
 LOOP = LoopReport(

@@ -1,12 +1,23 @@
 """What every wire model refuses."""
 
 import math
+from enum import Enum
+from types import SimpleNamespace
+from typing import Annotated, Literal
 
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from station.wire import ControllerName, RequestModel, ResponseModel
-from station.wire.base import MAX_DEPTH, ParameterValues
+from station.wire.base import (
+    MAX_DEPTH,
+    FromEnum,
+    Items,
+    Measured,
+    Measurements,
+    ParameterValues,
+    Reason,
+)
 
 
 class Asked(RequestModel):
@@ -19,6 +30,29 @@ class Told(ResponseModel):
     """A number."""
 
     x: float
+
+
+class Mode(Enum):
+    """A mode that libfranka numbers."""
+
+    IDLE = 1
+
+
+class State(Enum):
+    """A state that has its name on the wire as its value."""
+
+    RUNNING = "is running"
+
+
+class Report(ResponseModel):
+    """An answer that is read from a value of the core."""
+
+    mode: Annotated[Literal["idle"], FromEnum]
+    state: Annotated[Literal["is running"], FromEnum]
+    value: Measured
+    values: Measurements
+    names: Items[str]
+    remedy: Reason
 
 
 class Loaded(RequestModel):
@@ -82,3 +116,41 @@ def test_parameters_nested_without_end_are_refused(depth):
 def test_parameters_that_json_cannot_have_are_refused(leaf):
     with pytest.raises(ValidationError):
         Loaded(params=nested(3, leaf))
+
+
+def test_an_answer_is_read_from_the_attributes_of_a_value():
+    value = SimpleNamespace(
+        mode=Mode.IDLE,
+        state=State.RUNNING,
+        value=math.inf,
+        values=(math.nan, 1.0),
+        names=("j1", "j2"),
+        remedy=None,
+    )
+
+    assert Report.model_validate(value).model_dump() == {
+        "mode": "idle",
+        "state": "is running",
+        "value": None,
+        "values": [None, 1.0],
+        "names": ["j1", "j2"],
+        "remedy": "",
+    }
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"mode": 1}, {"value": "1.0"}, {"values": "12"}, {"names": [1]}]
+)
+def test_an_answer_is_still_strict(wrong):
+    right = {
+        "mode": "idle",
+        "state": "is running",
+        "value": 1.0,
+        "values": [1.0],
+        "names": ["j1"],
+        "remedy": "",
+    }
+    assert Report.model_validate(right)
+
+    with pytest.raises(ValidationError):
+        Report.model_validate({**right, **wrong})

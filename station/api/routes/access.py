@@ -1,4 +1,4 @@
-"""Getting in: cookies for browsers, tickets for WebSockets."""
+"""Access: cookies for browsers, tickets for WebSockets."""
 
 from typing import Annotated
 
@@ -54,7 +54,7 @@ async def login(
 async def logout(
     request: Request, response: Response, authenticator: AuthenticatorDep
 ) -> None:
-    """Make the session cookie worthless."""
+    """Revoke the session cookie."""
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"
@@ -83,7 +83,8 @@ async def login_by_link(
 ) -> Response:
     """Log a browser in by the link that the station printed, then show a page."""
     role = _role_of(authenticator, token)
-    # Only a path of this station: no other site, and nothing a browser takes for one.
+    # A link that leads to another site would let an attacker use the login page to
+    # send people there; browsers take // and /\\ for the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))
     response = RedirectResponse(target if own else "/docs", status_code=303)
     _set_cookie(response, authenticator, role)

@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, Response
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -24,7 +24,7 @@ router = APIRouter(tags=["controllers"], dependencies=[Viewer], route_class=Json
 @router.get("/controllers", responses=problems())
 def list_controllers(station: StationDep) -> Controllers:
     """List the loaded controllers, in the order in which they are updated."""
-    return wire.controllers(station)
+    return answers.controllers(station)
 
 
 @router.post(
@@ -39,10 +39,10 @@ def list_controllers(station: StationDep) -> Controllers:
 def load_controller(
     request: LoadRequest, response: Response, station: StationDep
 ) -> ControllerState:
-    """Load a controller. The same again changes nothing and answers 200."""
+    """Load a controller; loading the same one again changes nothing and answers 200."""
     if _is_loaded(station, request.name):
         response.status_code = 200
-    return wire.controller_state(
+    return ControllerState.model_validate(
         station.load_controller(request.name, request.type, request.params)
     )
 
@@ -60,7 +60,7 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
     """Start and stop controllers, all of them in one cycle.
 
     The answer says what was started and stopped, and by how much the command of each
-    joint jumped. A conflict answers 409 and names who holds the joints.
+    joint jumped. A conflict answers 409 and names the controllers that hold the joints.
     """
     if request.strictness == "strict":
         for name in (*request.start, *request.stop):
@@ -75,28 +75,28 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
             dry_run=request.dry_run,
         )
     )
-    return wire.switch_result(result)
+    return answers.switch_result(result)
 
 
 @router.get("/controllers/{name}", responses=problems(404))
 def get_controller(name: str, station: StationDep) -> ControllerState:
     """Return one controller."""
-    return wire.controller_state(station.controller(name))
+    return ControllerState.model_validate(station.controller(name))
 
 
 @router.delete(
     "/controllers/{name}", dependencies=[Operator], responses=problems(404, 409)
 )
 def unload_controller(name: str, station: StationDep) -> ControllerState:
-    """Unload a controller that does not run; return what it was."""
-    before = wire.controller_state(station.controller(name))
+    """Unload a controller that does not run; return its last state."""
+    before = ControllerState.model_validate(station.controller(name))
     station.unload_controller(name)
     return before
 
 
 @router.get("/controller-types", responses=problems())
 def list_controller_types(station: StationDep) -> ControllerTypes:
-    """List the plugins that can be loaded."""
+    """List the types of controllers that can be loaded."""
     return ControllerTypes(
         controller_types=[
             ControllerType(type=name, base_class=base)

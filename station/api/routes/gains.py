@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Response
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -16,7 +16,7 @@ router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 def etag_of(station: Station, revision: int) -> str:
-    """Return the entity tag of a revision; another run of the station has others."""
+    """Return the entity tag of a revision; tags differ between runs of the station."""
     return f'"{station.boot_id[:12]}-{revision}"'
 
 
@@ -26,7 +26,7 @@ def get_gains(name: str, response: Response, station: StationDep) -> Gains:
     found = station.gains(name)
     etag = etag_of(station, found.revision)
     response.headers["ETag"] = etag
-    return wire.gains(found, etag)
+    return answers.gains(found, etag)
 
 
 @router.patch(
@@ -43,8 +43,8 @@ def patch_gains(
 ) -> GainsChange:
     """Change some gains; all of them take effect in the same cycle.
 
-    The set is checked as a whole: one value that is not allowed, and none is changed.
-    With If-Match the change is refused when the gains are others by now.
+    The set is checked as a whole: when one value is not allowed, no value changes.
+    With If-Match the change is refused when the gains have changed since.
     """
     revision = None
     if if_match is not None and if_match.strip() != "*":
@@ -63,7 +63,7 @@ def _matching_revision(station: Station, name: str, if_match: str) -> int:
     """Return the present revision when If-Match names it.
 
     Raises:
-        ProblemError: It names others.
+        ProblemError: If-Match names another revision.
     """
     revision = station.gains(name).revision
     etag = etag_of(station, revision)

@@ -1,10 +1,10 @@
-"""Goals of controllers, and trajectories for which nobody waits."""
+"""Goals of controllers, and trajectories without a goal."""
 
 from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -29,21 +29,21 @@ router = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
 def submit_goal(name: str, request: GoalRequest, station: StationDep) -> Goal:
     """Give a running controller a goal; it replaces the one before.
 
-    A stop, a reset or a recovery ends it for good.
+    A stop, a reset or a recovery ends the goal; nothing resumes it.
     """
-    return wire.goal(station.submit_goal(name, request.goal, request.epoch))
+    return answers.goal(station.submit_goal(name, request.goal, request.epoch))
 
 
 @router.get("/controllers/{name}/goals", responses=problems(404, 422))
 def list_goals(name: str, station: StationDep) -> Goals:
     """List the latest goals of a controller, oldest first."""
-    return Goals(goals=[wire.goal(goal) for goal in station.goals(name)])
+    return Goals(goals=[answers.goal(goal) for goal in station.goals(name)])
 
 
 @router.get("/controllers/{name}/goals/{goal_id}", responses=problems(404, 422))
 def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
-    """Return one goal: how far it is, or how and why it ended."""
-    return wire.goal(station.goal(name, goal_id))
+    """Return one goal: its progress, or how and why it ended."""
+    return answers.goal(station.goal(name, goal_id))
 
 
 @router.delete(
@@ -52,11 +52,11 @@ def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     responses=problems(404, 422),
 )
 def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
-    """Ask for the end of a goal; the joints hold from the next cycle on.
+    """Cancel a goal; the joints hold from the next cycle on.
 
-    A goal that has ended stays as it is.
+    A goal that has ended does not change.
     """
-    return wire.goal(station.cancel_goal(name, goal_id))
+    return answers.goal(station.cancel_goal(name, goal_id))
 
 
 @router.post(
@@ -85,6 +85,8 @@ def query_state(
         Query(description="Station time [s]; now when left out", allow_inf_nan=False),
     ] = None,
 ) -> DesiredState:
-    """Return where the joints of a trajectory controller shall be at a time."""
+    """Return the desired joint state of a trajectory controller at a time."""
     state = station.query_state(name, time)
-    return wire.desired_state(state, station.manager.get_controller(name).joint_names)
+    return answers.desired_state(
+        state, station.manager.get_controller(name).joint_names
+    )

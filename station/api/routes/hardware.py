@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter
 
-from station.api import wire_hardware
+from station.api import answers
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
 from station.wire import Hardware
@@ -13,4 +13,4 @@ router = APIRouter(tags=["robot"], dependencies=[Viewer])
 @router.get("/hardware", responses=problems())
 def hardware(station: StationDep) -> Hardware:
     """Return interfaces, claims, limits with their sources, transmissions, clamps."""
-    return wire_hardware.hardware(station.hardware())
+    return answers.hardware(station.hardware())

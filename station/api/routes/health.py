@@ -12,26 +12,26 @@ router = APIRouter(tags=["health"])
 
 @router.get("/health", responses=problems(503))
 async def health(station: StationDep) -> Health:
-    """Say that the process lives; 503 when its control loop died: restart it then.
+    """Answer while the process lives; 503 when its control loop died: restart it.
 
     Raises:
         ProblemError: The control loop died.
     """
     reason = station.dead()
-    if reason:
+    if reason is not None:
         raise ProblemError(503, "loop_died", reason, "Restart the station.")
     return Health(boot_id=station.boot_id)
 
 
 @router.get("/ready", responses=problems(503))
 async def ready(station: StationDep) -> Ready:
-    """Say that the loop runs and its last cycle is fresh; 503 with the reason if not.
+    """Answer while the loop runs with fresh cycles; 503 with the reason if not.
 
     Raises:
-        ProblemError: It does not.
+        ProblemError: The loop does not run, or its last cycle is old.
     """
     reason = station.ready()
-    if reason:
+    if reason is not None:
         raise ProblemError(
             503, "not_ready", reason, "See GET /api/v1/loop for what the loop does."
         )

@@ -1,11 +1,11 @@
-"""What OpenAPI says about the errors of a route."""
+"""The errors of a route, as the OpenAPI document describes them."""
 
 from typing import Any
 
 MEANINGS = {
     401: "No token or session that the station knows.",
     403: "The role does not suffice, or the request comes from the wrong place.",
-    404: "No such thing; the detail lists what there is.",
+    404: "There is no such thing; the detail lists what there is.",
     409: "Not possible in the present state; the detail names what is in the way.",
     412: "The gains are not the ones of If-Match.",
     413: "The body is too large.",

@@ -1,14 +1,16 @@
-"""Arms: state, model, the services of franka_control, and what simulations can do."""
+"""Arms: state, model, services of franka_control, and controls of simulations."""
 
 from fastapi import APIRouter
 
-from station import wire as schemas
-from station.api import robot_wire as wire
-from station.api.dependencies import Operator, StationDep, Viewer
+from station import wire
+from station.api import answers, requests
+from station.api.dependencies import ArmsDep, Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
+from station.api.service_routes import add_service, describe, services_of
 from station.core.facade.station import Station
-from station.core.franka import Frame
+from station.core.franka import Frame, FrankaServices, GripperServices
+from station.core.franka.arms import Arms
 
 router = APIRouter(
     prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute
@@ -17,14 +19,14 @@ _READ = problems(404, 503)
 _WRITE = problems(404, 409, 413, 422, 503)
 
 
-def _report(station: Station, arm_id: str) -> schemas.ArmReport:
-    return wire.arm_report(station.robots.report(arm_id))
+def _report(arms: Arms, arm_id: str) -> wire.ArmReport:
+    return answers.arm_report(arms.report(arm_id))
 
 
 @router.get("", responses=problems())
-def list_robots(station: StationDep) -> schemas.Arms:
-    """List the arms, their modes and errors, and what to do about these."""
-    return schemas.Arms(robots=[wire.arm_report(r) for r in station.robots.reports()])
+def list_robots(station: StationDep) -> wire.Arms:
+    """List the arms with their modes and errors, and what to do about the errors."""
+    return wire.Arms(robots=answers.arms(station))
 
 
 @router.post(
@@ -33,92 +35,80 @@ def list_robots(station: StationDep) -> schemas.Arms:
     responses=problems(409, 413, 422, 423, 503, 504),
 )
 def recover_all(
-    station: StationDep, request: schemas.RecoveryRequest | None = None
-) -> schemas.Recoveries:
+    station: StationDep, request: wire.RecoveryRequest | None = None
+) -> wire.Recoveries:
     """Clear the errors of all arms, or of none if one of them cannot recover.
 
     Nothing happens when no arm has an error.
     """
     restart = request is not None and request.restart == "previous"
     restarted = station.robots.recover_all(restart=restart)
-    return schemas.Recoveries(
-        robots=[wire.arm_report(r) for r in station.robots.reports()],
-        restarted=list(restarted),
-    )
+    return wire.Recoveries.model_validate({
+        "robots": answers.arms(station),
+        "restarted": restarted,
+    })
+
+
+@router.get("/{arm_id}/services", responses=problems(404))
+def list_services(arm_id: str, station: StationDep) -> wire.Services:
+    """List the robot's services: method, path, parameters and description of each."""
+    return describe(station, arm_id)
 
 
 @router.get("/{arm_id}/state", responses=_READ)
-def get_state(arm_id: str, station: StationDep) -> schemas.FrankaState:
+def get_state(arm_id: str, arms: ArmsDep) -> wire.FrankaState:
     """Return the arm's whole state."""
-    return wire.franka_state(station.robots.state(arm_id))
+    return answers.franka_state(arms.state(arm_id))
 
 
 @router.get("/{arm_id}/model", responses=problems(404, 422, 503))
 def get_model(
-    arm_id: str, station: StationDep, frame: schemas.FrameName = "end_effector"
-) -> schemas.ArmModel:
+    arm_id: str, arms: ArmsDep, frame: wire.FrameName = "end_effector"
+) -> wire.ArmModel:
     """Return mass, Coriolis, gravity, and a frame's pose and Jacobians."""
-    return wire.arm_model(station.robots.model(arm_id, Frame[frame.upper()]))
+    found = arms.model(arm_id, Frame[frame.upper()])
+    return wire.ArmModel.model_validate(found)
 
 
 @router.get("/{arm_id}/errors", responses=_READ)
-def get_errors(arm_id: str, station: StationDep) -> schemas.ArmReport:
+def get_errors(arm_id: str, arms: ArmsDep) -> wire.ArmReport:
     """Return the arm's mode and errors, and what to do."""
-    return _report(station, arm_id)
+    return _report(arms, arm_id)
 
 
 @router.get("/{arm_id}/log", responses=_READ)
-def get_log(arm_id: str, station: StationDep) -> schemas.ArmLog:
+def get_log(arm_id: str, arms: ArmsDep) -> wire.ArmLog:
     """Return the last cycles of the motion before the last error."""
-    records = station.robots.log(arm_id)
-    return schemas.ArmLog(records=[wire.arm_record(record) for record in records])
+    return wire.ArmLog.model_validate({"records": arms.log(arm_id)})
 
 
-@router.put("/{arm_id}/joint_impedance", dependencies=[Operator], responses=_WRITE)
-def set_joint_impedance(
-    arm_id: str, request: schemas.JointImpedance, station: StationDep
-) -> schemas.ArmReport:
-    """Set the internal joint impedance; refused while the arm moves."""
-    station.robots.set_joint_impedance(arm_id, request.joint_stiffness)
-    return _report(station, arm_id)
+def _report_after(station: Station, arm_id: str, _: object) -> wire.ArmReport:
+    return _report(Arms(station.robots), arm_id)
 
 
-@router.put("/{arm_id}/cartesian_impedance", dependencies=[Operator], responses=_WRITE)
-def set_cartesian_impedance(
-    arm_id: str, request: schemas.CartesianImpedance, station: StationDep
-) -> schemas.ArmReport:
-    """Set the internal Cartesian impedance; refused while the arm moves."""
-    station.robots.set_cartesian_impedance(arm_id, request.cartesian_stiffness)
-    return _report(station, arm_id)
+def declared(station: Station) -> APIRouter:
+    """Return the routes of the services that a user's robot declares."""
+    own = (FrankaServices, GripperServices)
+    kinds = [kind for kind in station.robots.kinds() if not issubclass(kind, own)]
+    return services_of(kinds, {_service_path(route) for route in router.routes})
 
 
-@router.put("/{arm_id}/ee_frame", dependencies=[Operator], responses=_WRITE)
-def set_ee_frame(
-    arm_id: str, request: schemas.EndEffectorFrame, station: StationDep
-) -> schemas.ArmReport:
-    """Set the end effector frame; refused while the arm moves."""
-    station.robots.set_EE_frame(arm_id, request.NE_T_EE)
-    return _report(station, arm_id)
+def _service_path(route: object) -> str:
+    path: str = getattr(route, "path", "")
+    return path.removeprefix("/robots/{arm_id}/")
 
 
-@router.put("/{arm_id}/k_frame", dependencies=[Operator], responses=_WRITE)
-def set_k_frame(
-    arm_id: str, request: schemas.StiffnessFrame, station: StationDep
-) -> schemas.ArmReport:
-    """Set the stiffness frame; refused while the arm moves."""
-    station.robots.set_K_frame(arm_id, request.EE_T_K)
-    return _report(station, arm_id)
-
-
-@router.put("/{arm_id}/load", dependencies=[Operator], responses=_WRITE)
-def set_load(
-    arm_id: str, request: schemas.Load, station: StationDep
-) -> schemas.ArmReport:
-    """Set what the hand holds; refused while the arm moves."""
-    station.robots.set_load(
-        arm_id, request.mass, request.F_x_center_load, request.load_inertia
-    )
-    return _report(station, arm_id)
+_SERVICES = FrankaServices.services()
+for _name, _request in (
+    ("set_joint_impedance", wire.JointImpedance),
+    ("set_cartesian_impedance", wire.CartesianImpedance),
+    ("set_EE_frame", wire.EndEffectorFrame),
+    ("set_K_frame", wire.StiffnessFrame),
+    ("set_load", wire.Load),
+    ("connect", None),
+    ("disconnect", None),
+):
+    add_service(router, _SERVICES[_name], _request, wire.ArmReport, _report_after)
 
 
 @router.put(
@@ -127,24 +117,22 @@ def set_load(
     responses=_WRITE,
 )
 def set_force_torque_collision_behavior(
-    arm_id: str, request: schemas.ForceTorqueCollisionBehavior, station: StationDep
-) -> schemas.ArmReport:
+    arm_id: str, request: wire.ForceTorqueCollisionBehavior, arms: ArmsDep
+) -> wire.ArmReport:
     """Set the thresholds of every phase; refused while the arm moves."""
-    behavior = wire.collision_behavior(request)
-    station.robots.set_collision_behavior(arm_id, behavior)
-    return _report(station, arm_id)
+    arms.set_collision_behavior(arm_id, requests.collision_behavior(request))
+    return _report(arms, arm_id)
 
 
 @router.put(
     "/{arm_id}/full_collision_behavior", dependencies=[Operator], responses=_WRITE
 )
 def set_full_collision_behavior(
-    arm_id: str, request: schemas.FullCollisionBehavior, station: StationDep
-) -> schemas.ArmReport:
+    arm_id: str, request: wire.FullCollisionBehavior, arms: ArmsDep
+) -> wire.ArmReport:
     """Set the thresholds of both phases; refused while the arm moves."""
-    behavior = wire.collision_behavior(request)
-    station.robots.set_collision_behavior(arm_id, behavior)
-    return _report(station, arm_id)
+    arms.set_collision_behavior(arm_id, requests.collision_behavior(request))
+    return _report(arms, arm_id)
 
 
 @router.post(
@@ -153,56 +141,40 @@ def set_full_collision_behavior(
     responses=problems(404, 409, 413, 422, 423, 503, 504),
 )
 def error_recovery(
-    arm_id: str, station: StationDep, request: schemas.RecoveryRequest | None = None
-) -> schemas.Recovery:
+    arm_id: str, station: StationDep, request: wire.RecoveryRequest | None = None
+) -> wire.Recovery:
     """Clear the errors; controllers stay stopped unless asked for.
 
     Every command and goal from before is void. Nothing happens when there is no error.
     """
     restart = request is not None and request.restart == "previous"
     restarted = station.robots.recover(arm_id, restart=restart)
-    report = _report(station, arm_id)
-    return schemas.Recovery(**dict(report), restarted=list(restarted))
+    report = _report(Arms(station.robots), arm_id)
+    return wire.Recovery(**dict(report), restarted=list(restarted))
 
 
 @router.post("/{arm_id}/user_stop", dependencies=[Operator], responses=_WRITE)
 def user_stop(
-    arm_id: str, request: schemas.UserStopRequest, station: StationDep
-) -> schemas.ArmReport:
+    arm_id: str, request: wire.UserStopRequest, arms: ArmsDep
+) -> wire.ArmReport:
     """Press or release the user stop of a simulated arm."""
-    station.robots.set_user_stop(arm_id, pressed=request.pressed)
-    return _report(station, arm_id)
+    arms.set_user_stop(arm_id, pressed=request.pressed)
+    return _report(arms, arm_id)
 
 
 @router.post("/{arm_id}/guiding", dependencies=[Operator], responses=_WRITE)
-def guiding(
-    arm_id: str, request: schemas.GuidingRequest, station: StationDep
-) -> schemas.ArmReport:
-    """Hold or let go of the guiding buttons of a simulated arm that is idle."""
-    station.robots.set_guiding(arm_id, pressed=request.pressed)
-    return _report(station, arm_id)
-
-
-@router.post("/{arm_id}/connect", dependencies=[Operator], responses=_WRITE)
-def connect(arm_id: str, station: StationDep) -> schemas.ArmReport:
-    """Connect to the arm; refused when it is connected."""
-    station.robots.connect(arm_id)
-    return _report(station, arm_id)
-
-
-@router.post("/{arm_id}/disconnect", dependencies=[Operator], responses=_WRITE)
-def disconnect(arm_id: str, station: StationDep) -> schemas.ArmReport:
-    """Give the arm up; refused while a controller commands it."""
-    station.robots.disconnect(arm_id)
-    return _report(station, arm_id)
+def guiding(arm_id: str, request: wire.GuidingRequest, arms: ArmsDep) -> wire.ArmReport:
+    """Press or release the guiding buttons of a simulated arm that is idle."""
+    arms.set_guiding(arm_id, pressed=request.pressed)
+    return _report(arms, arm_id)
 
 
 @router.post("/{arm_id}/external_force", dependencies=[Operator], responses=_WRITE)
 def external_force(
-    arm_id: str, request: schemas.ExternalForce, station: StationDep
-) -> schemas.ArmReport:
-    """Push a link, as a human would; in simulation only."""
-    station.robots.apply_force(
+    arm_id: str, request: wire.ExternalForce, arms: ArmsDep
+) -> wire.ArmReport:
+    """Push a link of the arm or another object; in simulation only."""
+    arms.apply_force(
         arm_id,
         request.link,
         request.force,
@@ -211,33 +183,30 @@ def external_force(
         frame=request.frame,
         point=request.point,
     )
-    return _report(station, arm_id)
+    return _report(arms, arm_id)
 
 
 @router.post("/{arm_id}/faults", dependencies=[Operator], responses=_WRITE)
-def inject_fault(
-    arm_id: str, request: schemas.Fault, station: StationDep
-) -> schemas.ArmReport:
-    """Make something go wrong; in simulation only."""
-    station.robots.inject(arm_id, wire.fault(request))
-    return _report(station, arm_id)
+def inject_fault(arm_id: str, request: wire.Fault, arms: ArmsDep) -> wire.ArmReport:
+    """Inject a fault; in simulation only."""
+    arms.inject(arm_id, requests.fault(request))
+    return _report(arms, arm_id)
 
 
 @router.get("/{arm_id}/faults", responses=problems(404, 409, 503))
-def get_faults(arm_id: str, station: StationDep) -> schemas.Faults:
-    """Return what was made to go wrong and lasts; in simulation only."""
-    return _faults(station, arm_id)
+def get_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
+    """Return the faults that are active; in simulation only."""
+    return _faults(arms, arm_id)
 
 
 @router.delete(
     "/{arm_id}/faults", dependencies=[Operator], responses=problems(404, 409, 503)
 )
-def clear_faults(arm_id: str, station: StationDep) -> schemas.Faults:
-    """End what was made to go wrong, and every push; in simulation only."""
-    station.robots.clear_faults(arm_id)
-    return _faults(station, arm_id)
+def clear_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
+    """End all faults and all pushes; in simulation only."""
+    arms.clear_faults(arm_id)
+    return _faults(arms, arm_id)
 
 
-def _faults(station: Station, arm_id: str) -> schemas.Faults:
-    found = station.robots.faults(arm_id)
-    return schemas.Faults(faults=[wire.active_fault(one) for one in found])
+def _faults(arms: Arms, arm_id: str) -> wire.Faults:
+    return wire.Faults.model_validate({"faults": arms.faults(arm_id)})

@@ -2,7 +2,6 @@
 
 from fastapi import APIRouter
 
-from station.api import wire
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
 from station.wire import Scene
@@ -13,4 +12,4 @@ router = APIRouter(tags=["simulation"], dependencies=[Viewer])
 @router.get("/scene", responses=problems(503))
 def scene(station: StationDep) -> Scene:
     """Return the things in the world besides robots, where they are now."""
-    return wire.scene(station.scene())
+    return Scene.model_validate({"objects": station.scene()})

@@ -1,8 +1,8 @@
-"""Set-points of controllers, and what became of them."""
+"""Set-points of controllers, and the states that follow."""
 
 from fastapi import APIRouter
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -20,8 +20,8 @@ router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonR
 
 @router.get("/controllers/{name}/command", responses=problems(404, 422))
 def get_command(name: str, station: StationDep) -> CommandInfo:
-    """Return what the controller takes as set-point, and the last it took."""
-    return wire.command_info(station.set_point(name))
+    """Return the elements of a controller's set-point, and the last set-point."""
+    return answers.command_info(station.set_point(name))
 
 
 @router.put(
@@ -46,7 +46,7 @@ def get_state(name: str, station: StationDep) -> ControllerSample:
     Sensor controllers have messages alone.
 
     Raises:
-        ProblemError: It has not run yet.
+        ProblemError: The controller has not run yet.
     """
     sample, published = station.controller_sample(name), station.published(name)
     if sample is None and not published:
@@ -60,4 +60,4 @@ def get_state(name: str, station: StationDep) -> ControllerSample:
     if sample is None:
         sample = core_controller.ControllerSample(station.loop.time, [], [], [], [])
         names = []
-    return wire.controller_sample(sample, names, published)
+    return answers.controller_sample(sample, names, published)

@@ -2,7 +2,6 @@
 
 from fastapi import APIRouter
 
-from station.api import wire
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -19,14 +18,14 @@ _CHANGE = problems(409, 413, 422, 503)
 
 @router.get("", responses=problems(409))
 def get_simulation(station: StationDep) -> Simulation:
-    """Return whether time passes, and how fast."""
-    return wire.simulation(station.simulation.report())
+    """Return whether simulated time passes, and how fast."""
+    return Simulation.model_validate(station.simulation.report())
 
 
 @router.patch("", dependencies=[Operator], responses=_CHANGE)
 def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulation:
     """Pause, resume or change the pace. Stops and switches work while it is paused."""
-    return wire.simulation(
+    return Simulation.model_validate(
         station.simulation.change(
             paused=request.paused, real_time_factor=request.real_time_factor
         )
@@ -36,14 +35,16 @@ def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulatio
 @router.post("/step", dependencies=[Operator], responses=_CHANGE)
 def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
     """Run some cycles of a paused simulation; answers when they are done."""
-    return wire.simulation(station.simulation.step((request or StepRequest()).n))
+    return Simulation.model_validate(
+        station.simulation.step((request or StepRequest()).n)
+    )
 
 
 @router.post("/reset", dependencies=[Operator], responses=_CHANGE)
 def reset(station: StationDep, request: ResetRequest | None = None) -> Simulation:
     """Put the world back to its start; running controllers start anew from there.
 
-    Set-points and goals from before are void.
+    Earlier set-points and goals are void.
     """
     positions = (request or ResetRequest()).joint_positions
-    return wire.simulation(station.simulation.reset(positions))
+    return Simulation.model_validate(station.simulation.reset(positions))

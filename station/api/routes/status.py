@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import APIRouter
 
 import station as package
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import StationDep, Viewer
 from station.api.routes.problems import problems
 from station.wire import Status
@@ -17,7 +17,7 @@ router = APIRouter(tags=["station"], dependencies=[Viewer])
 
 @lru_cache(maxsize=1)
 def versions() -> dict[str, str]:
-    """Return the versions of the station and of what it is built on."""
+    """Return the versions of the station and of the packages below it."""
     found = {"station": package.__version__, "python": platform.python_version()}
     for name in ("mujoco", "numpy", "fastapi", "viser"):
         try:
@@ -30,4 +30,4 @@ def versions() -> dict[str, str]:
 @router.get("/status", responses=problems())
 def status(station: StationDep) -> Status:
     """Return robot mode, epoch, stop state, loop summary and versions."""
-    return wire.status(station, versions())
+    return answers.status(station, versions())

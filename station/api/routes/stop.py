@@ -1,8 +1,7 @@
 """The latched stop. A software stop, not a safety device.
 
-Stopping runs in the event loop itself, so that no other request, however many there
-are and however long they take, makes a stop wait; and whatever its body says or fails
-to say, the robot stops.
+Stopping runs in the event loop itself, so that no other request makes a stop wait, and
+the robot stops whatever the body of the request is.
 """
 
 import asyncio
@@ -12,7 +11,7 @@ from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
-from station.api import wire
+from station.api import answers
 from station.api.dependencies import Operator, RoleDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -39,19 +38,19 @@ _release = APIRouter(route_class=JsonRoute)
 @router.get("/stop", responses=problems())
 async def get_stop(station: StationDep) -> StopState:
     """Return the state of the stop."""
-    return wire.stop_state(station)
+    return answers.stop_state(station)
 
 
 @router.post("/stop", responses=problems(413), openapi_extra=_STOP_BODY)
 async def stop(station: StationDep, role: RoleDep, request: Request) -> StopState:
     """Stop every controller in the next cycle; anybody with a token may.
 
-    The body is optional and never in the way: one that cannot be read is ignored.
-    Stopping again is fine. Nothing moves until the stop is released and armed.
+    The body is optional; a body that cannot be read is ignored. Stopping twice is the
+    same as stopping once. Nothing moves until the stop is released and armed.
     """
-    station.stop(await _reason(request) or f"asked for by the {role.value}")
+    station.stop(await _reason(request) or f"The {role.value} asked for it.")
     await _carried_out(station.loop.stop_latch)
-    return wire.stop_state(station)
+    return answers.stop_state(station)
 
 
 async def _reason(request: Request) -> str:
@@ -80,7 +79,7 @@ def release_stop(
     Nothing resumes by itself: controllers must be started again.
     """
     station.release_stop(arm=request is not None and request.arm)
-    return wire.stop_state(station)
+    return answers.stop_state(station)
 
 
 router.include_router(_release)

@@ -35,7 +35,7 @@ async def stream(websocket: WebSocket, topic: str) -> None:
     broadcaster: Broadcaster = websocket.app.state.broadcaster
     await websocket.accept()
     if role_of(websocket) is None:
-        reason = "no token, session or fresh ticket that this station knows"
+        reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return
     try:

@@ -1,4 +1,4 @@
-"""WebSocket streams: what there is to see, made once, sent to whoever keeps up."""
+"""WebSocket streams: each frame is made once and sent to all clients that asked."""
 
 from station.api.streams.broadcaster import Broadcaster
 from station.api.streams.request import StreamRequest, StreamRequestError

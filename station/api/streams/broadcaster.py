@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from station.api import wire
+from station.api import answers
 from station.api.streams.channel import Channel, open_channel
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
@@ -51,7 +51,7 @@ class Broadcaster:
         return len(self._clients)
 
     async def close(self, timeout: float = 1.0) -> None:
-        """Tell every client that the station goes away; wait for them [s] at most."""
+        """Close all streams at the station's end, and wait briefly for the clients."""
         self._closing.set()
         if self._clients:
             await asyncio.wait(self._clients, timeout=timeout)
@@ -133,11 +133,11 @@ class Broadcaster:
     def _hello(self, request: StreamRequest, seq: int) -> Frame:
         station = self._station
         data: Data = {"joint_states": None, "controllers": [], "stop": {}}
-        data["stop"] = wire.stop_state(station).model_dump()
+        data["stop"] = answers.stop_state(station).model_dump()
         try:
-            data["controllers"] = wire.controllers(station).model_dump()["controllers"]
+            data.update(answers.controllers(station).model_dump())
             snapshot = station.latest()
-            states = wire.joint_states(snapshot, station.joint_names)
+            states = answers.joint_states(snapshot, station.joint_names)
             data["joint_states"] = states.model_dump()
         except StationError:
             _log.info("a client connects while the loop does not run")

@@ -1,4 +1,4 @@
-"""Frames that several clients want alike: made once, fetched by whoever is ready.
+"""Frames that several clients asked for alike: made once, fetched by each client.
 
 Nothing is queued. A client that comes late gets the newest frame, or with every cycle
 asked for, a larger batch from the ring of snapshots.

@@ -19,7 +19,7 @@ _PARAMETERS = {"rate", "fields", "format", "ticket"}
 
 
 class StreamRequestError(Exception):
-    """A stream that cannot be had.
+    """A request for a stream that the station refuses.
 
     Attributes:
         close_code: How the WebSocket is closed.
@@ -60,18 +60,19 @@ def parse_request(
         query: The URL's query.
 
     Raises:
-        StreamRequestError: There is no such topic, or it cannot be had like that.
+        StreamRequestError: There is no such topic, or a parameter is wrong.
     """
     topic = find_topic(station, name)
     if topic is None:
         known = ", ".join(topic_names(station))
         raise StreamRequestError(
-            f"no topic '{name:.40}'; there is: {known}", CLOSE_UNKNOWN_TOPIC
+            f"There is no topic '{name:.40}'. The topics are: {known}.",
+            CLOSE_UNKNOWN_TOPIC,
         )
     unknown = set(query) - _PARAMETERS
     if unknown:
         raise StreamRequestError(
-            f"unknown parameter {min(unknown)!r:.30}; use rate, fields, format",
+            f"There is no parameter {min(unknown)!r:.30}. Use rate, fields or format.",
         )
     request = StreamRequest(
         topic.name, _rate(topic, query), _fields(topic, query), _format(query)
@@ -85,7 +86,7 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
         return topic.default_rate
     if text == FULL:
         if not isinstance(topic, CycleTopic):
-            raise StreamRequestError(f"{topic.name} has no rate=full; give a number")
+            raise StreamRequestError(f"{topic.name} has no rate=full. Give a number.")
         return None
     try:
         rate = float(text)
@@ -93,7 +94,7 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
         rate = 0.0
     if not MIN_RATE <= rate <= MAX_RATE:
         allowed = f"a number from {MIN_RATE} to {MAX_RATE} [Hz], or full"
-        raise StreamRequestError(f"rate is {text!r:.20}; give {allowed}")
+        raise StreamRequestError(f"The rate is {text!r:.20}. Give {allowed}.")
     return rate
 
 
@@ -102,7 +103,7 @@ def _fields(topic: Topic, query: Mapping[str, str]) -> frozenset[str]:
     unknown = fields - set(topic.fields)
     if unknown:
         raise StreamRequestError(
-            f"no field {min(unknown)!r:.30}; {', '.join(topic.fields)}",
+            f"No field is {min(unknown)!r:.30}. Fields: {', '.join(topic.fields)}.",
         )
     return fields
 
@@ -111,6 +112,6 @@ def _format(query: Mapping[str, str]) -> StreamFormat:
     chosen = _FORMATS.get(query.get("format", "json"))
     if chosen is None:
         raise StreamRequestError(
-            f"format is {query['format']!r:.20}; give json or msgpack",
+            f"The format is {query['format']!r:.20}. Give json or msgpack.",
         )
     return chosen

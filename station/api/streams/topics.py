@@ -6,7 +6,7 @@ from typing import NamedTuple
 import anyio.to_thread
 from typing_extensions import override
 
-from station.api import robot_wire, wire
+from station.api import answers
 from station.core.control.controller import ControllerSample
 from station.core.errors import (
     ArmNotFoundError,
@@ -14,8 +14,9 @@ from station.core.errors import (
     StationError,
 )
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
 from station.core.loop.snapshot import Snapshot
-from station.wire import FrankaState
+from station.wire import FrankaState, LoopReport, Scene
 
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"
@@ -207,13 +208,14 @@ class RobotStateTopic(ReportTopic):
 
     def __init__(self, station: Station, arm_id: str) -> None:
         super().__init__(station)
-        station.robots.report(arm_id)  # refuses an unknown arm
+        self._arms = Arms(station.robots)
+        self._arms.report(arm_id)  # Refuses an unknown arm.
         self._arm_id = arm_id
         self.name = f"{ROBOT_STATE}/{arm_id}"
 
     @override
     def report(self) -> Data:
-        state = robot_wire.franka_state(self._station.robots.state(self._arm_id))
+        state = answers.franka_state(self._arms.state(self._arm_id))
         return {"arm_id": self._arm_id, **state.model_dump()}
 
 
@@ -226,7 +228,7 @@ class ControllersTopic(ReportTopic):
 
     @override
     def report(self) -> Data:
-        return wire.controllers(self._station).model_dump()
+        return answers.controllers(self._station).model_dump()
 
 
 class LoopTopic(ReportTopic):
@@ -239,8 +241,8 @@ class LoopTopic(ReportTopic):
     @override
     def report(self) -> Data:
         return {
-            "loop": wire.loop(self._station.loop_report()).model_dump(),
-            "stop": wire.stop_state(self._station).model_dump(),
+            "loop": LoopReport.model_validate(self._station.loop_report()).model_dump(),
+            "stop": answers.stop_state(self._station).model_dump(),
             "robot_mode": self._station.status().robot_mode,
         }
 
@@ -254,7 +256,7 @@ class SceneTopic(ReportTopic):
 
     @override
     def report(self) -> Data:
-        return wire.scene(self._station.scene()).model_dump()
+        return Scene.model_validate({"objects": self._station.scene()}).model_dump()
 
 
 def _payload(snapshot: Snapshot, data: Data) -> Payload:
@@ -280,7 +282,7 @@ def find_topic(station: Station, name: str) -> Topic | None:
         if kind.name == name:
             return kind(station)
     family, _, member = name.partition("/")
-    arms = station.robots.names()
+    arms = Arms(station.robots).names()
     if name == ROBOT_STATE and len(arms) == 1:
         member = arms[0]
     try:
@@ -296,6 +298,6 @@ def find_topic(station: Station, name: str) -> Topic | None:
 def topic_names(station: Station) -> list[str]:
     """Return the names of all topics there are now."""
     fixed = [kind.name for kind in _FIXED]
-    arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in station.robots.names()]
+    arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in Arms(station.robots).names()]
     loaded = [CONTROLLER_STATE + status.name for status in station.controllers()]
     return fixed + arms + loaded

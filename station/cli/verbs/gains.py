@@ -11,7 +11,7 @@ def gains(options: Namespace) -> int:
     """Show a controller's gains, or set some.
 
     Raises:
-        UsageError: What to set is missing, or given to `show`.
+        UsageError: `set` has no changes, or `show` has some.
     """
     if (options.action == "set") != bool(options.changes):
         raise UsageError(
@@ -60,14 +60,14 @@ def _parse(change: str) -> tuple[str, float]:
     """Return name and value of `NAME=VALUE`.
 
     Raises:
-        UsageError: It is something else.
+        UsageError: The text has another form.
     """
     name, equals, text = change.rpartition("=")
     try:
         return name, float(text if equals and name else "no number")
     except ValueError as error:
         raise UsageError(
-            f"{change!r} is no NAME=VALUE with a number.",
+            f"{change!r} is not NAME=VALUE with a number.",
             remedy="Write it like panda_joint1/p=500.",
         ) from error
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pydantic import JsonValue
 
     from station.client import StationClient
-    from station.client.models import Goal
+    from station.wire import Goal
 
 CALM_SPEED = 0.5
 """Mean speed of the joint that has the longest way, without a duration [rad/s]."""

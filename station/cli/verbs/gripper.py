@@ -11,8 +11,7 @@ from station.cli.output import say, say_model
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.client import StationClient
-    from station.client.gripper_client import GripperClient
+    from station.client import GripperClient, StationClient
     from station.wire import Gripper, GripperCommand
 
 POLL = 0.1
@@ -25,10 +24,10 @@ _USAGE = (
 
 
 def gripper(options: Namespace) -> int:
-    """Tell a gripper what to do and wait for its end; 1 when it does not succeed.
+    """Command a gripper and wait for the end; return 1 when it does not succeed.
 
     Raises:
-        UsageError: The words are none of the verb's, or the arm must be named.
+        UsageError: The words are wrong, or the arm must be named.
         KeyboardInterrupt: The user gave up; the gripper was stopped.
     """
     arm_id, action, numbers = _parse(options.words)
@@ -54,7 +53,7 @@ def _parse(words: "Sequence[str]") -> tuple[str, str, list[float]]:
     """Return the arm, empty for the only one, what to do, and the numbers for it.
 
     Raises:
-        UsageError: It is not of that form.
+        UsageError: The words have another form.
     """
     arm_id, rest = ("", words) if words[0] in _NUMBERS else (words[0], words[1:])
     try:
@@ -62,7 +61,9 @@ def _parse(words: "Sequence[str]") -> tuple[str, str, list[float]]:
     except ValueError:
         numbers = []
     if not rest or _NUMBERS.get(rest[0]) != len(numbers) or len(rest[1:]) > 2:
-        raise UsageError(f"`gripper {' '.join(words)}` says nothing.", remedy=_USAGE)
+        raise UsageError(
+            f"`gripper {' '.join(words)}` is no command of a gripper.", remedy=_USAGE
+        )
     return arm_id, rest[0], numbers
 
 

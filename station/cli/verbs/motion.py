@@ -9,7 +9,7 @@ from station.cli.verbs.switching import stop_running
 
 if TYPE_CHECKING:
     from station.client import StationClient
-    from station.client.robot_calls import Restart
+    from station.client.routes import Restart
     from station.wire import ArmReport, Recoveries, Recovery, StopState
 
 
@@ -27,8 +27,8 @@ def command(options: Namespace) -> int:
 def stop(options: Namespace) -> int:
     """Stop the robot; with names of loaded controllers, these alone.
 
-    A word that is no controller may be a mistake or a cry for help: it stops the
-    robot, which is the safe reading.
+    A word that is no controller may be a mistake or a cry for help. The robot stops,
+    because that is the safe interpretation.
     """
     with open_client(options) as client:
         if options.names and _are_loaded(client, options.names):
@@ -44,12 +44,12 @@ def _are_loaded(client: "StationClient", names: list[str]) -> bool:
     try:
         loaded = {controller.name for controller in client.controllers()}
     except (ApiError, ValueError):
-        return False  # no answer, or one that is not understood: stop the robot
+        return False  # Without an answer that is understood, stop the robot.
     return loaded.issuperset(names)
 
 
 def release(options: Namespace) -> int:
-    """Take back a stop, in two steps."""
+    """Release a stop, in two steps."""
     with open_client(options) as client:
         state = client.release_stop(arm=options.arm)
     return _tell(state, as_json=options.json)

@@ -32,7 +32,7 @@ def echo(options: Namespace) -> int:
 
 
 def _rate(text: str | None) -> float | Literal["full"] | None:
-    """Return the rate that was asked for.
+    """Return the rate of the option `--rate`.
 
     Raises:
         UsageError: It is neither a positive number nor `full`.
@@ -47,7 +47,7 @@ def _rate(text: str | None) -> float | Literal["full"] | None:
         rate = 0.0
     if not 0.0 < rate < float("inf"):
         raise UsageError(
-            f"The rate {text!r} is none.", remedy="Use a number of Hz, or `full`."
+            f"{text!r} is not a rate.", remedy="Use a number of Hz, or `full`."
         )
     return rate
 

@@ -58,4 +58,4 @@ def _say_json(url: str) -> None:
 
 
 def _quiet(_: str) -> None:
-    """Say nothing: the station that started this dashboard tells its address."""
+    """Print nothing: the station that started this dashboard prints its address."""

@@ -1,7 +1,7 @@
 """The part of the facade that makes the robot move: set-points, goals, trajectories.
 
-Everything here asks the same first: is the station armed, does the controller run, and
-does the caller know the present epoch.
+Every command is checked alike first: the station must be armed, the controller must
+run, and the epoch, if the caller names one, must be the present one.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ _OVERTAKEN = "A stop, a reset or a recovery came before it began."
 
 
 class MotionCommands:
-    """Passes on what is to be done, if it may be done now. Any thread.
+    """Passes set-points, goals and trajectories on to controllers. Any thread.
 
     Args:
         loop: The loop.
@@ -36,7 +36,7 @@ class MotionCommands:
         self.manager = manager
 
     def set_point(self, name: str) -> SetPoint:
-        """Return what the controller takes as set-point.
+        """Return the elements of a controller's set-point, and the last set-point.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -71,7 +71,7 @@ class MotionCommands:
             ControllerStateError: It is not running.
             InvalidCommandError: It takes no set-points or no rates, or they are
                 malformed.
-            StaleEpochError: `epoch` is over.
+            StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
         """
@@ -98,7 +98,7 @@ class MotionCommands:
             ControllerStateError: It is not running.
             InvalidCommandError: It takes no goals, or `request` is malformed.
             InvalidTrajectoryError: `request` cannot be followed.
-            StaleEpochError: `epoch` is over.
+            StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
             StationError: One of these came true meanwhile; nothing moves.
@@ -148,7 +148,7 @@ class MotionCommands:
     def follow_trajectory(
         self, name: str, request: Mapping[str, object], epoch: int | None = None
     ) -> int:
-        """Let a running controller follow a trajectory for which nobody waits.
+        """Let a running controller follow a trajectory without a goal.
 
         Args:
             name: The controller.
@@ -163,7 +163,7 @@ class MotionCommands:
             ControllerStateError: It is not running.
             InvalidTrajectoryError: `request` cannot be followed.
             InvalidCommandError: It takes no trajectories.
-            StaleEpochError: `epoch` is over.
+            StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
             StationError: One of these came true meanwhile; nothing moves.
@@ -204,7 +204,7 @@ class MotionCommands:
 
         Raises:
             ControllerStateError: The controller is not running.
-            StaleEpochError: `epoch` is over.
+            StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
         """
@@ -215,7 +215,7 @@ class MotionCommands:
             raise ControllerStateError(
                 f"Controller '{name}' is {controller.state.value}; it takes commands "
                 "while it is running.",
-                remedy=f'Start it: POST /controllers/switch {{"start": ["{name}"]}}.',
+                remedy=f"Start controller '{name}' first.",
                 details={"controller": name, "state": controller.state.value},
             )
         present = self.loop.epoch

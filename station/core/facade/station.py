@@ -1,4 +1,4 @@
-"""The facade: what everybody outside of the control thread may ask and do.
+"""The facade: everything that code outside of the control thread may ask and do.
 
 Every method is safe to call from any thread, may block for a moment, and either does
 the whole thing or raises an error of `station.core.errors` and changes nothing.
@@ -18,7 +18,6 @@ from station.core.errors import (
     LoopError,
     ParameterError,
 )
-from station.core.facade.grippers import Grippers
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.robots import Robots
@@ -49,8 +48,7 @@ class Station(MotionCommands):
 
     Attributes:
         boot_id: Random name of this run.
-        robots: The arms, their state, settings and recovery.
-        grippers: The hands of these arms.
+        robots: The robots, their services and recovery.
         simulation: Pause, step and reset of a simulated robot.
     """
 
@@ -64,7 +62,6 @@ class Station(MotionCommands):
     ) -> None:
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
-        self.grippers = Grippers(loop, self.robots.names())
         self.simulation = Simulation(loop)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters
@@ -122,7 +119,7 @@ class Station(MotionCommands):
         return report_hardware(self.loop.hw, self.manager.list_controllers())
 
     def scene(self) -> list[SceneObjectReport]:
-        """Return the things around a simulated robot, where they are now.
+        """Return the objects around a simulated robot, where they are now.
 
         Raises:
             LoopError: The loop died or hangs.
@@ -130,29 +127,30 @@ class Station(MotionCommands):
         world = self.loop.hw.simulated_world()
         return [] if world is None else list(self.loop.run_in_cycle(world.scene))
 
-    def dead(self) -> str:
-        """Return why only a restart helps; empty while the loop has not died."""
+    def dead(self) -> str | None:
+        """Return why only a restart helps; None while the loop has not died."""
         if self.loop.state is not LoopState.FAILED:
-            return ""
+            return None
         return f"The control loop died: {self.loop.failure_summary()}"
 
-    def ready(self) -> str:
-        """Return why the station is not ready; empty when it is."""
-        if self.dead():
-            return self.dead()
+    def ready(self) -> str | None:
+        """Return why the station is not ready; None when it is."""
+        dead = self.dead()
+        if dead is not None:
+            return dead
         if self.loop.state is not LoopState.RUNNING:
             return "The control loop is not running."
         age = self.loop.age()
         if age > FRESH:
             return f"The last cycle is {age:.2f} s old; the loop hangs."
-        return ""
+        return None
 
     def loop_report(self) -> LoopReport:
-        """Return how the loop is doing."""
+        """Return state and statistics of the loop."""
         return self.loop.report()
 
     def reset_loop_statistics(self) -> None:
-        """Start the loop's statistics anew."""
+        """Reset the loop's statistics."""
         self.loop.reset_statistics()
 
     def controllers(self) -> list[ControllerStatus]:
@@ -163,13 +161,13 @@ class Station(MotionCommands):
         """Return one loaded controller.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No controller of that name is loaded.
         """
         self.manager.get_controller(name)
         return next(s for s in self.manager.list_controllers() if s.name == name)
 
     def controller_types(self) -> list[tuple[str, str]]:
-        """Return (type, base class) of everything that can be loaded."""
+        """Return type and base class of every controller that can be loaded."""
         return self.manager.list_controller_types()
 
     def load_controller(
@@ -188,7 +186,7 @@ class Station(MotionCommands):
 
         Raises:
             ControllerExistsError: Something else is loaded under that name.
-            ControllerTypeNotFoundError: Nobody knows that type.
+            ControllerTypeNotFoundError: There is no such type.
             ControllerLoadError: It cannot be initialised; nothing stays loaded.
             ParameterError: A parameter is missing or impossible.
         """
@@ -216,7 +214,7 @@ class Station(MotionCommands):
         """Unload a controller that is not running.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No controller of that name is loaded.
             ControllerStateError: It is running.
         """
         with self._change_lock:
@@ -227,7 +225,7 @@ class Station(MotionCommands):
 
         Raises:
             StoppedError: The station is stopped and something is to be started.
-            SwitchRefusedError: It is not possible; nothing changed.
+            SwitchRefusedError: The switch is not possible; nothing changed.
             SwitchTimeoutError: The hardware did not get there in time.
             LoopError: The loop died.
         """
@@ -240,7 +238,7 @@ class Station(MotionCommands):
         """Return the run-time parameters of a controller.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No controller of that name is loaded.
         """
         controller = self.manager.get_controller(name)
         revision = self._revisions.get(name, 0)
@@ -257,7 +255,7 @@ class Station(MotionCommands):
             revision: Revision the caller has read; any when None.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No controller of that name is loaded.
             GainsChangedError: `revision` is not the present one.
             InvalidGainError: A name or value is not allowed; nothing changed.
             LoopError: The loop died or hangs.
@@ -285,10 +283,10 @@ class Station(MotionCommands):
             return GainsChange(values, previous, present + 1, cycle)
 
     def controller_sample(self, name: str) -> ControllerSample | None:
-        """Return what a controller did last; None before its first update.
+        """Return the sample of a controller's last update; None before the first.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No controller of that name is loaded.
         """
         return self.manager.get_controller(name).sample
 
@@ -296,7 +294,7 @@ class Station(MotionCommands):
         """Return the latest messages of a controller by topic.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No controller of that name is loaded.
         """
         return self.manager.get_controller(name).published()
 
@@ -342,7 +340,7 @@ class Station(MotionCommands):
         if not isinstance(chosen, str):
             raise ParameterError(
                 f"Controller '{name}' has no type.",
-                remedy="Name one of GET /controller-types in the field 'type'.",
+                remedy="Name its type, one of those that can be loaded.",
                 details={"parameter": f"{name}/type"},
             )
         return {**wanted, "type": chosen}

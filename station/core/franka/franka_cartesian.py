@@ -49,7 +49,7 @@ class FrankaCartesianHandle(FrankaStateHandle):
         self._elbow = elbow
 
     def get_command(self) -> list[float]:
-        """Return the pose or twist commanded last, a new list."""
+        """Return the last command as a new list."""
         return list(self._command)
 
     def set_command(

@@ -1,4 +1,4 @@
-"""The errors that an arm reports, and what is known about one when it is raised.
+"""The errors that an arm reports, with the measured value and its limit.
 
 Source: libfranka-common@e6aa0fc, the order of the error flags; franka/errors.h, Errors.
 """
@@ -74,8 +74,9 @@ class ArmError:
     unit: str
     cycle: int = 0
 
-    def describe(self) -> str:
-        """Return one sentence for people."""
+    @property
+    def description(self) -> str:
+        """The error as one sentence for people."""
         place = f" at {self.where}" if self.where else ""
         return (
             f"{self.name}{place}: {self.value:.6g} {self.unit}, allowed is "

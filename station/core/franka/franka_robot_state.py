@@ -1,4 +1,4 @@
-"""What the arm reports once per cycle, under libfranka's names.
+"""The state that an arm reports once per cycle, under libfranka's names.
 
 Source: libfranka@0.9.2 include/franka/robot_state.h, RobotState; differs: plain lists
 of floats that stay the same objects for the life of the arm, and time in seconds.
@@ -174,7 +174,7 @@ class RobotState:
     O_ddP_O: list[float] = field(default_factory=_vector)
 
     def copy(self) -> "RobotState":
-        """Return a copy that nobody changes any more, for other threads."""
+        """Return a copy that no longer changes, for other threads."""
         result = replace(self)
         for one in fields(self):
             value = getattr(self, one.name)

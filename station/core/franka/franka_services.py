@@ -1,24 +1,24 @@
-"""What franka_control offers besides the handles: setters, recovery, connection.
+"""Services of franka_control: settings, recovery and connection of an arm.
 
 Source: franka_ros@c11f000 franka_hw/src/services.cpp and
 franka_control/src/franka_control_node.cpp; differs: all of it is one handle per arm,
-called in the control thread, and a refusal raises with its reason.
+called in the control thread, and a refusal raises an error with its reason.
 """
 # ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
+
+from typing_extensions import override
 
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.hardware.interfaces.resource_manager import (
-    HardwareResourceManager,
-    ResourceHandle,
-)
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.services import RecoverableRobot, ServiceKind, service
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class ArmRecord:
     command: tuple[float, ...]
 
 
-class FrankaServices(ResourceHandle, ABC):
+class FrankaServices(RecoverableRobot):
     """The services of one arm, under its arm_id.
 
     `robot_mode`, `errors`, `remedy` and `is_connected` may be called by any thread; the
@@ -91,65 +91,72 @@ class FrankaServices(ResourceHandle, ABC):
         """Return the last cycles before the last abort, oldest first, at most 50."""
 
     @abstractmethod
-    def remedy(self) -> str | None:
-        """Return what to do before the arm can move; None when the arm can move."""
-
-    @abstractmethod
     def simulation(self) -> ArmSimulation | None:
         """Return the controls that only a simulated arm has; None for a real arm."""
 
     @abstractmethod
     def is_connected(self) -> bool:
-        """Tell whether the arm is connected."""
+        """Return whether the arm is connected."""
 
+    @service(ServiceKind.SETTING)
     @abstractmethod
-    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
-        """Set the internal joint impedance.
+    def set_joint_impedance(self, joint_stiffness: Sequence[float]) -> None:
+        """Set the internal joint impedance; refused while the arm moves.
 
         Args:
-            stiffness: 0 to 14250 [Nm/rad], shape (7,).
+            joint_stiffness: 0 to 14250 [Nm/rad], shape (7,).
 
         Raises:
             InvalidCommandError: A value is out of range.
             ArmCommandError: The arm moves or is not connected.
         """
 
+    @service(ServiceKind.SETTING)
     @abstractmethod
-    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
-        """Set the internal Cartesian impedance, in the axes of the stiffness frame.
+    def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
+        """Set the internal Cartesian impedance; refused while the arm moves.
+
+        The axes are those of the stiffness frame.
 
         Args:
-            stiffness: 10 to 3000 [N/m] three times, then 1 to 300 [Nm/rad].
+            cartesian_stiffness: 10 to 3000 [N/m] three times, then 1 to 300 [Nm/rad].
 
         Raises:
             InvalidCommandError: A value is out of range.
             ArmCommandError: The arm moves or is not connected.
         """
 
+    @service(ServiceKind.SETTING)
     @abstractmethod
     def set_EE_frame(self, NE_T_EE: Sequence[float]) -> None:
-        """Set the end effector in the nominal end effector frame.
+        """Set the end effector frame; refused while the arm moves.
+
+        The frame is given in the nominal end effector frame.
 
         Args:
             NE_T_EE: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: It is no homogeneous transform.
+            InvalidCommandError: The numbers are no homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
+    @service(ServiceKind.SETTING)
     @abstractmethod
     def set_K_frame(self, EE_T_K: Sequence[float]) -> None:
-        """Set the stiffness frame in the end effector frame.
+        """Set the stiffness frame; refused while the arm moves.
+
+        The frame is given in the end effector frame.
 
         Args:
             EE_T_K: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: It is no homogeneous transform.
+            InvalidCommandError: The numbers are no homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
+    @service(ServiceKind.SETTING)
     @abstractmethod
     def set_load(
         self,
@@ -157,7 +164,9 @@ class FrankaServices(ResourceHandle, ABC):
         F_x_center_load: Sequence[float],
         load_inertia: Sequence[float],
     ) -> None:
-        """Set what the hand holds; the arm carries its weight from now on.
+        """Set the load that the hand holds; refused while the arm moves.
+
+        The arm carries the weight of the load from now on.
 
         Args:
             mass: 0 or more [kg].
@@ -165,7 +174,7 @@ class FrankaServices(ResourceHandle, ABC):
             load_inertia: Inertia about it, axes of the flange [kg m^2], 9 numbers.
 
         Raises:
-            InvalidCommandError: No rigid body is like that.
+            InvalidCommandError: No rigid body has this mass and inertia.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -181,14 +190,11 @@ class FrankaServices(ResourceHandle, ABC):
             ArmCommandError: The arm moves or is not connected.
         """
 
-    @abstractmethod
-    def check_recovery(self) -> None:
-        """Refuse when the arm cannot recover itself now; an arm without errors can.
+    @override
+    def is_recovering(self) -> bool:
+        return self.robot_mode() is RobotMode.AUTOMATIC_ERROR_RECOVERY
 
-        Raises:
-            ArmCommandError: It cannot: the user stop is pressed, say.
-        """
-
+    @override
     @abstractmethod
     def error_recovery(self) -> bool:
         """Clear the errors and return to Idle; nothing moves by itself.
@@ -202,17 +208,23 @@ class FrankaServices(ResourceHandle, ABC):
             ArmCommandError: The arm cannot recover itself now.
         """
 
+    @service()
     @abstractmethod
     def connect(self) -> None:
-        """Connect to the arm; its collision thresholds are the configured ones again.
+        """Connect to the arm; refused when it is connected.
+
+        The collision thresholds are the configured ones again.
 
         Raises:
             ArmCommandError: It is connected already.
         """
 
+    @service()
     @abstractmethod
     def disconnect(self) -> None:
-        """Give the arm up; it holds its pose.
+        """Disconnect from the arm, which holds its pose.
+
+        Refused while a controller commands the arm.
 
         Raises:
             ArmCommandError: A controller runs, or it is not connected.

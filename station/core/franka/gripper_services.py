@@ -1,4 +1,4 @@
-"""What franka_gripper offers: homing, move, grasp, stop and the state of a hand.
+"""Services of franka_gripper: homing, move, grasp, stop and the state of a gripper.
 
 Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp and
 franka_gripper_node.cpp, franka_gripper/action/*.action; libfranka@0.9.2
@@ -7,15 +7,15 @@ asked about, and one that did not reach its aim is aborted with the reason, inst
 having succeeded with `success` false.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import ClassVar
 
-from station.core.hardware.interfaces.resource_manager import (
-    HardwareResourceManager,
-    ResourceHandle,
-)
+from typing_extensions import override
+
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.services import InterruptibleServices
 from station.core.ports.goal import GoalStatus
 
 DEFAULT_SPEED = 0.1
@@ -65,7 +65,7 @@ class GraspRequest:
     epsilon_outer: float = DEFAULT_EPSILON
 
     def accepts(self, width: float) -> bool:
-        """Say whether an object of `width` [m] is the expected one."""
+        """Return whether an object of `width` [m] has the expected width."""
         low, high = self.width - self.epsilon_inner, self.width + self.epsilon_outer
         return low < width < high
 
@@ -121,12 +121,12 @@ class GripperState:
     last: GripperCommand | None
 
 
-class GripperServices(ResourceHandle, ABC):
+class GripperServices(InterruptibleServices):
     """The hand of one arm, under its arm_id. Control thread, between two cycles.
 
-    A command begins at once and ends the one before. None of them waits, and none has
-    to do with the arm: its errors, its recovery and its connection are no concern of
-    the hand.
+    A command begins at once and ends the command before. No command waits, and no
+    command depends on the arm: a gripper works while its arm has errors, recovers or
+    is disconnected.
     """
 
     @abstractmethod
@@ -173,9 +173,10 @@ class GripperServices(ResourceHandle, ABC):
         Fingers that a controller claims go on obeying it.
         """
 
+    @override
     @abstractmethod
     def interrupt(self, reason: str) -> None:
-        """End a motion; what is grasped stays grasped.
+        """End a motion; a grasped object stays grasped.
 
         Args:
             reason: Why, one sentence.

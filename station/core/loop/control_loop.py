@@ -17,9 +17,9 @@ from station.core.clock import Clock
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
-from station.core.franka import GripperServicesInterface
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.services import InterruptibleServices, find_services
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations
 from station.core.loop.pace import Pace
@@ -73,8 +73,9 @@ class ControlLoop:
         interface = hw.get(JointStateInterface)
         self._world = hw.simulated_world()
         self._joints = JointStateGroup(interface.handles() if interface else [])
-        grippers = hw.get(GripperServicesInterface)
-        self._grippers = grippers.handles() if grippers else []
+        self._interruptible = [
+            one for one in find_services(hw) if isinstance(one, InterruptibleServices)
+        ]
         self._meter = LoopMeter(clock)
         self._operations = Operations()
         self._thread: threading.Thread | None = None
@@ -174,7 +175,7 @@ class ControlLoop:
             operation.abandoned = True
             raise LoopError(
                 f"The control loop did not answer within {timeout} s.",
-                remedy="Look at /loop: it is overloaded, or it has died.",
+                remedy="See the report of the loop: it is overloaded, or it has died.",
                 details={"state": self._state.value, "failure": self._failure},
             )
         if operation.error is not None:
@@ -228,8 +229,8 @@ class ControlLoop:
         """
         self.epoch += 1
         self.manager.void_commands(reason)
-        for gripper in self._grippers:
-            gripper.interrupt(reason)
+        for services in self._interruptible:
+            services.interrupt(reason)
         return self.epoch
 
     def begin_anew(self) -> None:
@@ -276,7 +277,7 @@ class ControlLoop:
     def _death(self) -> LoopError:
         return LoopError(
             f"The control loop died: {self.failure_summary()}",
-            remedy="Restart the station; GET /loop has the whole traceback.",
+            remedy="Restart the station; the report of the loop has the traceback.",
             details={"failure": self._failure},
         )
 

@@ -59,7 +59,7 @@ class StopLatch:
         if self.pending:
             raise StoppedError(
                 f"The stop ({self.reason}) is not carried out yet.",
-                remedy="Release it again in a moment; /loop says whether cycles run.",
+                remedy="Release it again in a moment, and see whether cycles run.",
                 details={"stop_state": self.state.value, "reason": self.reason},
             )
         self._change(StopState.RELEASED, before)
@@ -74,7 +74,7 @@ class StopLatch:
         if self.state is StopState.STOPPED:
             raise StoppedError(
                 f"The station is stopped ({self.reason}); release it before arming.",
-                remedy="POST /stop/release, then POST it again with arm: true.",
+                remedy="Release the stop first, then arm it.",
             )
         self._change(StopState.ARMED, before)
 
@@ -93,7 +93,6 @@ class StopLatch:
         if self.state is not StopState.ARMED:
             raise StoppedError(
                 f"The station is {self.state.value} ({self.reason}); nothing may move.",
-                remedy="Release the stop, then arm it: POST /stop/release twice, the "
-                "second time with arm: true.",
+                remedy="Release the stop, then arm it.",
                 details={"stop_state": self.state.value, "reason": self.reason},
             )

@@ -360,7 +360,7 @@ class FrankaHW(RobotHW):
         arm = self.arm
         if self._blind:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
-        errors = "; ".join(error.describe() for error in arm.errors())
+        errors = "; ".join(error.description for error in arm.errors())
         causes = self._sender.refusal or errors
         mode = _MODE_NAMES[arm.state.robot_mode]
         because = f" ({causes})" if causes else ""

@@ -8,7 +8,6 @@ import viser
 from typing_extensions import override
 
 from station.client import ApiError
-from station.client.models import CommandElement
 from station.ui.markup import good, hint, warning
 from station.ui.operate_model import Operated, SetPointRamp, choose_operated
 from station.ui.panels.panel import Panel
@@ -17,6 +16,7 @@ from station.ui.slider_scale import SliderScale, command_scale
 from station.ui.station_link import StationLink
 from station.ui.station_view import Limits, StationView
 from station.ui.widgets import FollowingSlider
+from station.wire import CommandElement
 
 _SEND_PERIOD = 0.04
 

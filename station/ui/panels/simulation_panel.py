@@ -5,12 +5,12 @@ from typing import Any
 import viser
 from typing_extensions import override
 
-from station.client.models import Simulation
 from station.ui.markup import good, hint, warning
 from station.ui.panels.panel import Panel
 from station.ui.reporter import Event, Reporter
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
+from station.wire import Simulation
 
 PACES = {"1/10": 0.1, "1/4": 0.25, "1/2": 0.5, "1": 1.0}
 """Paces to choose among; a simulation faster than real time takes a fast machine."""

@@ -8,7 +8,6 @@ import viser
 from typing_extensions import override
 
 from station.client import ApiError
-from station.client.models import Gains
 from station.ui.markup import hint, warning
 from station.ui.panels.panel import Panel
 from station.ui.panels.response_plot import ResponsePlot
@@ -23,6 +22,7 @@ from station.ui.tune_model import (
     tunable_controllers,
 )
 from station.ui.widgets import NONE, FollowingSlider, set_options, set_value
+from station.wire import Gains
 
 _GAINS_PERIOD = 1.0
 _SETTLE = 0.12

@@ -27,7 +27,7 @@ def test_not_ready_says_why_and_needs_no_token(http):
 
 
 def test_ready_while_the_loop_runs(client, station, monkeypatch):
-    monkeypatch.setattr(station, "ready", lambda: "")
+    monkeypatch.setattr(station, "ready", lambda: None)
     assert client.ready().ready is True
 
     monkeypatch.setattr(station, "ready", lambda: "The loop hangs.")

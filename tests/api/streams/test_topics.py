@@ -7,6 +7,7 @@ import pytest
 from station.api.streams.topics import find_topic, topic_names
 from station.core.control.switching import SwitchRequest
 from station.core.errors import LoopError
+from station.core.franka.arms import Arms
 from tests.api.spring import make_station
 from tests.franka_station import make_franka_station
 
@@ -40,7 +41,7 @@ def test_arms_tell_their_whole_state():
     assert "robot_state/panda" in topic_names(station)
     assert set(data) == set(find_topic(station, "robot_state/panda").fields)
     assert (data["arm_id"], data["robot_mode"]) == ("panda", "idle")
-    assert data["q"] == station.robots.state("panda").q
+    assert data["q"] == Arms(station.robots).state("panda").q
     assert find_topic(station, "robot_state").name == "robot_state/panda"
 
 

@@ -88,5 +88,5 @@ def test_an_unknown_pose_is_told_with_those_there_are(run, station):
     outcome = run("goto kitchen")
 
     assert outcome.code == 2
-    assert "There is no pose 'kitchen'; there are ready" in outcome.err
+    assert "There is no pose 'kitchen'. The poses are: ready" in outcome.err
     assert station.calls == []

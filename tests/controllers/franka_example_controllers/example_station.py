@@ -5,6 +5,7 @@ from typing import Any
 
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
 from tests.franka_station import JOINTS, make_franka_station
 
 
@@ -31,7 +32,7 @@ def run_without_errors(station: Station, seconds: float) -> list[list[float]]:
     path = []
     for _ in range(round(seconds * 100)):
         station.loop.step(10)
-        state = station.robots.state("panda")
+        state = Arms(station.robots).state("panda")
         assert station.latest().mode == "move", station.controller("example").fault
         path.append(state.O_T_EE[12:15])
     return path

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,
@@ -14,32 +15,34 @@ def station():
 
 
 def test_arm_stays_where_it_is(station):
-    before = station.robots.state("panda").O_T_EE
+    before = Arms(station.robots).state("panda").O_T_EE
     run_without_errors(station, 1.0)
 
-    assert pytest.approx(before, abs=1e-4) == station.robots.state("panda").O_T_EE
+    assert pytest.approx(before, abs=1e-4) == Arms(station.robots).state("panda").O_T_EE
 
 
 @pytest.mark.slow
 def test_force_deflects_the_spring_by_its_stiffness(station):
     run_without_errors(station, 2.0)
-    before = station.robots.state("panda").O_T_EE[13]
-    station.robots.apply_force("panda", "panda_hand", [0, 4.0, 0], [0, 0, 0], 10.0)
+    before = Arms(station.robots).state("panda").O_T_EE[13]
+    Arms(station.robots).apply_force(
+        "panda", "panda_hand", [0, 4.0, 0], [0, 0, 0], 10.0
+    )
     run_without_errors(station, 4.0)
 
-    moved = station.robots.state("panda").O_T_EE[13] - before
+    moved = Arms(station.robots).state("panda").O_T_EE[13] - before
     # 4 N at 200 N/m; the hand turns too, and the elbow's spring helps.
     assert moved == pytest.approx(0.02, rel=0.25)
 
 
 @pytest.mark.slow
 def test_arm_follows_the_equilibrium_pose(station):
-    pose = station.robots.state("panda").O_T_EE
+    pose = Arms(station.robots).state("panda").O_T_EE
     goal = [pose[12] + 0.03, pose[13] - 0.05, pose[14], 0.0, 1.0, 0.0, 0.0]
     station.set_command("example", goal)
     run_without_errors(station, 5.0)
 
-    reached = station.robots.state("panda").O_T_EE[12:15]
+    reached = Arms(station.robots).state("panda").O_T_EE[12:15]
     assert reached == pytest.approx(goal[:3], abs=0.01)
 
 

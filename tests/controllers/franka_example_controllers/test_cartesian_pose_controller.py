@@ -9,6 +9,7 @@ from station.controllers.franka_example_controllers.cartesian_pose_controller im
 )
 from station.core.control.switching import SwitchRequest
 from station.core.errors import SwitchRefusedError
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,
@@ -30,7 +31,7 @@ def test_arc_is_traced_within_a_millimetre(impedance, is_limiting, tolerance):
     station = start_example(
         "CartesianPose", internal_controller=impedance, rate_limiting=is_limiting
     )
-    start = station.robots.state("panda").O_T_EE
+    start = Arms(station.robots).state("panda").O_T_EE
 
     path = run_without_errors(station, 10.0)
 
@@ -39,17 +40,17 @@ def test_arc_is_traced_within_a_millimetre(impedance, is_limiting, tolerance):
         assert from_centre == pytest.approx(RADIUS, abs=tolerance)
         assert y == pytest.approx(start[13], abs=tolerance)
     assert min(x for x, _, _ in path) == pytest.approx(start[12] - RADIUS, abs=1e-3)
-    end = station.robots.state("panda")
+    end = Arms(station.robots).state("panda")
     assert end.O_T_EE[:15] == pytest.approx(start[:15], abs=1e-3)
     assert not any(end.last_motion_errors)
 
 
 def test_start_does_not_move_the_arm():
     station = start_example("CartesianPose")
-    before = station.robots.state("panda").q
+    before = Arms(station.robots).state("panda").q
     station.loop.step(20)
 
-    assert station.robots.state("panda").q == pytest.approx(before, abs=1e-4)
+    assert Arms(station.robots).state("panda").q == pytest.approx(before, abs=1e-4)
 
 
 def test_start_far_from_the_start_pose_is_refused():
@@ -64,6 +65,6 @@ def test_stop_in_motion_brings_the_arm_to_rest():
     station.switch_controllers(SwitchRequest((), ("example",)))
     station.loop.step(300)
 
-    state = station.robots.state("panda")
+    state = Arms(station.robots).state("panda")
     assert station.latest().mode == "idle"
     assert max(map(abs, state.dq)) < 1e-3

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from station.core.franka import Frame
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.example_station import start_example
 
 
@@ -29,16 +30,18 @@ def torques(model, state, spring, rest):
 @pytest.mark.slow
 def test_torques_follow_the_formula_when_the_spring_is_deflected():
     station = start_example("CartesianImpedance")
-    rest = np.array(station.robots.state("panda").q)
-    pose = station.robots.state("panda").O_T_EE
+    rest = np.array(Arms(station.robots).state("panda").q)
+    pose = Arms(station.robots).state("panda").O_T_EE
     station.loop.step(5)
     station.set_gains("example", {"nullspace_stiffness": 20.0})
-    station.robots.apply_force("panda", "panda_hand", [5.0, 4.0, 0], [0, 0.5, 0], 10)
+    Arms(station.robots).apply_force(
+        "panda", "panda_hand", [5.0, 4.0, 0], [0, 0.5, 0], 10
+    )
     station.loop.step(3_000)  # all filters have settled
 
     state, model = (
-        station.robots.state("panda"),
-        station.robots.model("panda", Frame.END_EFFECTOR),
+        Arms(station.robots).state("panda"),
+        Arms(station.robots).model("panda", Frame.END_EFFECTOR),
     )
     now, then = (np.reshape(p, (4, 4)).T for p in (state.O_T_EE, pose))
     turn = then[:3, :3] @ now[:3, :3].T
@@ -56,7 +59,7 @@ def test_torques_follow_the_formula_when_the_spring_is_deflected():
 
 def test_spring_begins_without_force():
     station = start_example("CartesianImpedance")
-    pose = station.robots.state("panda").O_T_EE
+    pose = Arms(station.robots).state("panda").O_T_EE
     station.set_command("example", [pose[12] + 0.5, *pose[13:15], 0.0, 1.0, 0.0, 0.0])
     station.loop.step(2)
     first = max(map(abs, station.loop.hw.commands.efforts))

@@ -4,6 +4,7 @@ from math import sqrt
 
 import pytest
 
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,
@@ -14,7 +15,7 @@ from tests.controllers.franka_example_controllers.example_station import (
 @pytest.mark.parametrize("is_limiting", [True, False])
 def test_line_is_traced_within_a_millimetre(is_limiting):
     station = start_example("CartesianVelocity", rate_limiting=is_limiting)
-    start = station.robots.state("panda").O_T_EE[12:15]
+    start = Arms(station.robots).state("panda").O_T_EE[12:15]
 
     path = run_without_errors(station, 8.0)
 
@@ -26,4 +27,4 @@ def test_line_is_traced_within_a_millimetre(is_limiting):
     farthest = max(x for x, _, _ in path) - start[0]
     assert farthest * sqrt(2.0) == pytest.approx(0.1, abs=1e-3)
     assert path[-1] == pytest.approx(start, abs=1e-3)
-    assert not any(station.robots.state("panda").last_motion_errors)
+    assert not any(Arms(station.robots).state("panda").last_motion_errors)

@@ -8,6 +8,7 @@ import pytest
 from station.core.control.switching import SwitchRequest
 from station.core.errors import ControllerLoadError
 from station.core.franka import Frame
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.test_cartesian_spring import torques
 from tests.controllers.franka_example_controllers.two_arm_station import (
     joints_of,
@@ -36,7 +37,7 @@ def pose(station, arm):
     base[1, 3] = 0.5 if arm == "l" else -0.5
     if arm == "r":
         base[:2, :2] = [[cos(YAW), -sin(YAW)], [sin(YAW), cos(YAW)]]
-    return base @ np.reshape(station.robots.state(arm).O_T_EE, (4, 4)).T
+    return base @ np.reshape(Arms(station.robots).state(arm).O_T_EE, (4, 4)).T
 
 
 def right_to_left(station):
@@ -75,19 +76,19 @@ def test_relative_pose_is_kept_while_the_centering_frame_moves(station):
 
 @pytest.mark.slow
 def test_torques_follow_the_formula(station):
-    start = {arm: station.robots.state(arm) for arm in "lr"}
+    start = {arm: Arms(station.robots).state(arm) for arm in "lr"}
     station.set_gains("example", {"right_nullspace_stiffness": 20.0})
-    station.robots.apply_force("r", "r_hand", [3.0, 4.0, 0], [0, 0.5, 0], 10)
+    Arms(station.robots).apply_force("r", "r_hand", [3.0, 4.0, 0], [0, 0.5, 0], 10)
     station.loop.step(2_500)
 
-    state = station.robots.state("r")
+    state = Arms(station.robots).state("r")
     now, then = (np.reshape(s.O_T_EE, (4, 4)).T for s in (state, start["r"]))
     turn = now[:3, :3] @ then[:3, :3].T
     angle = np.arccos((np.trace(turn) - 1) / 2)
     skew = (turn - turn.T) * angle / (2 * np.sin(angle))
     turned = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
     spring = (now[:3, 3] - then[:3, 3], turned, 200.0, 10.0, 20.0)
-    model = station.robots.model("r", Frame.END_EFFECTOR)
+    model = Arms(station.robots).model("r", Frame.END_EFFECTOR)
     expected = torques(model, state, spring, np.array(start["r"].q))
 
     assert angle > 0.01

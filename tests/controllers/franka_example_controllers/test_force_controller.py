@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from station.core.franka import Frame
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,
@@ -48,21 +49,23 @@ def test_table_carries_the_weight(k_p, k_i):
     assert pressed[2] == pytest.approx(unseen - 9.81, rel=0.01)
     assert abs(pressed[0]) < 0.1
     assert abs(pressed[1]) < 0.1
-    felt = station.robots.state("panda").O_F_ext_hat_K
+    felt = Arms(station.robots).state("panda").O_F_ext_hat_K
     assert felt[2] == pytest.approx(pressed[2], rel=0.02)
 
 
 def test_torques_follow_the_formula():
     station = start_example("Force")
     gains = {"desired_mass": 2.0, "k_p": 1.5, "k_i": 2.0}
-    state = station.robots.state("panda")
-    bias = np.subtract(state.tau_J, station.robots.model("panda", Frame.FLANGE).gravity)
+    state = Arms(station.robots).state("panda")
+    bias = np.subtract(
+        state.tau_J, Arms(station.robots).model("panda", Frame.FLANGE).gravity
+    )
     station.set_gains("example", gains)
     present, integral = dict.fromkeys(gains, 0.0), np.zeros(7)
     for _ in range(200):
         station.loop.step()
-        state = station.robots.state("panda")
-        model = station.robots.model("panda", Frame.END_EFFECTOR)
+        state = Arms(station.robots).state("panda")
+        model = Arms(station.robots).model("panda", Frame.END_EFFECTOR)
         jacobian = np.reshape(model.zero_jacobian, (7, 6)).T
         tau_d = jacobian.T @ [0, 0, -9.81 * present["desired_mass"], 0, 0, 0]
         error = tau_d - (np.array(state.tau_J) - model.gravity - bias)
@@ -77,9 +80,9 @@ def test_torques_follow_the_formula():
 
 def test_start_presses_with_nothing():
     station = start_example("Force")
-    before = station.robots.state("panda").q
+    before = Arms(station.robots).state("panda").q
     station.loop.step(100)
 
-    assert station.robots.state("panda").q == pytest.approx(before, abs=1e-4)
+    assert Arms(station.robots).state("panda").q == pytest.approx(before, abs=1e-4)
     assert station.gains("example").values["desired_mass"] == 0.0
     assert station.gains("example").schema["desired_mass"].maximum == 2.0

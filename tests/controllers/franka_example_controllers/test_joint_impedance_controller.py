@@ -8,6 +8,7 @@ import pytest
 from station.core.control.switching import SwitchRequest
 from station.core.errors import ParameterError
 from station.core.franka import Frame
+from station.core.franka.arms import Arms
 from station.hw.franka.arm.control_mode import ControlMode
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
@@ -34,11 +35,11 @@ def test_torques_follow_the_formula():
     # The controller's first cycle has run; the filter's part of it is 1 % by now.
     for cycle in range(300):
         station.loop.step()
-        state = station.robots.state("panda")
+        state = Arms(station.robots).state("panda")
         filtered = 0.01 * filtered + 0.99 * np.array(state.dq)
         if cycle < 3:
             continue
-        model = station.robots.model("panda", Frame.FLANGE)
+        model = Arms(station.robots).model("panda", Frame.FLANGE)
         tau = np.array(K) * np.subtract(state.q_d, state.q)
         tau += np.array(D) * (np.array(state.dq_d) - filtered)
         tau += 0.5 * np.array(model.coriolis)
@@ -52,17 +53,17 @@ def test_torques_follow_the_formula():
 @pytest.mark.slow
 def test_circle_is_drawn_within_a_millimetre():
     station = start_example("JointImpedance", PARAMS)
-    x, y, z = station.robots.state("panda").O_T_EE[12:15]
+    x, y, z = Arms(station.robots).state("panda").O_T_EE[12:15]
 
     # 2 s to full speed and 0.15 m, then 0.478 m at 0.15 m/s: once around.
     for _ in range(52):
         run_without_errors(station, 0.1)
-        at = station.robots.state("panda").O_T_EE[12:15]
+        at = Arms(station.robots).state("panda").O_T_EE[12:15]
         # The test's stiffness is a fifth of the arm's own: it sags by its friction.
         assert hypot(at[1] - y - 0.1, at[2] - z) == pytest.approx(0.1, abs=1e-3)
         assert at[0] == pytest.approx(x, abs=1e-3)
 
-    assert not any(station.robots.state("panda").last_motion_errors)
+    assert not any(Arms(station.robots).state("panda").last_motion_errors)
     told = station.published("example")["torque_comparison"]
     assert np.abs(told["tau_error"]).max() < 0.3
     assert told["root_mean_square_error"] == pytest.approx(
@@ -75,12 +76,12 @@ def test_restart_begins_a_new_circle():
     station.loop.step(500)
     station.switch_controllers(SwitchRequest((), ("example",)))
     station.loop.step(300)
-    before = station.robots.state("panda").O_T_EE[12:15]
+    before = Arms(station.robots).state("panda").O_T_EE[12:15]
     result = station.switch_controllers(SwitchRequest(("example",), ()))
     station.loop.step(50)
 
     assert max(result.jump.values()) < 1e-6
-    after = station.robots.state("panda").O_T_EE[12:15]
+    after = Arms(station.robots).state("panda").O_T_EE[12:15]
     assert after == pytest.approx(before, abs=1e-3)
 
 

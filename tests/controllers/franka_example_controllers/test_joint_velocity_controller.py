@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.franka.arms import Arms
 from tests.controllers.franka_example_controllers.example_station import (
     run_without_errors,
     start_example,
@@ -11,11 +12,11 @@ from tests.controllers.franka_example_controllers.example_station import (
 @pytest.mark.slow
 def test_joints_go_the_way_that_is_under_the_velocity():
     station = start_example("JointVelocity")
-    start = station.robots.state("panda").q_d
+    start = Arms(station.robots).state("panda").q_d
 
     run_without_errors(station, 4.0)
 
-    state = station.robots.state("panda")
+    state = Arms(station.robots).state("panda")
     assert state.dq == pytest.approx([0.1] * 7, abs=2e-3)
     # Half of the mean velocity of 0.05 rad/s over 8 s.
     expected = [q + 0.2 for q in start]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from station.core.errors import ControllerStateError
+from station.core.franka.arms import Arms
 from tests.conformance.benches import CONTROLLER_PARAMETERS
 from tests.controllers.franka_example_controllers.two_arm_station import (
     joints_of,
@@ -34,7 +35,7 @@ def start(follower_at=tuple(START + AWAY)):
 
 
 def apart(station):
-    q = [station.robots.state(role).q for role in ("leader", "follower")]
+    q = [Arms(station.robots).state(role).q for role in ("leader", "follower")]
     return np.abs(np.subtract(*q)).max()
 
 
@@ -47,20 +48,22 @@ def test_follower_comes_to_the_leader_and_then_follows_its_pushes():
     station = start()
     station.loop.step(500)
     assert phase(station) == "align"
-    held = station.robots.state("leader").q
+    held = Arms(station.robots).state("leader").q
     station.loop.step(1_500)
     assert phase(station) == "track"
-    assert station.robots.state("leader").q == pytest.approx(held, abs=1e-3)
+    assert Arms(station.robots).state("leader").q == pytest.approx(held, abs=1e-3)
     assert apart(station) < 1e-3
 
-    station.robots.apply_force("leader", "leader_hand", [0, 0, 8.0], [0, 0, 0], 0.7)
+    Arms(station.robots).apply_force(
+        "leader", "leader_hand", [0, 0, 8.0], [0, 0, 0], 0.7
+    )
     for _ in range(10):
         station.loop.step(100)
         assert apart(station) < 0.02
     station.loop.step(1_000)
 
     assert station.latest().mode == "move"
-    assert np.abs(np.subtract(station.robots.state("leader").q, held)).max() > 0.2
+    assert np.abs(np.subtract(Arms(station.robots).state("leader").q, held)).max() > 0.2
     assert apart(station) < 0.005
 
 
@@ -68,13 +71,15 @@ def test_follower_comes_to_the_leader_and_then_follows_its_pushes():
 def test_what_the_follower_touches_is_felt_at_the_leader():
     station = start(tuple(START))
     station.loop.step(500)
-    before = station.robots.state("leader").O_T_EE[13]
-    station.robots.apply_force("follower", "follower_hand", [0, 9, 0], [0, 0, 0], 1.0)
+    before = Arms(station.robots).state("leader").O_T_EE[13]
+    Arms(station.robots).apply_force(
+        "follower", "follower_hand", [0, 9, 0], [0, 0, 0], 1.0
+    )
     station.loop.step(1_000)
 
     assert station.published("example")["follower_contact"]["data"] > 0.9
     # Half of the force, and nobody holds the leader.
-    assert station.robots.state("leader").O_T_EE[13] - before > 0.01
+    assert Arms(station.robots).state("leader").O_T_EE[13] - before > 0.01
 
 
 def test_follower_is_commanded_by_its_pd_law():
@@ -82,7 +87,7 @@ def test_follower_is_commanded_by_its_pd_law():
     station.loop.step(200)
     told = station.controller_sample("example")
     velocity = station.manager.get_controller("example")._motion.dq
-    state = station.robots.state("follower")
+    state = Arms(station.robots).state("follower")
 
     p, d = (
         np.array(CONTROLLER_PARAMETERS["follower"][key])

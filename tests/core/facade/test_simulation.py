@@ -55,7 +55,7 @@ def test_time_stands_still_while_paused_and_goes_on_without_a_leap(station):
 
     _let_the_wall_clock_run(station)
     assert station.loop.time == time
-    assert station.ready() == ""
+    assert station.ready() is None
 
     station.simulation.change(paused=False)
     skipped = station.loop_report().skipped

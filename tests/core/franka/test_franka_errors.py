@@ -25,6 +25,6 @@ def test_flags_that_are_set_are_named():
 
 def test_error_without_a_place_is_described():
     error = ArmError("power_limit_violation", "", 500.0, 400.0, "W", 3)
-    assert error.describe() == (
+    assert error.description == (
         "power_limit_violation: 500 W, allowed is 400 W (cycle 3)"
     )

@@ -5,6 +5,7 @@ import numpy as np
 
 from station.core.facade.station import Station
 from station.core.franka import GripperState
+from station.core.franka.grippers import Grippers
 from tests.franka_station import make_franka_station
 
 WIDTH = 0.03
@@ -33,7 +34,7 @@ def run_until_done(station: Station, most: int = 5_000) -> GripperState:
     """Step until the gripper's command has ended; return the state."""
     for _ in range(most):
         station.loop.step()
-        state = station.grippers.state("panda")
+        state = Grippers(station.robots).state("panda")
         if state.command is None:
             return state
     raise AssertionError(f"it has not ended after {most} cycles: {state}")

@@ -113,7 +113,7 @@ def test_torque_step_is_a_discontinuity(arm: SimulatedArm) -> None:
     assert errors_of(arm) == ["controller_torque_discontinuity"]
     error = arm.errors()[0]
     assert (error.where, error.value, error.limit) == ("joint4", 2000.0, 1000.0)
-    assert "joint4: 2000 Nm/s, allowed is 1000 Nm/s (cycle 6)" in error.describe()
+    assert "joint4: 2000 Nm/s, allowed is 1000 Nm/s (cycle 6)" in error.description
 
 
 def test_fast_joint_is_a_velocity_violation(arm: SimulatedArm) -> None:

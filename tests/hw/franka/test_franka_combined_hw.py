@@ -12,6 +12,8 @@ from station.core.errors import ArmCommandError, ParameterError, SwitchRefusedEr
 from station.core.facade.station import Station
 from station.core.franka import FaultKind, FrankaServicesInterface, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
+from station.core.franka.arms import Arms
+from station.core.franka.grippers import Grippers
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
@@ -48,8 +50,11 @@ def station() -> Station:
 
 
 def test_both_arms_are_in_one_world(station):
-    assert station.robots.names() == list(ARMS)
-    assert station.robots.state("left").time == station.robots.state("right").time
+    assert Arms(station.robots).names() == list(ARMS)
+    assert (
+        Arms(station.robots).state("left").time
+        == Arms(station.robots).state("right").time
+    )
     assert station.latest().mode == "move"
 
 
@@ -69,7 +74,7 @@ def test_arms_in_one_world_have_one_gravity():
 
 
 def test_error_of_one_arm_stops_both_until_it_is_recovered(station):
-    station.robots.inject("left", SimulatedFault(FaultKind.COLLISION, 30))
+    Arms(station.robots).inject("left", SimulatedFault(FaultKind.COLLISION, 30))
     station.loop.step(100)
 
     states = {name: station.controller(name) for name in ARMS}
@@ -114,7 +119,7 @@ def test_services_of_every_arm_are_found(station):
 
 def test_errors_of_several_arms_are_recovered_together(station):
     for name in ARMS:
-        station.robots.inject(name, SimulatedFault(FaultKind.COLLISION, 30))
+        Arms(station.robots).inject(name, SimulatedFault(FaultKind.COLLISION, 30))
     station.loop.step(200)
     with pytest.raises(SwitchRefusedError, match="'right' is in mode reflex"):
         station.robots.recover("left", restart=True)
@@ -126,20 +131,22 @@ def test_errors_of_several_arms_are_recovered_together(station):
 
 
 def test_recovery_of_all_is_one_of_none_while_a_user_stop_is_pressed(station):
-    station.robots.inject("left", SimulatedFault(FaultKind.COLLISION, 30))
+    Arms(station.robots).inject("left", SimulatedFault(FaultKind.COLLISION, 30))
     station.loop.step(200)
-    station.robots.set_user_stop("right", pressed=True)
+    Arms(station.robots).set_user_stop("right", pressed=True)
     with pytest.raises(ArmCommandError, match="'right' cannot recover: the user stop"):
         station.robots.recover_all()
-    assert station.robots.report("left").mode is RobotMode.REFLEX
-    station.robots.set_user_stop("right", pressed=False)
+    assert Arms(station.robots).report("left").robot_mode is RobotMode.REFLEX
+    Arms(station.robots).set_user_stop("right", pressed=False)
     station.robots.recover_all()
-    assert station.robots.report("left").mode is RobotMode.IDLE
+    assert Arms(station.robots).report("left").robot_mode is RobotMode.IDLE
 
 
 def test_every_arm_has_its_own_hand(station):
-    station.grippers.move("left", 0.02)
+    Grippers(station.robots).move("left", 0.02)
     station.loop.step(1_000)
 
-    assert station.grippers.state("left").width == pytest.approx(0.02, abs=1e-3)
-    assert station.grippers.state("right").width == pytest.approx(0.08, abs=1e-3)
+    assert Grippers(station.robots).state("left").width == pytest.approx(0.02, abs=1e-3)
+    assert Grippers(station.robots).state("right").width == pytest.approx(
+        0.08, abs=1e-3
+    )

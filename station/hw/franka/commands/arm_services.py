@@ -95,16 +95,16 @@ class ArmServices(FrankaServices):
         return self._is_connected
 
     @override
-    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
+    def set_joint_impedance(self, joint_stiffness: Sequence[float]) -> None:
         self._check_connected()
-        values = _in_range(stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
+        values = _in_range(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
         self._arm.set_joint_impedance(values)
 
     @override
-    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
+    def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
         self._check_connected()
         ranges = [TRANSLATIONAL_STIFFNESS] * 3 + [ROTATIONAL_STIFFNESS] * 3
-        values = _in_range(stiffness, ranges, "cartesian_stiffness")
+        values = _in_range(cartesian_stiffness, ranges, "cartesian_stiffness")
         self._arm.set_cartesian_impedance(values)
 
     @override

@@ -5,6 +5,8 @@ import pytest
 from station.core.control.switching import SwitchRequest
 from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest, GripperActivity
+from station.core.franka.arms import Arms
+from station.core.franka.grippers import Grippers
 from station.core.ports.goal import GoalStatus
 from tests.franka_station import make_franka_station
 from tests.hw.franka.grasp_scene import (
@@ -34,12 +36,12 @@ def empty():
 
 
 def grasp(station, width=WIDTH, force=20.0, **more):
-    station.grippers.grasp("panda", GraspRequest(width, force, **more))
+    Grippers(station.robots).grasp("panda", GraspRequest(width, force, **more))
     return run_until_done(station)
 
 
 def test_it_begins_open_and_idle(empty):
-    state = empty.grippers.state("panda")
+    state = Grippers(empty.robots).state("panda")
 
     assert state.width == pytest.approx(0.08, abs=1e-4)
     assert (state.activity, state.is_grasped) == (GripperActivity.IDLE, False)
@@ -47,19 +49,19 @@ def test_it_begins_open_and_idle(empty):
 
 
 def test_it_moves_to_a_width_as_fast_as_asked(empty):
-    empty.grippers.move("panda", 0.02, 0.05)
-    begun = empty.grippers.state("panda")
+    Grippers(empty.robots).move("panda", 0.02, 0.05)
+    begun = Grippers(empty.robots).state("panda")
     state = run_until_done(empty)
     empty.loop.step(200)
 
     assert begun.command.status is GoalStatus.ACTIVE
     assert state.last.status is GoalStatus.SUCCEEDED
     assert state.last.ended - state.last.started == pytest.approx(1.2, abs=0.05)
-    assert empty.grippers.state("panda").width == pytest.approx(0.02, abs=1e-4)
+    assert Grippers(empty.robots).state("panda").width == pytest.approx(0.02, abs=1e-4)
 
 
 def test_homing_measures_the_largest_width(empty):
-    empty.grippers.homing("panda")
+    Grippers(empty.robots).homing("panda")
     state = run_until_done(empty, 10_000)
 
     assert state.last.status is GoalStatus.SUCCEEDED
@@ -76,7 +78,9 @@ def test_the_box_is_pressed_with_the_force_of_the_grasp(station, force):
 
     assert (state.activity, state.is_grasped) == (GripperActivity.HOLDING, True)
     # Soft contacts give way: at 140 N by less than a fifth of a millimetre.
-    assert station.grippers.state("panda").width == pytest.approx(WIDTH, abs=2e-4)
+    assert Grippers(station.robots).state("panda").width == pytest.approx(
+        WIDTH, abs=2e-4
+    )
     for finger in ("panda_leftfinger", "panda_rightfinger"):
         assert contact_force(station, finger) == pytest.approx(force, rel=0.01)
 
@@ -105,9 +109,11 @@ def test_only_the_expected_width_is_grasped(station, width, inner, outer, succee
 
 def test_a_grasp_ends_soon_after_the_fingers_touch(station):
     grasp(station)
-    touched = station.grippers.state("panda").last.started + (0.08 - WIDTH) / 0.1
+    touched = (
+        Grippers(station.robots).state("panda").last.started + (0.08 - WIDTH) / 0.1
+    )
 
-    assert station.grippers.state("panda").last.ended - touched < 0.2
+    assert Grippers(station.robots).state("panda").last.ended - touched < 0.2
 
 
 def test_a_grasp_of_air_is_aborted(empty):
@@ -119,7 +125,7 @@ def test_a_grasp_of_air_is_aborted(empty):
 
 
 def test_a_grasp_that_opens_ends(empty):
-    empty.grippers.move("panda", 0.0)
+    Grippers(empty.robots).move("panda", 0.0)
     run_until_done(empty)
 
     state = grasp(empty, 0.05)
@@ -129,7 +135,7 @@ def test_a_grasp_that_opens_ends(empty):
 
 
 def test_a_move_that_is_blocked_is_aborted_and_does_not_press(station):
-    station.grippers.move("panda", 0.0)
+    Grippers(station.robots).move("panda", 0.0)
     state = run_until_done(station)
     station.loop.step(500)
 
@@ -141,20 +147,20 @@ def test_a_move_that_is_blocked_is_aborted_and_does_not_press(station):
 def test_grasping_again_changes_the_force_and_does_not_let_go(station):
     grasp(station, force=10.0)
     station.loop.step(100)
-    station.grippers.grasp("panda", GraspRequest(WIDTH, 40.0))
+    Grippers(station.robots).grasp("panda", GraspRequest(WIDTH, 40.0))
     widest = 0.0
     for _ in range(400):
         station.loop.step()
-        widest = max(widest, station.grippers.state("panda").width)
+        widest = max(widest, Grippers(station.robots).state("panda").width)
 
     assert widest < WIDTH + 1e-3
     assert contact_force(station, "panda_leftfinger") == pytest.approx(40.0, rel=0.01)
 
 
 def test_a_new_command_ends_the_one_before(empty):
-    empty.grippers.move("panda", 0.0)
+    Grippers(empty.robots).move("panda", 0.0)
     empty.loop.step(300)
-    state = empty.grippers.move("panda", 0.08)
+    state = Grippers(empty.robots).move("panda", 0.08)
 
     assert state.command.identifier == 2
     assert (state.last.identifier, state.last.status) == (1, GoalStatus.PREEMPTED)
@@ -162,25 +168,27 @@ def test_a_new_command_ends_the_one_before(empty):
 
 
 def test_stop_stops_within_a_millimetre(empty):
-    empty.grippers.move("panda", 0.0)
+    Grippers(empty.robots).move("panda", 0.0)
     empty.loop.step(300)
-    state = empty.grippers.stop("panda")
+    state = Grippers(empty.robots).stop("panda")
     empty.loop.step(1_000)
 
     assert state.last.status is GoalStatus.PREEMPTED
     assert state.command is None
-    assert empty.grippers.state("panda").width == pytest.approx(state.width, abs=1e-3)
+    assert Grippers(empty.robots).state("panda").width == pytest.approx(
+        state.width, abs=1e-3
+    )
 
 
 def test_stop_with_nothing_running_changes_nothing(empty):
-    assert empty.grippers.stop("panda").last is None
+    assert Grippers(empty.robots).stop("panda").last is None
     empty.loop.step(300)
-    assert empty.grippers.state("panda").width == pytest.approx(0.08, abs=1e-4)
+    assert Grippers(empty.robots).state("panda").width == pytest.approx(0.08, abs=1e-4)
 
 
 def test_stop_lets_go(station):
     grasp(station)
-    state = station.grippers.stop("panda")
+    state = Grippers(station.robots).stop("panda")
     station.loop.step(500)
 
     assert not state.is_grasped
@@ -189,9 +197,9 @@ def test_stop_lets_go(station):
 
 def test_the_box_is_lifted_and_a_stop_does_not_drop_it(station):
     station.switch_controllers(SwitchRequest(["arm"]))
-    start = list(station.robots.state("panda").q)
+    start = list(Arms(station.robots).state("panda").q)
     grasp(station, force=20.0)
-    low, hand = box_height(station), station.robots.state("panda").O_T_EE[14]
+    low, hand = box_height(station), Arms(station.robots).state("panda").O_T_EE[14]
     for cycle in range(2_000):
         part = (cycle + 1) / 2_000
         goal = list(start)
@@ -204,25 +212,25 @@ def test_the_box_is_lifted_and_a_stop_does_not_drop_it(station):
     risen = box_height(station) - low
     assert risen > 0.05
     # MuJoCo's friction creeps: by about 0.1 mm a second with this weight.
-    way = station.robots.state("panda").O_T_EE[14] - hand
+    way = Arms(station.robots).state("panda").O_T_EE[14] - hand
     assert risen == pytest.approx(way, abs=1e-3)
-    assert station.grippers.state("panda").is_grasped
+    assert Grippers(station.robots).state("panda").is_grasped
 
 
 def test_the_arm_holds_still_while_the_hand_works(empty):
     empty.switch_controllers(SwitchRequest(["arm"]))
-    before = empty.robots.state("panda").q
+    before = Arms(empty.robots).state("panda").q
     grasp(empty)
 
-    assert empty.robots.state("panda").q == pytest.approx(before, abs=1e-4)
+    assert Arms(empty.robots).state("panda").q == pytest.approx(before, abs=1e-4)
 
 
 def test_a_reset_ends_the_motion_and_opens_the_hand(station):
     grasp(station)
-    station.grippers.move("panda", 0.0)
+    Grippers(station.robots).move("panda", 0.0)
     station.simulation.reset({})
     station.loop.step(500)
-    state = station.grippers.state("panda")
+    state = Grippers(station.robots).state("panda")
 
     assert state.last.status is GoalStatus.PREEMPTED
     assert state.width == pytest.approx(0.08, abs=1e-4)
@@ -231,25 +239,25 @@ def test_a_reset_ends_the_motion_and_opens_the_hand(station):
 
 def test_a_controller_that_takes_the_fingers_wins(empty):
     empty.load_controller("hand", HAND, FINGER)
-    empty.grippers.move("panda", 0.0)
+    Grippers(empty.robots).move("panda", 0.0)
     empty.loop.step(100)
     empty.switch_controllers(SwitchRequest(["hand"]))
-    state = empty.grippers.state("panda")
+    state = Grippers(empty.robots).state("panda")
 
     assert state.activity is GripperActivity.CONTROLLED
     assert state.last.status is GoalStatus.PREEMPTED
     assert "'hand'" in state.last.message
     for command in (
-        lambda: empty.grippers.homing("panda"),
-        lambda: empty.grippers.move("panda", 0.0),
+        lambda: Grippers(empty.robots).homing("panda"),
+        lambda: Grippers(empty.robots).move("panda", 0.0),
         lambda: grasp(empty),
     ):
         with pytest.raises(GripperCommandError, match="controller 'hand' claims"):
             command()
-    assert empty.grippers.stop("panda").activity is GripperActivity.CONTROLLED
+    assert Grippers(empty.robots).stop("panda").activity is GripperActivity.CONTROLLED
 
     empty.switch_controllers(SwitchRequest((), ["hand"]))
-    assert empty.grippers.move("panda", 0.02).command is not None
+    assert Grippers(empty.robots).move("panda", 0.02).command is not None
 
 
 @pytest.mark.parametrize(
@@ -267,17 +275,17 @@ def test_a_controller_that_takes_the_fingers_wins(empty):
     ],
 )
 def test_numbers_out_of_range_are_refused_and_change_nothing(empty, numbers, field):
-    empty.grippers.move("panda", 0.0)
+    Grippers(empty.robots).move("panda", 0.0)
     request = GraspRequest(**{"width": 0.03, "force": 20.0, **numbers})
 
     with pytest.raises(InvalidCommandError, match="allowed is") as caught:
-        empty.grippers.grasp("panda", request)
+        Grippers(empty.robots).grasp("panda", request)
 
     assert caught.value.details["errors"][0]["field"] == f"body/{field}"
-    assert empty.grippers.state("panda").command.identifier == 1
+    assert Grippers(empty.robots).state("panda").command.identifier == 1
 
 
 @pytest.mark.parametrize(("width", "speed"), [(0.081, 0.1), (-0.01, 0.1), (0.01, 0.0)])
 def test_impossible_moves_are_refused(empty, width, speed):
     with pytest.raises(InvalidCommandError):
-        empty.grippers.move("panda", width, speed)
+        Grippers(empty.robots).move("panda", width, speed)

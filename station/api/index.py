@@ -1,0 +1,34 @@
+"""The addresses at `/`, for whoever finds the server and needs to know where to go.
+
+No token is needed, and nothing is said about the robot.
+"""
+
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+
+import station as package
+from station.api.routes import PREFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/")
+async def index(request: Request) -> dict[str, str]:
+    """Return the addresses of the station's parts, relative to this server."""
+    dashboard_url: Callable[[], str | None] = request.app.state.dashboard_url
+    dashboard = dashboard_url()
+    known = {} if dashboard is None else {"dashboard": dashboard}
+    return {
+        "station": package.__version__,
+        "docs": "/docs",
+        "openapi": f"{PREFIX}/openapi.json",
+        "api": PREFIX,
+        "health": f"{PREFIX}/health",
+        "ready": f"{PREFIX}/ready",
+        "login": "/login?token=…",
+        **known,
+    }

@@ -1,0 +1,142 @@
+"""Routes of declared services: method, path, request and description follow.
+
+The station's own services name their wire model, which the client has too. The request
+model of any other service is made of the parameters of its method.
+"""
+
+from collections.abc import Callable, Iterable
+from inspect import Parameter
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Body
+from pydantic import BaseModel, create_model
+
+from station import wire
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.core.errors import HardwareInterfaceError
+from station.core.facade.station import Station
+from station.core.hardware.services import RobotServices, Service, ServiceKind
+
+METHODS = {
+    ServiceKind.QUERY: "GET",
+    ServiceKind.SETTING: "PUT",
+    ServiceKind.ACTION: "POST",
+}
+Answer = Callable[[Station, str, object], Any]
+"""Makes the answer of the station, the name of the robot and the returned value."""
+
+
+def add_service(
+    router: APIRouter,
+    service: Service,
+    request: type[BaseModel] | None,
+    reply: Any,  # noqa: ANN401 - a model, or the annotation of the method
+    answer: Answer,
+) -> None:
+    """Add the route of a service below `/{arm_id}`.
+
+    Args:
+        router: Where the route goes; its routes need the viewer role.
+        service: The service.
+        request: Model of the body; None for a service without parameters.
+        reply: Model of the answer.
+        answer: Makes the answer.
+    """
+    changes = service.kind is not ServiceKind.QUERY
+    refusals = (404, 409, 413, 422) if changes else (404, 409)
+    stopped = (423,) if service.moves else ()
+    router.add_api_route(
+        f"/{{arm_id}}/{service.path}",
+        _endpoint(service, request, answer),
+        methods=[METHODS[service.kind]],
+        name=service.name.lower(),
+        description=service.description,
+        dependencies=[Operator] if changes else [],
+        response_model=reply,
+        responses=problems(*refusals, *stopped, 503),
+    )
+
+
+def _endpoint(
+    service: Service, request: type[BaseModel] | None, answer: Answer
+) -> Callable[..., Any]:
+    def call(arm_id: str, station: StationDep) -> object:
+        returned = station.robots.call(arm_id, service.name)
+        return answer(station, arm_id, returned)
+
+    def call_with(
+        arm_id: str,
+        station: StationDep,
+        request: Annotated[request, Body()],  # type: ignore[valid-type]  # made above
+    ) -> object:
+        arguments = {name: getattr(request, name) for name in service.parameters}
+        returned = station.robots.call(arm_id, service.name, **arguments)
+        return answer(station, arm_id, returned)
+
+    return call if request is None else call_with
+
+
+def request_model(service: Service) -> type[BaseModel] | None:
+    """Return a model with the parameters of a service; None without parameters."""
+    if not service.parameters:
+        return None
+    fields: dict[str, Any] = {
+        name: (p.annotation, ... if p.default is Parameter.empty else p.default)
+        for name, p in service.parameters.items()
+    }
+    name = "".join(word.capitalize() for word in service.name.split("_"))
+    return create_model(f"{name}Request", __base__=wire.RequestModel, **fields)
+
+
+def services_of(kinds: Iterable[type[RobotServices]], taken: set[str]) -> APIRouter:
+    """Return the routes of all services that some classes declare.
+
+    Args:
+        kinds: Classes of robots' services.
+        taken: Paths of services that have a route already.
+
+    Raises:
+        HardwareInterfaceError: Two services, or a service and a route of the station,
+            have the same path.
+    """
+    router = APIRouter(
+        prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute
+    )
+    for kind in kinds:
+        for service in kind.services().values():
+            if service.path in taken:
+                raise HardwareInterfaceError(
+                    f"Service '{service.name}' of {kind.__name__} has the path "
+                    f"'{service.path}', which is taken.",
+                    remedy="Give the method another name.",
+                )
+            taken = {*taken, service.path}
+            model = request_model(service)
+            add_service(router, service, model, service.returns, _returned)
+    return router
+
+
+def _returned(_: Station, __: str, returned: object) -> object:
+    return returned
+
+
+def describe(station: Station, name: str) -> wire.Services:
+    """Return the declared services of a robot.
+
+    Raises:
+        ArmNotFoundError: There is no such robot.
+    """
+    return wire.Services(
+        services=[
+            wire.ServiceInfo(
+                name=service.name,
+                method=METHODS[service.kind],
+                path=service.path,
+                description=service.description,
+                parameters=list(service.parameters),
+            )
+            for service in station.robots.services(name).values()
+        ]
+    )

@@ -1,0 +1,147 @@
+"""The connection of a client to its station: requests go out, wire models come back."""
+
+import json
+from collections.abc import Mapping
+from typing import TypeVar
+
+import httpx
+from pydantic import BaseModel, JsonValue
+
+from station.client.errors import ApiError, StationUnreachableError
+from station.client.routes import PREFIX
+from station.client.stream_options import bearer
+
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+class AsyncConnection:
+    """Sends requests and reads the answers.
+
+    Args:
+        url: The station, without a slash at its end.
+        token: Operator or viewer token.
+        timeout: Longest wait for an answer [s].
+        transport: How requests travel; httpx's own when None.
+
+    Attributes:
+        url: The station.
+        token: Operator or viewer token.
+        timeout: Longest wait for an answer [s]; may be changed.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        token: str | None,
+        timeout: float,
+        transport: httpx.AsyncBaseTransport | None = None,
+    ) -> None:
+        self.url = url
+        self.token = token
+        self.timeout = timeout
+        self._http = httpx.AsyncClient(
+            base_url=url,
+            headers=bearer(token),
+            timeout=timeout,
+            transport=transport,
+            trust_env=False,
+        )
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._http.aclose()
+
+    def move_to(self, url: str, token: str | None) -> None:
+        """Send to another station from the next request on.
+
+        Args:
+            url: The station, without a slash at its end.
+            token: Operator or viewer token.
+        """
+        self.url, self.token = url, token
+        self._http.base_url = httpx.URL(url)
+        self._http.headers.pop("Authorization", None)
+        self._http.headers.update(bearer(token))
+
+    async def get(
+        self, path: str, answer: type[ModelT], query: Mapping[str, str] | None = None
+    ) -> ModelT:
+        """Send a GET request and return the answer.
+
+        Args:
+            path: Path below the prefix of the API.
+            answer: Wire model of the answer.
+            query: Query parameters.
+
+        Raises:
+            ApiError: The station refuses.
+            StationUnreachableError: The station does not answer.
+        """
+        return await self._request("GET", path, answer, query=query)
+
+    async def send(
+        self,
+        method: str,
+        path: str,
+        answer: type[ModelT],
+        body: BaseModel | Mapping[str, JsonValue] | None = None,
+        *,
+        headers: Mapping[str, str] | None = None,
+        patience: float = 0.0,
+    ) -> ModelT:
+        """Send a request that changes something and return the answer.
+
+        Args:
+            method: HTTP method.
+            path: Path below the prefix of the API.
+            answer: Wire model of the answer.
+            body: JSON body; a model sends only what was set.
+            headers: Extra headers.
+            patience: How much longer than usual the answer may take [s].
+
+        Raises:
+            ApiError: The station refuses.
+            StationUnreachableError: The station does not answer.
+            ValueError: A number of the body is not finite.
+        """
+        sent = dict(headers or {})
+        content = None
+        if body is not None:
+            sent["Content-Type"] = "application/json"
+            content = _written(body)
+        return await self._request(
+            method, path, answer, content=content, headers=sent, patience=patience
+        )
+
+    async def _request(
+        self,
+        method: str,
+        path: str,
+        answer: type[ModelT],
+        *,
+        query: Mapping[str, str] | None = None,
+        content: bytes | None = None,
+        headers: Mapping[str, str] | None = None,
+        patience: float = 0.0,
+    ) -> ModelT:
+        try:
+            response = await self._http.request(
+                method,
+                PREFIX + path,
+                params=query,
+                content=content,
+                headers=headers,
+                timeout=self.timeout + patience,
+            )
+        except httpx.TransportError as error:
+            raise StationUnreachableError(self.url, error) from error
+        if not response.is_success:
+            refusal = ApiError.from_body(response.status_code, response.content)
+            raise refusal
+        return answer.model_validate_json(response.content)
+
+
+def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:
+    if isinstance(body, BaseModel):
+        return body.model_dump_json(exclude_unset=True).encode()
+    return json.dumps(dict(body), allow_nan=False).encode()

@@ -1,0 +1,1 @@
+"""The client for plain Python, generated from `_async` by tools/generate_client.py."""

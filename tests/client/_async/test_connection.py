@@ -1,0 +1,137 @@
+"""Requests as they travel, and answers as they are read."""
+
+import asyncio
+import math
+
+import httpx
+import pytest
+from pydantic import ValidationError
+
+from station.client import ApiError, AsyncStationClient
+from station.client._async.connection import AsyncConnection
+from station.wire import Session
+from tests.client.recorder import Recorder
+
+CONTROLLER = {
+    "name": "a",
+    "type": "t/T",
+    "state": "initialized",
+    "claimed_resources": [],
+    "fault": "",
+    "traceback": "",
+    "fallback": [],
+    "time": {"p50": 0.0, "p99": 0.0, "p999": 0.0, "max": 0.0, "count": 0},
+}
+CHANGE = {"values": {}, "previous": {}, "revision": 1, "cycle": 1}
+
+
+def test_names_are_quoted():
+    recorder = Recorder(CONTROLLER)
+
+    recorder.run(lambda client: client.controller("a/b c"))
+
+    assert recorder.requests == [("GET", "/api/v1/controllers/a%2Fb%20c", None)]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "body"),
+    [
+        (("a",), {"name": "a"}),
+        (("a", "t/T", {"p": 1}), {"name": "a", "type": "t/T", "params": {"p": 1}}),
+    ],
+)
+def test_only_what_was_given_is_sent(arguments, body):
+    recorder = Recorder(CONTROLLER)
+
+    recorder.run(lambda client: client.load_controller(*arguments))
+
+    assert recorder.requests == [("POST", "/api/v1/controllers", body)]
+    assert recorder.headers[0]["Content-Type"] == "application/json"
+
+
+@pytest.mark.parametrize("etag", ['"x"', None])
+def test_an_etag_becomes_if_match(etag):
+    recorder = Recorder(CHANGE)
+
+    recorder.run(lambda client: client.set_gains("a", {"p": 1.0}, etag))
+
+    assert recorder.headers[0].get("If-Match") == etag
+
+
+def test_a_request_without_a_body_has_no_content_type():
+    recorder = Recorder({"role": "viewer"})
+
+    assert recorder.run(lambda client: client.session()).role == "viewer"
+    assert "Content-Type" not in recorder.headers[0]
+
+
+def test_an_answer_that_is_no_problem_document_is_quoted():
+    recorder = Recorder("Bad gateway", status=502)
+
+    with pytest.raises(ApiError, match="answered 502"):
+        recorder.run(lambda client: client.session())
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, "0.5", True, None])
+def test_a_value_that_is_not_a_finite_number_is_not_even_sent(value):
+    recorder = Recorder(CHANGE)
+
+    with pytest.raises(ValidationError):
+        recorder.run(lambda client: client.command("a", [value]))
+    with pytest.raises(ValidationError):
+        recorder.run(lambda client: client.set_gains("a", {"p": value}))
+    assert recorder.requests == []
+
+
+def test_a_mapping_with_a_number_that_is_not_finite_is_not_even_sent():
+    recorder = Recorder({"role": "viewer"})
+
+    transport = httpx.MockTransport(recorder.answer)
+    connection = AsyncConnection("http://station", None, 1.0, transport)
+
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        asyncio.run(connection.send("POST", "/session", Session, {"x": math.nan}))
+    assert recorder.requests == []
+
+
+def test_a_slash_at_the_end_of_the_address_does_not_matter():
+    assert AsyncStationClient("http://127.0.0.1:8000/").url == "http://127.0.0.1:8000"
+
+
+def test_a_client_moves_to_another_station():
+    seen = []
+
+    def answer(request):
+        seen.append((request.url.host, request.headers.get("Authorization")))
+        return httpx.Response(200, json={"role": "viewer"})
+
+    async def ask():
+        transport = httpx.MockTransport(answer)
+        async with AsyncStationClient("http://old", "a", transport=transport) as client:
+            await client.session()
+            client.move_to("http://new/", "b")
+            await client.session()
+            client.move_to("http://open", None)
+            await client.session()
+            return client.url, client.stream("loop").options.token
+
+    assert asyncio.run(ask()) == ("http://open", None)
+    assert seen == [("old", "Bearer a"), ("new", "Bearer b"), ("open", None)]
+
+
+def test_the_timeout_can_be_changed():
+    seen = []
+
+    def answer(request):
+        seen.append(request.extensions["timeout"]["read"])
+        return httpx.Response(200, json={"role": "viewer"})
+
+    async def ask():
+        transport = httpx.MockTransport(answer)
+        async with AsyncStationClient(transport=transport, timeout=3.0) as client:
+            await client.session()
+            client.timeout = 0.5
+            await client.session()
+
+    asyncio.run(ask())
+    assert seen == [3.0, 0.5]

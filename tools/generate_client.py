@@ -1,0 +1,78 @@
+"""Generate the client for plain Python from the client for asyncio.
+
+python tools/generate_client.py           writes station/client/_sync
+python tools/generate_client.py --check   fails when the files there are stale
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import unasync
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "station" / "client" / "_async"
+TARGET = SOURCE.with_name("_sync")
+NOTE = "# Generated from _async/{name} by tools/generate_client.py.\n"
+NAMES = {
+    "_async": "_sync",
+    "async_stream": "stream",
+    "aclose": "close",
+    "AsyncBaseTransport": "BaseTransport",
+    "AsyncClient": "Client",
+    "AsyncConnection": "Connection",
+    "AsyncGripperClient": "GripperClient",
+    "AsyncRobotClient": "RobotClient",
+    "AsyncSimulationClient": "SimulationClient",
+    "AsyncStationClient": "StationClient",
+    "AsyncStream": "Stream",
+}
+
+
+def generate() -> dict[str, str]:
+    """Return the text of every generated module by its file name."""
+    sources = [path for path in SOURCE.glob("*.py") if path.name != "__init__.py"]
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder, "_async"), Path(folder, "_sync")
+        source.mkdir()
+        for path in sources:
+            note = NOTE.format(name=path.name)
+            (source / path.name).write_text(note + path.read_text())
+        rule = unasync.Rule(f"{source}/", f"{target}/", NAMES)
+        unasync.unasync_files([str(source / path.name) for path in sources], [rule])
+        # Without "async" and "Async" lines are shorter and imports sort differently.
+        for command in (
+            ["check", "--quiet", "--select=I", "--fix"],
+            ["format", "--quiet"],
+        ):
+            ruff = [sys.executable, "-m", "ruff", *command]
+            configuration = f"--config={ROOT / 'pyproject.toml'}"
+            subprocess.run([*ruff, configuration, str(target)], check=True, cwd=ROOT)
+        return {path.name: (target / path.name).read_text() for path in sources}
+
+
+def stale() -> list[str]:
+    """Return the names of the files whose text is not what would be generated."""
+    expected = generate()
+    present = {path.name: path.read_text() for path in TARGET.glob("*.py")}
+    present.pop("__init__.py", None)
+    names = sorted(expected.keys() | present.keys())
+    return [name for name in names if expected.get(name) != present.get(name)]
+
+
+def main() -> int:
+    """Write the files, or with `--check` say which are stale and return 1."""
+    if "--check" in sys.argv[1:]:
+        names = stale()
+        if names:
+            print(f"Stale in station/client/_sync: {', '.join(names)}.")
+            print("Run .venv/bin/python tools/generate_client.py.")
+        return int(bool(names))
+    for name, text in generate().items():
+        (TARGET / name).write_text(text)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
