@@ -12,7 +12,7 @@ from station.core.control import tunables
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerStatus
 from station.core.control.switching import SwitchResult
-from station.core.facade.simulation import SimulationReport
+from station.core.facade.simulation_control import SimulationReport
 from station.core.facade.station import Station
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop import loop_report

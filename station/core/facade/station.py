@@ -22,7 +22,7 @@ from station.core.facade.grippers import Grippers
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.robots import Robots
-from station.core.facade.simulation import Simulation
+from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
@@ -65,7 +65,7 @@ class Station(MotionCommands):
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
         self.grippers = Grippers(loop, self.robots.names())
-        self.simulation = Simulation(loop)
+        self.simulation = SimulationControl(loop)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters
         self._robot_type = robot_type

@@ -1,8 +1,8 @@
-"""What franka_control offers besides the handles: setters, recovery, connection.
+"""The services of franka_control: setters, recovery, connection.
 
 Source: franka_ros@c11f000 franka_hw/src/services.cpp and
-franka_control/src/franka_control_node.cpp; differs: all of it is one handle per arm,
-called in the control thread, and a refusal raises with its reason.
+franka_control/src/franka_control_node.cpp; differs: the services of an arm are one
+handle, called in the control thread, and a refusal raises with its reason.
 """
 # ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
 
@@ -25,8 +25,8 @@ from station.core.hardware.interfaces.resource_manager import (
 class CollisionBehavior:
     """Thresholds of contact (lower) and collision (upper).
 
-    Those named `acceleration` count while the desired motion accelerates, the
-    `nominal` ones otherwise. Torques [Nm], shape (7,); forces [N, Nm], shape (6,).
+    Thresholds named `acceleration` apply while the desired motion accelerates, those
+    named `nominal` otherwise. Torques [Nm], shape (7,); forces [N, Nm], shape (6,).
     """
 
     lower_torque_thresholds_acceleration: tuple[float, ...]
@@ -41,7 +41,7 @@ class CollisionBehavior:
 
 @dataclass(frozen=True, slots=True)
 class ArmRecord:
-    """One of the last cycles before a motion was aborted.
+    """A cycle of the arm, kept for the log of an error.
 
     Attributes:
         time: Time of the arm [s].
@@ -50,7 +50,7 @@ class ArmRecord:
         tau_J: Measured torques [Nm], shape (7,).
         q_d: Desired positions [rad], shape (7,).
         tau_J_d: Desired torques [Nm], shape (7,).
-        command: What the client sent last, in the unit of its kind.
+        command: The last command of the client, in the unit of its kind.
     """
 
     time: float
@@ -72,11 +72,11 @@ class FrankaServices(ResourceHandle, ABC):
 
     @abstractmethod
     def robot_mode(self) -> RobotMode:
-        """Return what the arm is doing."""
+        """Return the mode of the arm."""
 
     @abstractmethod
     def get_robot_state(self) -> RobotState:
-        """Return a copy of the state, every field of the last cycle."""
+        """Return a copy of the state of the last cycle, all fields up to date."""
 
     @abstractmethod
     def model(self) -> FrankaModelHandle:
@@ -84,11 +84,11 @@ class FrankaServices(ResourceHandle, ABC):
 
     @abstractmethod
     def errors(self) -> list[ArmError]:
-        """Return what the present errors, or else the last motion's, came from."""
+        """Return the present errors, or else those that ended the last motion."""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:
-        """Return the last cycles before the last abort, oldest first, at most 50."""
+        """Return the last cycles before the last error, oldest first, at most 50."""
 
     @abstractmethod
     def remedy(self) -> str | None:
@@ -100,7 +100,7 @@ class FrankaServices(ResourceHandle, ABC):
 
     @abstractmethod
     def is_connected(self) -> bool:
-        """Tell whether the arm is connected."""
+        """Return whether the arm is connected."""
 
     @abstractmethod
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
@@ -134,7 +134,7 @@ class FrankaServices(ResourceHandle, ABC):
             NE_T_EE: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: It is no homogeneous transform.
+            InvalidCommandError: The numbers are not a homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -146,7 +146,7 @@ class FrankaServices(ResourceHandle, ABC):
             EE_T_K: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: It is no homogeneous transform.
+            InvalidCommandError: The numbers are not a homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -157,15 +157,16 @@ class FrankaServices(ResourceHandle, ABC):
         F_x_center_load: Sequence[float],
         load_inertia: Sequence[float],
     ) -> None:
-        """Set what the hand holds; the arm carries its weight from now on.
+        """Set the load that the hand holds; the arm carries its weight from now on.
 
         Args:
-            mass: 0 or more [kg].
+            mass: 0 to the payload of the arm, 3 kg unless configured otherwise [kg].
             F_x_center_load: Centre of mass in the flange frame [m], shape (3,).
-            load_inertia: Inertia about it, axes of the flange [kg m^2], 9 numbers.
+            load_inertia: Inertia about the centre of mass in the axes of the flange
+                [kg m^2], 9 numbers, column-major.
 
         Raises:
-            InvalidCommandError: No rigid body is like that.
+            InvalidCommandError: A value is out of range, or no body has that inertia.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -174,7 +175,7 @@ class FrankaServices(ResourceHandle, ABC):
         """Set the thresholds of contact and collision.
 
         Args:
-            behavior: The thresholds, each > 0 and no lower above its upper one.
+            behavior: The thresholds, each > 0, each lower one at most its upper one.
 
         Raises:
             InvalidCommandError: A threshold is impossible.
@@ -183,15 +184,15 @@ class FrankaServices(ResourceHandle, ABC):
 
     @abstractmethod
     def check_recovery(self) -> None:
-        """Refuse when the arm cannot recover itself now; an arm without errors can.
+        """Refuse when the arm cannot recover itself now. An arm without errors can.
 
         Raises:
-            ArmCommandError: It cannot: the user stop is pressed, say.
+            ArmCommandError: The arm cannot recover, e.g. the user stop is pressed.
         """
 
     @abstractmethod
     def error_recovery(self) -> bool:
-        """Clear the errors and return to Idle; nothing moves by itself.
+        """Clear the errors and return to Idle; no motion starts.
 
         The arm is in AutomaticErrorRecovery until it is at rest.
 
@@ -212,10 +213,10 @@ class FrankaServices(ResourceHandle, ABC):
 
     @abstractmethod
     def disconnect(self) -> None:
-        """Give the arm up; it holds its pose.
+        """Disconnect from the arm, which holds its pose.
 
         Raises:
-            ArmCommandError: A controller runs, or it is not connected.
+            ArmCommandError: A controller commands the arm, or it is not connected.
         """
 
 
