@@ -21,7 +21,7 @@ from station.core.errors import (
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.robots import Robots
-from station.core.facade.simulation import Simulation
+from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
@@ -62,7 +62,7 @@ class Station(MotionCommands):
     ) -> None:
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
-        self.simulation = Simulation(loop)
+        self.simulation = SimulationControl(loop)
         self.boot_id = uuid.uuid4().hex
         self.parameters = parameters
         self._robot_type = robot_type

@@ -11,7 +11,7 @@ from station.core.errors import (
     SimulationError,
     StaleEpochError,
 )
-from station.core.facade.simulation import MOST_STEPS, Simulation
+from station.core.facade.simulation_control import MOST_STEPS, SimulationControl
 from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop
@@ -241,4 +241,4 @@ def test_a_real_robot_can_do_none_of_it(ask):
     loop = ControlLoop(hw, ControllerManager(hw, Parameters(), [], clock), clock=clock)
 
     with pytest.raises(SimulationError, match="RealRobot is not simulated"):
-        ask(Simulation(loop))
+        ask(SimulationControl(loop))
