@@ -98,7 +98,10 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         "read it in the list of processes: STATION_API__TOKEN is more private",
     )
     run.add_argument(
-        "--real-time-factor", type=float, metavar="X", help="station over wall time"
+        "--real-time-factor",
+        type=float,
+        metavar="X",
+        help="station over wall time, 0.01 to 100",
     )
     ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
     ui.add_argument("--connect", metavar="URL", help="the same as --url")

@@ -4,9 +4,13 @@ Defaults are in `default.yaml`, and there alone. Types are strict: `"600"` is no
 and `true` is no 1.
 """
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+from station.core.loop.pace import FASTEST, SLOWEST
 
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
@@ -24,16 +28,31 @@ class _Section(BaseModel):
     )
 
 
+def _within(lower: float, upper: float) -> Callable[[float], float]:
+    """Return a check of a number that names both ends of its range when it refuses."""
+
+    def check(value: float) -> float:
+        if not lower <= value <= upper:
+            raise PydanticCustomError(
+                "outside_of_range",
+                "Input should be {lower} to {upper}",
+                {"lower": f"{lower:g}", "upper": f"{upper:g}"},
+            )
+        return value
+
+    return check
+
+
 class LoopSection(_Section):
     """The control loop.
 
     Attributes:
         rate: Cycles per second of station time [Hz].
-        real_time_factor: Station time over wall time.
+        real_time_factor: Station time over wall time, 0.01 to 100.
     """
 
     rate: float = Field(ge=1.0, le=10_000.0)
-    real_time_factor: float = Field(gt=0.0, le=100.0)
+    real_time_factor: Annotated[float, AfterValidator(_within(SLOWEST, FASTEST))]
 
 
 class RobotSection(_Section):

@@ -48,6 +48,16 @@ def test_minimal_configuration_is_valid():
             {"rate": 1e6, "real_time_factor": 1.0},
             "station.rate is 1000000.0; it must be less than or equal to 10000.",
         ),
+        (
+            "station",
+            {"rate": 1000, "real_time_factor": 1e-6},
+            "station.real_time_factor is 1e-06; it must be 0.01 to 100.",
+        ),
+        (
+            "station",
+            {"rate": 1000, "real_time_factor": 101.0},
+            "station.real_time_factor is 101.0; it must be 0.01 to 100.",
+        ),
         ("ui", {"enabled": 1, "port": 0}, "ui.enabled is 1; it must be true or false."),
         ("ui", {"port": 0}, "ui.enabled is missing."),
         ("ui", 3, "ui is 3; it must be a mapping."),
