@@ -115,6 +115,11 @@ class CombinedRobotHW(RobotHW):
         return max((one.longest_period() for one in self.robots.values()), default=inf)
 
     @override
+    def hold_commands(self) -> list[Sequence[str]]:
+        """Return the command lines of all robots."""
+        return [c for robot in self.robots.values() for c in robot.hold_commands()]
+
+    @override
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:

@@ -123,6 +123,14 @@ def test_reading_and_writing_reach_every_robot(combined):
     assert combined.get(EffortJointInterface).get_handle("r1").get_position() > 0.0
 
 
+def test_every_arm_is_told_to_hold(combined, monkeypatch):
+    assert list(combined.hold_commands()) == []
+    for name, robot in combined.robots.items():
+        monkeypatch.setattr(robot, "hold_commands", lambda name=name: [["hold", name]])
+
+    assert list(combined.hold_commands()) == [["hold", "left"], ["hold", "right"]]
+
+
 def test_time_waits_no_longer_than_every_robot_does(combined, monkeypatch):
     first, second = combined.robots.values()
     monkeypatch.setattr(first, "longest_period", lambda: 0.02)
