@@ -97,6 +97,20 @@ class StationClient:
         """Close the connections."""
         self._http.close()
 
+    def move_to(self, url: str, token: str | None) -> None:
+        """Talk to another station from the next request on.
+
+        A stream that was opened before goes on with the station it was opened at.
+
+        Args:
+            url: The station.
+            token: Operator or viewer token.
+        """
+        self.url = url.rstrip("/")
+        self._token = token
+        self._http.base_url = httpx.URL(self.url)
+        self._http.headers.update(bearer(token))
+
     def _do(self, call: Call[ModelT]) -> ModelT:
         try:
             answer = self._http.request(

@@ -12,6 +12,7 @@ from station.client import (
     StationUnreachableError,
 )
 from station.wire import SwitchResult
+from tests.api.conftest import VIEWER
 
 
 def test_nobody_there_is_said_plainly():
@@ -76,3 +77,12 @@ def test_both_clients_have_the_same_methods():
         }
 
     assert methods(StationClient) == methods(AsyncStationClient)
+
+
+def test_a_client_can_move_to_another_station(served):
+    with StationClient("http://127.0.0.1:9", "old") as client:
+        with pytest.raises(StationUnreachableError):
+            client.session()
+        client.move_to(served.url, VIEWER)
+
+        assert client.session().role == "viewer"
