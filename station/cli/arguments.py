@@ -121,8 +121,12 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"),
         help="where the robot stands [m], [rad]",
     )
-    # Given by `station run`: the dashboard ends when that process does.
+    # Given by `station run`: whom the dashboard follows, and how long without one.
     ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
+    ui.add_argument("--watchdog", default="", help=argparse.SUPPRESS)
+    ui.add_argument(
+        "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
+    )
     verbs.add(
         "doctor",
         "doctor:doctor",

@@ -110,10 +110,29 @@ class UiSection(_Section):
     Attributes:
         enabled: Whether to start it.
         port: TCP port, at the API's host.
+        reconnect_window: How long the dashboard waits, with everybody's login, for
+            another station when its own has crashed [s]; then it ends.
     """
 
     enabled: bool
     port: Port
+    reconnect_window: float = Field(ge=0.0, le=3600.0)
+
+
+class WatchdogSection(_Section):
+    """The process beside the station that sees whether the control loop lives.
+
+    Attributes:
+        enabled: Whether to start it.
+        notice_after: Age of the loop's last wake-up that counts as a standstill [s];
+            two periods of the loop if that is more.
+        end_after: Duration of a standstill after which the station is ended [s]; null:
+            never, e.g. for a debugger.
+    """
+
+    enabled: bool
+    notice_after: float = Field(ge=0.02, le=10.0)
+    end_after: float | None = Field(ge=1.0, le=3600.0)
 
 
 class StationConfig(_Section):
@@ -129,6 +148,7 @@ class StationConfig(_Section):
             controllers and robots may read.
         api: The server.
         ui: The dashboard.
+        watchdog: The process beside the station.
     """
 
     station: LoopSection
@@ -138,6 +158,7 @@ class StationConfig(_Section):
     start: list[str]
     api: ApiSection
     ui: UiSection
+    watchdog: WatchdogSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
 
     def robot_parameters(self) -> dict[str, object]:

@@ -192,6 +192,10 @@ class ControllerRunner(ControllerLifecycle):
             if one.controller.sample is not None and one.controller.state is _RUNNING
         }
 
+    def running_names(self) -> list[str]:
+        """Return the names of the running controllers; any thread."""
+        return [o.info.name for o in self.loaded if o.controller.state is _RUNNING]
+
     # One cycle of a switch
 
     def _carry_on(self, pending: PendingSwitch, time: float, period: float) -> None:

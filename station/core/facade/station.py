@@ -52,6 +52,8 @@ class Station(MotionCommands):
         robots: The arms, their state, settings and recovery.
         grippers: The hands of these arms.
         simulation: Pause, step and reset of a simulated robot.
+        watchdog_failure: Why no watchdog looks after the station at the moment; None
+            when one does, or when none is wanted.
     """
 
     def __init__(
@@ -67,6 +69,7 @@ class Station(MotionCommands):
         self.grippers = Grippers(loop, self.robots.names())
         self.simulation = Simulation(loop)
         self.boot_id = uuid.uuid4().hex
+        self.watchdog_failure: str | None = None
         self.parameters = parameters
         self._robot_type = robot_type
         self._reserved = reserved
@@ -144,7 +147,7 @@ class Station(MotionCommands):
         age = self.loop.age()
         if age > FRESH:
             return f"The last cycle is {age:.2f} s old; the loop hangs."
-        return ""
+        return self.watchdog_failure or ""
 
     def loop_report(self) -> LoopReport:
         """Return how the loop is doing."""

@@ -322,8 +322,7 @@ class ControlLoop:
             lateness = now - deadline
             skipped = int(lateness / wall_period)
             if not pace.passes():
-                self._look_around()
-                self._meter.idled()
+                self._idle()
             elif pace.paused:
                 self._cycle(self.period)  # a step is a step, however late
             else:
@@ -378,6 +377,11 @@ class ControlLoop:
         self.stop_latch.engage(self.heartbeat.stop_reason())
         self.carry_out_stop()
         self.heartbeat.confirm_stop()
+
+    def _idle(self) -> None:
+        """Let time stand still for a period."""
+        self._look_around()
+        self._meter.idled()
 
     def _look_around(self) -> None:
         """Carry out what waits for the loop while time stands still, and show it."""
