@@ -47,8 +47,8 @@ class Door:
 
     Args:
         listener: Listening, loopback.
-        settings: The tokens.
-        watch: What is told, and who takes the stop.
+        settings: The tokens that are accepted.
+        watch: Answers what the station does, and holds the arms on a stop.
     """
 
     def __init__(

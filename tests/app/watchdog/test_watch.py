@@ -1,4 +1,4 @@
-"""What the watchdog does about what it sees, on a clock of the test."""
+"""The watchdog notices, tells, holds and ends a station, on a clock of the test."""
 
 import signal
 
