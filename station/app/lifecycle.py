@@ -134,7 +134,12 @@ class StationRun:
         ui_port = orphan.port if orphan else 0
         if ui.enabled and not orphan:
             ui_port = free_port(api.host, ui.port)
-        app = create_app(station, authenticator, HostPolicy(host_names(api.host)))
+        app = create_app(
+            station,
+            authenticator,
+            HostPolicy(host_names(api.host)),
+            dashboard_url=lambda: _dashboard_url(server.url, ui_port),
+        )
         server = ApiServer(app, api.host, api.port)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
@@ -150,7 +155,7 @@ class StationRun:
             url=server.url,
             token=token,
             viewer_token=authenticator.viewer_token,
-            ui_url=f"{server.url.rpartition(':')[0]}:{ui_port}" if ui_port else "",
+            ui_url=_dashboard_url(server.url, ui_port) or "",
             boot_id=station.boot_id,
             pid=pid,
             started=process_start(pid),
@@ -249,6 +254,11 @@ def _hold(station: Station) -> None:
         and loop.clock.now() < deadline
     ):
         loop.clock.sleep_until(loop.clock.now() + 0.002)
+
+
+def _dashboard_url(api_url: str, port: int) -> str | None:
+    """Return the address of a dashboard at the API's host; None if there is none."""
+    return f"{api_url.rpartition(':')[0]}:{port}" if port else None
 
 
 def _floats(value: object) -> tuple[float, ...]:
