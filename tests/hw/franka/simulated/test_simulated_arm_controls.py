@@ -1,8 +1,8 @@
 """Pushes and collisions of a simulated arm stay within the configured range."""
 
 import pytest
-from station.core.description.robot_files import load_robot_files
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import InvalidCommandError
 from station.core.franka import FaultKind, SimulatedFault
 from station.hw.franka.arm.service_limits import ServiceLimits
