@@ -18,6 +18,7 @@ limits, which depend on the measured state and on the period.
 
 from collections import Counter
 from collections.abc import Iterable
+from itertools import cycle
 
 from station.core.control.command_guard import all_guards, as_pieces
 from station.core.control.controller import ControllerState
@@ -58,7 +59,7 @@ class CommandGate:
         # Commands that nobody owns, with their rest; and all that are written anew.
         self._resting: list[tuple[list[float], slice, list[float]]] = []
         self._rows: list[tuple[list[float], slice, list[float]]] = []
-        self._turn = 0
+        self._looks = cycle(self._rows)
         self._names: dict[Slot, str] = {
             (id(storage), index): guard.name
             for guard in self._guards
@@ -72,6 +73,7 @@ class CommandGate:
         """
         self._resting = []
         self._rows = []
+        self._looks = cycle(self._rows)
         self.is_stale = True
 
     def close(self, loaded: Iterable[LoadedController]) -> None:
@@ -80,16 +82,15 @@ class CommandGate:
         Args:
             loaded: All controllers; those that run own what they claim.
         """
-        rows = self._rows
-        if self.is_stale or self.traced_cycles or not rows:
+        if self.is_stale or self.traced_cycles:
             self._close_with_care(loaded)
             return
-        self._turn = turn = self._turn + 1 if self._turn + 1 < len(rows) else 0
-        storage, piece, values = rows[turn]
-        if _differs(storage[piece], values):
-            self._note(f"the command of '{self._changed(storage, piece, values)}'")
+        for storage, piece, values in self._looks:
+            if _differs(storage[piece], values):
+                self._note(f"the command of '{self._changed(storage, piece, values)}'")
+            break  # one group in a cycle, the next group in the next cycle
         # Also what equals the right value: it may still be no float, e.g. 0j.
-        for storage, piece, values in rows:
+        for storage, piece, values in self._rows:
             storage[piece] = values
 
     def _close_with_care(self, loaded: Iterable[LoadedController]) -> None:
@@ -178,10 +179,9 @@ class CommandGate:
             one.commands.write_again()
         # With nobody beside it, what the only controller has written stays as it is.
         beside = owners if len(running) > 1 else []
-        self._rows = [
-            *self._resting,
-            *(p for one in beside for p in one.commands.pieces),
-        ]
+        owned_pieces = [piece for one in beside for piece in one.commands.pieces]
+        self._rows = [*self._resting, *owned_pieces]
+        self._looks = cycle(self._rows)
 
     def _changed(self, storage: list[float], piece: slice, values: list[float]) -> str:
         for index, value in enumerate(values, piece.start):

@@ -4,8 +4,8 @@ Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, update
 differs: nothing that a controller does ends the update (CM-80).
 """
 
-import threading
 from math import inf
+from threading import get_ident
 from time import perf_counter
 
 from station.core.control.controller import ControllerSample, ControllerState
@@ -103,7 +103,10 @@ class ControllerRunner:
                 f"Cannot update at time {time} s after a period of {period} s: both "
                 "must be finite and not negative."
             )
-        self._begin_cycle(time)
+        self.thread = get_ident()
+        self.updating = True
+        self.cycle += 1
+        self.time = time
         gate = self._gate
         try:
             loaded = self.lifecycle.loaded
@@ -137,19 +140,16 @@ class ControllerRunner:
         pending = self.pending
         if pending is None:
             return False
-        self._begin_cycle(time)
+        self.thread = get_ident()
+        self.updating = True
+        self.cycle += 1
+        self.time = time
         try:
             self._carry_on(pending, time, 0.0)
             self._gate.close(self.lifecycle.loaded)
         finally:
             self.updating = False
         return True
-
-    def _begin_cycle(self, time: float) -> None:
-        self.thread = threading.get_ident()
-        self.updating = True
-        self.cycle += 1
-        self.time = time
 
     def _update_one(self, one: LoadedController, time: float, period: float) -> None:
         begin = perf_counter()

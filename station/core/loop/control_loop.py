@@ -12,6 +12,7 @@ for the next deadline is slept in slices, so that none of these has to wait for 
 
 import threading
 from collections.abc import Callable
+from math import inf
 from typing import TypeVar
 
 from station.core.clock import Clock
@@ -88,7 +89,9 @@ class ControlLoop:
         self.time = 0.0
         self.cycle = 0
         interface = hw.get(JointStateInterface)
-        self._world = hw.simulated_world()
+        world = hw.simulated_world()
+        # Asked once: how long a world waits is settled when the robot is initialised.
+        self._longest_period = inf if world is None else world.longest_period()
         self._joints = JointStateGroup(interface.handles() if interface else [])
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
@@ -349,8 +352,8 @@ class ControlLoop:
                 return
 
     def _cycle(self, period: float) -> None:
-        if self._world is not None:
-            period = min(period, self._world.longest_period())
+        if period > self._longest_period:
+            period = self._longest_period
         meter = self._meter
         self.time += period
         self.cycle += 1
