@@ -101,9 +101,9 @@ class CommandGate:
             self._note_owners(loaded)
             self.is_stale = False
         else:
-            self.put_back()
+            self.restore()
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         """Compare all commands with what they ought to be, and write them anew.
 
         Also before a switch, after which the owners are others, and at the beginning of

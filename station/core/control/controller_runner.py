@@ -111,7 +111,7 @@ class ControllerRunner:
         try:
             loaded = self.lifecycle.loaded
             if gate.traced_cycles:
-                gate.put_back()
+                gate.restore()
             if self._hw.is_interrupted():
                 self._stop_interrupted(time)
             if reset_controllers:
@@ -122,7 +122,7 @@ class ControllerRunner:
                 if one.controller.state is _RUNNING:
                     self._update_one(one, time, period)
             if self.pending is not None:
-                gate.put_back()
+                gate.restore()
                 self._carry_on(self.pending, time, period)
             gate.close(loaded)
         finally:
