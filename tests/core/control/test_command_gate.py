@@ -10,7 +10,7 @@ import pytest
 from station.core.control.switching import Strictness
 from station.core.errors import SwitchRefusedError
 from station.core.hardware.interfaces import EffortJointInterface
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 REFUSED = [
@@ -34,7 +34,7 @@ REFUSED = [
 class Written:
     """Notes what reaches the robot in every write."""
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: ScriptedBench) -> None:
         self.efforts: list[list[float]] = []
         self.positions: list[list[float]] = []
         self.velocities: list[list[float]] = []
@@ -55,7 +55,7 @@ class Written:
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 @pytest.fixture

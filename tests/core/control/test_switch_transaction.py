@@ -28,7 +28,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.robot_hw import RobotHW, SwitchState
 from station.core.parameters import Parameters
-from tests.core.scripted import TYPES
+from station.testing.scripted import TYPES
 
 PERIOD = 0.01
 ROLLBACK = 20

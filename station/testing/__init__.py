@@ -1,0 +1,4 @@
+"""A kit with which authors test their own robots, controllers and arms.
+
+It is for tests only: nothing else of the station imports it.
+"""
