@@ -1,14 +1,16 @@
 """The gate between whatever wrote a command and the robot.
 
 Before every `write` each command of the robot is a real finite float that its one owner
-has written, or the rest command of a resource that nobody owns. Three looks make sure
+has written, or the rest command of a resource that nobody owns. Four looks make sure
 of it:
 
 1. After every call of a controller its own commands are checked
    (`ControllerCommands.refused`), so that a bad value is charged to that call.
 2. After all updates `check_owned` compares the commands of the running controllers with
    what they wrote: a difference means that somebody else wrote them.
-3. At the end of the cycle `close` compares the commands of resources without an owner
+3. Around every other call of a controller, and around `do_switch`, the commands of the
+   others are remembered and put back (`CommandGate.remember`, `put_back`).
+4. At the end of the cycle `close` compares the commands of resources without an owner
    with their rest.
 
 The ranges of the commands are the robot's business: `RobotHW.write` enforces the joint
@@ -31,6 +33,9 @@ TRACED_CYCLES = 1000
 
 Slot = tuple[int, int]
 """Identity of a storage and an index into it."""
+
+Remembered = list[tuple[list[float], int, float]]
+"""Commands as (storage, index, value)."""
 
 
 class CommandGate:
@@ -62,6 +67,40 @@ class CommandGate:
             for guard in self._guards
             for storage, index in guard.slots
         }
+
+        self._slots: dict[Slot, tuple[list[float], int]] = {
+            (id(storage), index): (storage, index)
+            for guard in self._guards
+            for storage, index in guard.slots
+        }
+
+    def remember(self, one: LoadedController) -> Remembered:
+        """Return every command of the robot that `one` does not own.
+
+        For a call of `one` in which nobody else writes commands.
+        """
+        own = {(id(storage), index) for storage, index in one.commands.slots}
+        return [
+            (storage, index, storage[index])
+            for slot, (storage, index) in self._slots.items()
+            if slot not in own
+        ]
+
+    def put_back(self, remembered: Remembered) -> str | None:
+        """Undo what was written to commands since they were remembered.
+
+        Returns:
+            The first resource whose command had changed; None if none had.
+        """
+        changed: str | None = None
+        for storage, index, value in remembered:
+            now = storage[index]
+            # By type, because 0j equals 0.0; by identity, for a NaN of before.
+            if now is value or (type(now) is float and now == value):
+                continue
+            storage[index] = value
+            changed = changed or self._names[id(storage), index]
+        return changed
 
     def forget_rest(self) -> None:
         """Let resources without an owner rest where they are now, at the next `close`.

@@ -41,7 +41,7 @@ from station.core.control.pending_switch import (
     refused,
 )
 from station.core.control.switching import Strictness
-from station.core.errors import StationError
+from station.core.errors import StationError, SwitchRefusedError
 from station.core.faults import CONTAINED, reason_of
 from station.core.hardware.robot_hw import SwitchState
 
@@ -219,6 +219,14 @@ class SwitchTransaction:
 
     def _keep_unreleased(self, problem: str) -> None:
         """End a switch that only stops, on hardware that did not carry it out."""
+        if not self._pending.stop:
+            # Nobody is there to whom `failed` could give the reason.
+            self._pending.error = SwitchRefusedError(
+                "The robot did not carry out a switch that starts and stops nothing: "
+                f"{problem}.",
+                remedy="Look at the robot; the controllers are as before.",
+            )
+            return
         for one in _once(self._pending.stop):
             one.is_unreleased = True
             one.add_fault(f"the robot may still be in its mode: {problem}")

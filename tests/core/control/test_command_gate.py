@@ -1,5 +1,6 @@
 """Nothing but real finite floats of their owners, or rest, ever reaches the robot."""
 
+import contextlib
 import math
 from decimal import Decimal
 from fractions import Fraction
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from station.core.control.switching import Strictness
-from station.core.errors import SwitchRefusedError
+from station.core.errors import StationError, SwitchRefusedError
 from station.core.hardware.interfaces import EffortJointInterface
 from station.testing.scripted import ScriptedBench
 
@@ -268,3 +269,59 @@ def test_the_types_of_a_strict_refusal_name_the_command(bench):
 
     with pytest.raises(SwitchRefusedError, match=r"\(1\+2j\) for 'j1'"):
         bench.switch(["arm"])
+
+
+@pytest.mark.parametrize("callback", ["starting", "stopping", "waiting", "aborting"])
+@pytest.mark.parametrize("command", [5.0, math.nan, 0j, None])
+def test_no_callback_of_a_switch_writes_the_command_of_another(
+    bench, callback, command
+):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    intruder = bench.load("intruder", "j2", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.04)
+    bench.switch(["owner"])
+    intruder.actions[callback] = lambda: owner.command(command)
+    sent = []
+    write = bench.robot.write
+    bench.robot.write = lambda time, period: (
+        sent.append(bench.robot.joints.velocity_command[0]),
+        write(time, period),
+    )
+    bench.robot.script.switch_cycles = 1
+
+    faults = []
+    for start, stop, failing in (
+        (["intruder"], [], set()),
+        ([], ["intruder"], set()),
+        (["intruder"], [], {"intruder"}),
+    ):
+        bench.robot.script.failing = failing
+        with contextlib.suppress(StationError):
+            bench.switch(start, stop, timeout=0.05)
+        faults.append(bench.fault("intruder"))
+
+    assert set(sent) == {0.04}
+    assert bench.state("owner") == "running"
+    assert any("'j1', which it has not claimed" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("failures", [[], [True]])
+def test_a_robot_that_seeds_its_commands_leaves_those_of_who_runs_on(bench, failures):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.04)
+    bench.load("other", "j2", kind="Velocity")
+    bench.switch(["owner"])
+    commands, do_switch = bench.robot.joints.velocity_command, bench.robot.do_switch
+
+    def seed(start, stop):
+        do_switch(start, stop)
+        commands[:] = [0.0] * len(commands)
+        if failures:
+            failures.clear()
+            raise RuntimeError("no bus")
+
+    bench.robot.do_switch = seed
+    bench.switch(["other"], ["owner"] if failures else [])
+
+    assert commands[0] == 0.04
+    assert bench.state("owner") == "running"

@@ -284,3 +284,15 @@ def test_every_switch_commits_rolls_back_or_halts_and_says_so(combined, request_
 
 def test_the_model_tries_every_combination():
     assert len(list(cases())) == 11_256
+
+
+@pytest.mark.parametrize("request_", [([], []), (["nobody"], [])])
+def test_a_switch_of_nothing_that_the_robot_does_not_carry_out_is_refused(request_):
+    bench = Bench(combined=False, runs=True)
+    script = bench.scripts[0]
+    script.done, script.does = 0, [False]
+
+    with pytest.raises(SwitchRefusedError, match="starts and stops nothing"):
+        bench.switch(*request_, strictness=Strictness.BEST_EFFORT)
+
+    assert bench.running() == {"old"}
