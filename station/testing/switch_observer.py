@@ -290,8 +290,12 @@ class _Mirror:
         }
         if not wrong:
             return None
-        self._told = self._concerned(running)
-        return f"the robot was not told what became of {_names(wrong)}"
+        told, self._told = self._told, self._concerned(running)
+        faults = {name: status[name].fault for name in wrong & status.keys()}
+        return (
+            f"the robot was not told what became of {_names(wrong)}: it was told of "
+            f"{_names(told)}, and {_names(self._told)} run; faults: {faults}"
+        )
 
     def _concerned(self, running: Sequence[ControllerInfo]) -> set[str]:
         return {

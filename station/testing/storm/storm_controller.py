@@ -168,7 +168,7 @@ class StormController(ControllerBase):
         places = self._places if mischief.intrudes else self._own
         place = places[mischief.place % len(places)]
         place.storage[place.index] = cast("float", mischief.command[0])
-        if not mischief.intrudes and callback in {"starting", "update"}:
+        if place in self._own and callback in {"starting", "update"}:
             self._note_written()
 
 
