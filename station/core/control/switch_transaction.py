@@ -26,7 +26,7 @@ to run again: the controllers stop and their resources rest whatever the hardwar
 
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, manageSwitch,
 startControllers, startControllersAsap; differs: see
-`tests/core/deliberate_differences.py`, CM-60 to CM-75.
+`station/testing/recorded/deliberate_differences.py`, CM-60 to CM-75.
 """
 
 from collections.abc import Callable, Sequence
