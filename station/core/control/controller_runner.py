@@ -293,6 +293,8 @@ class ControllerRunner:
         for one in dict.fromkeys(pending.start):
             if one.controller.state is _RUNNING and one.fresh:
                 self._update_one(one, time, 0.0)
+        # The look after all updates was before these.
+        self._gate.check_owned(self.lifecycle.loaded)
 
     def _finish(self, pending: PendingSwitch) -> None:
         self.pending = None

@@ -43,7 +43,7 @@ from station.core.control.pending_switch import (
 from station.core.control.switching import Strictness
 from station.core.errors import StationError, SwitchRefusedError
 from station.core.faults import CONTAINED, reason_of
-from station.core.hardware.robot_hw import SwitchState
+from station.core.hardware.robot_hw import ControllerInfo, SwitchState
 
 _RUNNING = ControllerState.RUNNING
 
@@ -244,7 +244,7 @@ class SwitchTransaction:
         for one in _once(pending.start):
             self._lifecycle.abort(one, time, problem)
             pending.failed[one.info.name] = problem
-        undone = self._lifecycle.do_switch(plan.stop, plan.start)
+        undone = self._lifecycle.do_switch(self._restored, plan.start)
         done, _ = self._ask(self._hw.switch_result, "switch_result")
         if undone is None and done:
             # Those to be stopped have not noticed anything and run on.
@@ -257,6 +257,12 @@ class SwitchTransaction:
         pending.progress = SwitchProgress.ROLLING_BACK
         return False
 
+    @property
+    def _restored(self) -> list[ControllerInfo]:
+        """Return who goes on with the hardware; one that has failed stays off."""
+        ran = {one.info.name for one in self._was_running}
+        return [info for info in self._pending.plan.stop if info.name in ran]
+
     def _roll_back(self, begun: list[LoadedController], time: float) -> bool:
         """Stop what was started, and begin to start again what was stopped."""
         plan = self._pending.plan
@@ -267,7 +273,7 @@ class SwitchTransaction:
         for one in self._pending.start:
             if one.controller.state is ControllerState.WAITING:
                 self._lifecycle.abort(one, time, "the switch was taken back")
-        problem = self._lifecycle.do_switch(plan.stop, plan.start)
+        problem = self._lifecycle.do_switch(self._restored, plan.start)
         if problem is not None:
             return self._halt(time, problem)
         self._pending.progress = SwitchProgress.ROLLING_BACK

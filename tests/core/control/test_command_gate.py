@@ -325,3 +325,17 @@ def test_a_robot_that_seeds_its_commands_leaves_those_of_who_runs_on(bench, fail
 
     assert commands[0] == 0.04
     assert bench.state("owner") == "running"
+
+
+def test_the_update_of_a_restart_writes_no_command_of_another(bench):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.04)
+    bench.load("restarted", "j2").actions["update"] = lambda: owner.command(5.0)
+    bench.switch(["owner"])
+    sent = []
+    bench.robot.write = lambda *_: sent.append(bench.robot.joints.velocity_command[0])
+
+    bench.switch(["restarted"], zero_period=True)
+
+    assert set(sent) == {0.04}
+    assert bench.state("owner") == "running"

@@ -7,6 +7,7 @@ independent observer compares, at the end of every cycle, what the hardware was 
 who runs and what is commanded; and at the end the answer with what has happened.
 """
 
+import contextlib
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -296,3 +297,21 @@ def test_a_switch_of_nothing_that_the_robot_does_not_carry_out_is_refused(reques
         bench.switch(*request_, strictness=Strictness.BEST_EFFORT)
 
     assert bench.running() == {"old"}
+
+
+@pytest.mark.parametrize("does", [[False, True], [True]])
+def test_a_controller_that_fails_before_its_switch_is_not_taken_back(does):
+    bench = Bench(combined=False, runs=True)
+    script = bench.scripts[0]
+    # Released in the update, in the cycle of the switch that was to stop it.
+    bench.manager.get_controller("old").actions["update"] = lambda: 1 / 0
+    bench.manager.get_controller("new").actions["starting"] = lambda: 1 / 0
+    script.done, script.does = 0, [True, *does]
+
+    with contextlib.suppress(StationError):
+        bench.switch(["new"], ["old"])
+    bench.step()
+
+    assert bench.running() == set()
+    assert bench.told() == set()
+    assert bench.problems == []
