@@ -168,7 +168,9 @@ class StormController(ControllerBase):
         places = self._places if mischief.intrudes else self._own
         place = places[mischief.place % len(places)]
         place.storage[place.index] = cast("float", mischief.command[0])
-        if place in self._own and callback in {"starting", "update"}:
+        # Several interfaces may share a command, so that an intruder may be the owner.
+        is_own = place.slot in {own.slot for own in self._own}
+        if is_own and callback in {"starting", "update"}:
             self._note_written()
 
 
