@@ -66,6 +66,7 @@ class SwitchTransaction:
         self._pending = pending
         self._cycles_left = ROLLBACK_CYCLES
         self._was_running: list[LoadedController] = []
+        self._begun: set[str] = set()  # names started as soon as possible
 
     def carry_on(self, time: float) -> bool:
         """Do what one cycle can do; return whether the switch is finished.
@@ -176,13 +177,19 @@ class SwitchTransaction:
         pending, name = self._pending, one.info.name
         if name in pending.given_up:
             return
+        if name in self._begun:
+            # It has failed since its start, and the hardware was told so.
+            pending.note_start(name, one.fault or "it was stopped after its start")
+            return
         done, problem = self._ask(
             lambda: self._hw.switch_result_for(one.info), "switch_result_for"
         )
         if done:
             failure = self._lifecycle.start(one, time, pending.plan.stop, pending.jump)
             pending.note_start(name, failure)
-            if failure is not None:
+            if failure is None:
+                self._begun.add(name)
+            else:
                 self._lifecycle.fall_back(one, time)
             return
         problem = problem or pending.lateness(time)

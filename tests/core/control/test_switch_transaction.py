@@ -315,3 +315,19 @@ def test_a_controller_that_fails_before_its_switch_is_not_taken_back(does):
     assert bench.running() == set()
     assert bench.told() == set()
     assert bench.problems == []
+
+
+def test_a_controller_that_fails_while_others_wait_is_not_started_again():
+    bench = Bench(combined=True, runs=False)
+    ready, other = bench.scripts
+    ready.answers, other.answers = ["DONE"], ["ONGOING"] * 4 + ["DONE"]
+    ready.asked = other.asked = 0
+    bench.manager.get_controller("new").actions["update"] = lambda: 1 / 0
+
+    result = bench.switch(["new", "more"], [], start_asap=True)
+
+    assert bench.running() == {"more"}
+    assert bench.told() == {("j1", "more")}
+    assert not result.ok
+    assert "update raised ZeroDivisionError" in result.failed["new"]
+    assert result.started == ("more",)
