@@ -118,9 +118,13 @@ class CommandGate:
             loaded: All controllers; those that run have been updated in this cycle.
         """
         for one in loaded:
-            if one.controller.state is _RUNNING and not one.commands.is_as_written():
-                one.commands.write_again()
+            commands = one.commands
+            if one.controller.state is not _RUNNING or commands.is_shared:
+                continue
+            if not commands.is_as_written():
                 self._note(f"the commands of '{one.info.name}'")
+            # Written in any case: what equals a command may be no float, e.g. 0j.
+            commands.write_again()
 
     def close(self, loaded: Iterable[LoadedController]) -> None:
         """Let every resource without an owner hold its rest command.

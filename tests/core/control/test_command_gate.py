@@ -339,3 +339,21 @@ def test_the_update_of_a_restart_writes_no_command_of_another(bench):
 
     assert set(sent) == {0.04}
     assert bench.state("owner") == "running"
+
+
+@pytest.mark.parametrize("command", [0, 0j, False, -0j])
+def test_what_only_equals_the_command_of_an_owner_does_not_reach_the_robot(
+    bench, command
+):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.0)
+    intruder = bench.load("intruder", "j2", kind="Velocity")
+    bench.switch(["owner", "intruder"])
+    intruder.actions["update"] = lambda: owner.command(command)
+    sent = []
+    bench.robot.write = lambda *_: sent.append(bench.robot.joints.velocity_command[0])
+
+    bench.step(3)
+
+    assert [type(one) for one in sent] == [float] * 3
+    assert bench.state("owner") == "running"
