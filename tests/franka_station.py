@@ -2,14 +2,9 @@
 
 from collections.abc import Sequence
 
-from station.controllers import CONTROLLERS
-from station.core.clock import ManualClock
-from station.core.control.controller_loader import TableLoader
-from station.core.control.controller_manager import ControllerManager
 from station.core.facade.station import Station
-from station.core.loop.control_loop import ControlLoop
-from station.core.parameters import Parameters
 from station.hw.franka.franka_hw import FrankaHW
+from station.testing import Bench
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 
@@ -21,15 +16,11 @@ def make_franka_station(*, objects: Sequence[object] = (), **robot: object) -> S
         objects: What stands around the robot, as in the configuration.
         robot: More parameters of the robot.
     """
-    tree, clock, hw = Parameters(), ManualClock(), FrankaHW()
-    tree.set("scene", {"objects": list(objects)})
-    tree.set(
-        "robot",
+    station = Bench(
+        FrankaHW(),
         {"arm_id": "panda", "robot_description": "example-robot-data:panda", **robot},
-    )
-    hw.init(tree, tree.namespace("robot"))
-    manager = ControllerManager(hw, tree, [TableLoader(CONTROLLERS)], clock)
-    station = Station(ControlLoop(hw, manager, clock=clock), manager, tree)
+        root_parameters={"scene": {"objects": list(objects)}},
+    ).make_station()
     group = "position_controllers/JointGroupPositionController"
     station.load_controller("arm", group, {"joints": JOINTS})
     station.loop.step()

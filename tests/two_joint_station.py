@@ -1,13 +1,8 @@
 """A station over a mock robot of two joints that follows trajectories."""
 
-from station.controllers import CONTROLLERS
 from station.core.clock import ManualClock
-from station.core.control.controller_loader import TableLoader
-from station.core.control.controller_manager import ControllerManager
 from station.core.facade.station import Station
-from station.core.loop.control_loop import ControlLoop
-from station.core.parameters import Parameters
-from station.hw.mock import MockRobotHW
+from station.testing import Bench
 
 URDF = """
 <robot name="two">
@@ -37,12 +32,11 @@ def make_station(*, clock: ManualClock | None = None, **parameters) -> Station:
         clock: The station's clock.
         parameters: More parameters of both.
     """
-    clock, tree, hw = clock or ManualClock(), Parameters(), MockRobotHW()
-    tree.set("hw/joints", JOINTS)
-    tree.set("robot_description", URDF)
-    hw.init(tree, tree.namespace("hw"))
-    manager = ControllerManager(hw, tree, [TableLoader(CONTROLLERS)], clock)
-    station = Station(ControlLoop(hw, manager, clock=clock), manager, tree)
+    station = Bench(
+        robot_parameters={"joints": JOINTS},
+        root_parameters={"robot_description": URDF},
+        clock=clock,
+    ).make_station()
     for name, kind in CONTROLLER_TYPES.items():
         station.load_controller(name, kind, {"joints": JOINTS, **parameters})
     return station

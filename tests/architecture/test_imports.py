@@ -28,6 +28,7 @@ VIOLATIONS = {
         "station/controllers/effort_controllers.py",
         "import pydantic",
     ),
+    "testing-drives-the-core": ("station/testing/bench.py", "import pytest"),
     "wire-stands-alone": ("station/wire/base.py", "import station.core.errors"),
     "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
     "api-serves": ("station/api/app.py", "import viser"),
@@ -57,6 +58,8 @@ PERMITTED = {
     "station/hw/franka/simulated/simulated_arm.py": "import mujoco, station.hw.mujoco",
     "station/hw/mock.py": "import mujoco, station.core.clock",
     "station/hw/mujoco/world.py": "import mujoco",
+    "station/testing/bench.py": "import station.core.clock, station.hw.mock",
+    "station/testing/conformance/robot_conformance.py": "import pytest",
     "station/ui/scene.py": "import viser, station.client.sync, station.wire",
     "station/ui/robot_model.py": "import yourdfpy, station.core.description.urdf",
 }

@@ -3,16 +3,11 @@
 from collections.abc import Mapping
 from functools import cache
 
-from station.controllers import CONTROLLERS
-from station.core.clock import ManualClock
-from station.core.control.controller_loader import TableLoader
-from station.core.control.controller_manager import ControllerManager
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.errors import ControllerLoadError
-from station.core.parameters import Parameters
 from station.hw.robot_loader import create_robot
+from station.testing import Bench
 
-PERIOD = 0.001
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 POSE = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 """A pose within the limits of the Panda [rad]."""
@@ -102,72 +97,19 @@ def panda() -> RobotFiles:
     return load_robot_files("example-robot-data:panda")
 
 
-class Bench:
-    """One robot with its manager; cycles are run by hand.
+def robot_bench(robot_type: str = "mock_hw/MockRobotHW") -> Bench:
+    """Return a bench with a robot of the table.
 
     Args:
         robot_type: A key of `HARDWARE`.
     """
-
-    def __init__(self, robot_type: str = "mock_hw/MockRobotHW") -> None:
-        self.clock = ManualClock()
-        self.parameters = Parameters()
-        if robot_type != "franka_hw/FrankaCombinedHW":  # which describes both arms
-            self.parameters.set("robot_description", panda().xml)
-        self.robot = create_robot(robot_type)
-        self.parameters.set("hw", dict(ROBOT_PARAMETERS.get(robot_type, {})))
-        self.robot.init(self.parameters, self.parameters.namespace("hw"))
-        self.manager = ControllerManager(
-            self.robot, self.parameters, [TableLoader(CONTROLLERS)], self.clock
-        )
-        self.manager.pump = self.step
-        self.time = 0.0
-
-    def step(self, cycles: int = 1) -> None:
-        """Run cycles."""
-        for _ in range(cycles):
-            self.time += PERIOD
-            self.robot.read(self.time, PERIOD)
-            self.manager.update(self.time, PERIOD)
-            self.robot.write(self.time, PERIOD)
-
-    def pause(self, cycles: int = 1) -> None:
-        """Run cycles in which simulated time stands still."""
-        for _ in range(cycles):
-            self.robot.read(self.time, 0.0)
-            self.manager.update(self.time, 0.0)
-            self.robot.write(self.time, 0.0)
-
-    def resting_set_point(self) -> list[float]:
-        """Return a set-point with which hardly anything moves."""
-        controller = self.manager.get_controller("it")
-        port = controller.set_points
-        names = [] if port is None else [element.name for element in port.elements]
-        if "qw" in names:
-            quaternion = {"qx": 1.0}
-            position = {"x": 0.307, "z": 0.487}
-            return [{**quaternion, **position}.get(name, 0.0) for name in names]
-        units = [] if port is None else [element.unit for element in port.elements]
-        return [
-            POSE[JOINTS.index(name)] if unit == "rad" else 0.0
-            for name, unit in zip(names, units, strict=True)
-        ]
-
-    def load(self, controller_type: str, **more: object) -> None:
-        """Load a controller under the name `it`, with more parameters."""
-        self.parameters.set(
-            "it", {**CONTROLLER_PARAMETERS, "type": controller_type, **more}
-        )
-        self.manager.load_controller("it")
-
-    def commands(self) -> list[float]:
-        """Return every command of every interface of the robot."""
-        commands: list[float] = []
-        for interface_type in self.robot.interface_types():
-            interface = self.robot.get(interface_type)
-            for handle in getattr(interface, "handles", list)():
-                commands += [storage[i] for storage, i in handle.command_slots()]
-        return commands
+    # Two arms describe themselves.
+    root = {"robot_description": panda().xml}
+    return Bench(
+        create_robot(robot_type),
+        ROBOT_PARAMETERS.get(robot_type),
+        root_parameters={} if robot_type == "franka_hw/FrankaCombinedHW" else root,
+    )
 
 
 def bench_for(controller_type: str, **more: object) -> Bench:
@@ -177,16 +119,17 @@ def bench_for(controller_type: str, **more: object) -> Bench:
         controller_type: A key of `CONTROLLERS`.
         more: More parameters of the controller.
     """
+    parameters = {**CONTROLLER_PARAMETERS, **more}
     if controller_type in TWO_ARMED:
-        bench = Bench("franka_hw/FrankaCombinedHW")
-        bench.load(controller_type, **more)
+        bench = robot_bench("franka_hw/FrankaCombinedHW")
+        bench.load_controller("it", controller_type, **parameters)
         return bench
-    bench = Bench()
+    bench = robot_bench()
     try:
-        bench.load(controller_type, **more)
+        bench.load_controller("it", controller_type, **parameters)
     except ControllerLoadError as error:
         if "hardware_interface" not in error.details:
             raise
-        bench = Bench("franka_hw/FrankaHW")
-        bench.load(controller_type, **more)
+        bench = robot_bench("franka_hw/FrankaHW")
+        bench.load_controller("it", controller_type, **parameters)
     return bench

@@ -19,20 +19,20 @@ from station.core.errors import (
 )
 from station.core.loop.control_loop import ControlLoop
 from station.core.ports.set_point import SetPointElement, SetPointPort
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 @pytest.fixture
 def threaded():
     """A bench on the system's clock."""
-    return Bench(SystemClock())
+    return ScriptedBench(SystemClock())
 
 
 @pytest.fixture

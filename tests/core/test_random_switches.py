@@ -7,7 +7,7 @@ from station.core.clock import SystemClock
 from station.core.control.switching import Strictness
 from station.core.errors import StationError
 from station.core.loop.control_loop import ControlLoop
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 THREADS = 4
 SWITCHES = 250
@@ -70,7 +70,7 @@ def hand_over(bench, seed, outcomes):
 
 
 def test_a_thousand_random_switches_keep_one_owner_per_joint_in_every_cycle():
-    bench = Bench(SystemClock())
+    bench = ScriptedBench(SystemClock())
     for joint in JOINTS:
         for kind in KINDS:
             bench.load(f"{joint}_{kind}", joint, kind=kind)

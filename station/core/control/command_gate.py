@@ -8,7 +8,9 @@ has written, or the rest command of a resource that nobody owns:
 2. At the end of the cycle `close` writes all of them anew: the rest of what nobody
    owns, and what each owner wrote if others ran beside it. So nothing else reaches the
    robot.
-3. Before it writes, `close` compares one group of commands with what is there, another
+3. Around every call of a controller in a switch, and around `do_switch`, the commands
+   of the others are remembered and put back (`CommandGate.remember`, `put_back`).
+4. Before it writes, `close` compares one group of commands with what is there, another
    one in every cycle. After a difference the gate traces: it compares all of them after
    every call, and the controller that writes what it does not own is stopped.
 
@@ -33,6 +35,9 @@ TRACED_CYCLES = 1000
 
 Slot = tuple[int, int]
 """Identity of a storage and an index into it."""
+
+Remembered = list[tuple[list[float], int, float]]
+"""Commands as (storage, index, value)."""
 
 
 class CommandGate:
@@ -65,6 +70,40 @@ class CommandGate:
             for guard in self._guards
             for storage, index in guard.slots
         }
+
+        self._slots: dict[Slot, tuple[list[float], int]] = {
+            (id(storage), index): (storage, index)
+            for guard in self._guards
+            for storage, index in guard.slots
+        }
+
+    def remember(self, one: LoadedController) -> Remembered:
+        """Return every command of the robot that `one` does not own.
+
+        For a call of `one` in which nobody else writes commands.
+        """
+        own = {(id(storage), index) for storage, index in one.commands.slots}
+        return [
+            (storage, index, storage[index])
+            for slot, (storage, index) in self._slots.items()
+            if slot not in own
+        ]
+
+    def put_back(self, remembered: Remembered) -> str | None:
+        """Undo what was written to commands since they were remembered.
+
+        Returns:
+            The first resource whose command had changed; None if none had.
+        """
+        changed: str | None = None
+        for storage, index, value in remembered:
+            now = storage[index]
+            # By type, because 0j equals 0.0; by identity, for a NaN of before.
+            if now is value or (type(now) is float and now == value):
+                continue
+            storage[index] = value
+            changed = changed or self._names[id(storage), index]
+        return changed
 
     def forget_rest(self) -> None:
         """Let resources without an owner rest where they are now, at the next `close`.

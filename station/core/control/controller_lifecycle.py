@@ -88,15 +88,40 @@ class ControllerLifecycle:
         self, one: LoadedController, time: float, jump: dict[str, float]
     ) -> tuple[str | None, str | None]:
         """Call `starting`; return what is wrong with it, and its traceback."""
-        try:
-            one.controller.start_request(time)
-        except CONTAINED as error:  # contained, kept and shown
-            return reason_of("starting", error), trace_of_fault()
+        problem, trace = self._call(one, "starting", one.controller.start_request, time)
+        if problem is not None:
+            return problem, trace
         refused = one.commands.refused()
         if refused is not None:
             return f"starting wrote the {refused}", None
         jump.update(one.commands.jumps())
         return one.excessive_jump(), None
+
+    def _call(
+        self,
+        one: LoadedController,
+        name: str,
+        callback: Callable[[float], object],
+        time: float,
+    ) -> tuple[str | None, str | None]:
+        """Call a controller; return what is wrong with the call, and its traceback.
+
+        What the call writes over the commands of others, and over those of nobody, is
+        put back at once: their owners do not write them again in this cycle.
+        """
+        remembered = self.gate.remember(one)
+        problem: str | None = None
+        trace: str | None = None
+        try:
+            callback(time)
+        except CONTAINED as error:  # contained, kept and shown
+            problem, trace = reason_of(name, error), trace_of_fault()
+        resource = self.gate.put_back(remembered)
+        if problem is None and resource is not None:
+            problem = (
+                f"{name} wrote the command of '{resource}', which it has not claimed"
+            )
+        return problem, trace
 
     def start_at_once(
         self,
@@ -140,13 +165,10 @@ class ControllerLifecycle:
         not blamed on the successor.
         """
         self.gate.is_stale = True
-        trace: str | None = None
-        try:
-            one.controller.stop_request(time)
-            refused = one.commands.refused()
-            problem = None if refused is None else f"stopping wrote the {refused}"
-        except CONTAINED as error:  # contained, kept and shown
-            problem, trace = reason_of("stopping", error), trace_of_fault()
+        problem, trace = self._call(one, "stopping", one.controller.stop_request, time)
+        refused = one.commands.refused()
+        if problem is None and refused is not None:
+            problem = f"stopping wrote the {refused}"
         if problem is not None:
             one.controller.state = ControllerState.STOPPED
             one.fault, one.traceback = problem, trace
@@ -156,12 +178,8 @@ class ControllerLifecycle:
     def wait(self, one: LoadedController, time: float) -> str | None:
         """Call `waiting` while the hardware switches; return what failed."""
         self.gate.is_stale = True
-        before, trace = one.commands.values(), None
-        try:
-            one.controller.wait_request(time)
-            problem = None
-        except CONTAINED as error:  # contained, kept and shown
-            problem, trace = reason_of("waiting", error), trace_of_fault()
+        before = one.commands.values()
+        problem, trace = self._call(one, "waiting", one.controller.wait_request, time)
         written = one.commands.put_back(before)
         if problem is None and written is not None:
             # A waiting controller owns nothing yet: somebody else may, or nobody.
@@ -182,12 +200,11 @@ class ControllerLifecycle:
         one.fault, one.traceback, one.fresh = problem, None, False
         one.abort_goals(f"The controller failed: {problem}.")
         before = one.commands.values()
-        try:
-            one.controller.abort_request(time)
-        except CONTAINED as error:  # contained, kept and shown
+        failure, trace = self._call(one, "aborting", one.controller.abort_request, time)
+        if failure is not None:
             one.controller.state = ControllerState.ABORTED
-            one.add_fault(reason_of("aborting", error))
-            one.traceback = trace_of_fault()
+            one.add_fault(failure)
+            one.traceback = trace
         written = one.commands.put_back(before)
         if written is not None:
             one.add_fault(f"aborting wrote the command {written}, which was put back")
@@ -278,13 +295,23 @@ class ControllerLifecycle:
         stop: Sequence[ControllerInfo],
     ) -> str | None:
         """Tell the hardware of a switch; return what went wrong."""
-        # The robot may seed its command buffers, and owners change.
+        # The robot may seed its command buffers, and owners change. Those that run on
+        # do not write their commands again in this cycle.
         self.gate.is_stale = True
+        before = [
+            (one, one.commands.values())
+            for one in self.loaded
+            if one.controller.state is _RUNNING
+        ]
+        problem: str | None = None
         try:
             self.hw.do_switch(start, stop)
         except CONTAINED as error:  # shown in the result
-            return reason_of("do_switch", error)
-        return None
+            problem = reason_of("do_switch", error)
+        for one, values in before:
+            if problem is not None or one.info not in stop:
+                one.commands.put_back(values)
+        return problem
 
 
 def _claims(info: ControllerInfo) -> list[tuple[str, str]]:

@@ -35,7 +35,7 @@ from station.core.errors import (
     ControllerExistsError,
     ControllerStateError,
 )
-from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
 
 __all__ = ["ControllerManager", "ControllerStatus"]
@@ -245,6 +245,15 @@ class ControllerManager:
         """Return the loaded controllers in load order (CM-81), then those loading."""
         loaded = [one.status() for one in self._runner.loaded]
         return [*loaded, *(one.status() for one in list(self._loading.values()))]
+
+    def running(self) -> list[ControllerInfo]:
+        """Return the controllers that run, with what they claim, in load order."""
+        loaded = self._runner.loaded
+        return [one.info for one in loaded if one.controller.is_running()]
+
+    def is_switching(self) -> bool:
+        """Return whether a switch was handed to the control thread and is not over."""
+        return self._runner.pending is not None
 
     def get_controller(self, name: str) -> ControllerBase:
         """Return the controller loaded as `name`.

@@ -26,7 +26,7 @@ to run again: the controllers stop and their resources rest whatever the hardwar
 
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, manageSwitch,
 startControllers, startControllersAsap; differs: see
-`tests/core/deliberate_differences.py`, CM-60 to CM-75.
+`station/testing/recorded/deliberate_differences.py`, CM-60 to CM-75.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,9 +41,9 @@ from station.core.control.pending_switch import (
     refused,
 )
 from station.core.control.switching import Strictness
-from station.core.errors import StationError
+from station.core.errors import StationError, SwitchRefusedError
 from station.core.faults import CONTAINED, reason_of
-from station.core.hardware.robot_hw import SwitchState
+from station.core.hardware.robot_hw import ControllerInfo, SwitchState
 
 _RUNNING = ControllerState.RUNNING
 
@@ -66,6 +66,7 @@ class SwitchTransaction:
         self._pending = pending
         self._cycles_left = ROLLBACK_CYCLES
         self._was_running: list[LoadedController] = []
+        self._begun: set[str] = set()  # names started as soon as possible
 
     def carry_on(self, time: float) -> bool:
         """Do what one cycle can do; return whether the switch is finished.
@@ -176,13 +177,19 @@ class SwitchTransaction:
         pending, name = self._pending, one.info.name
         if name in pending.given_up:
             return
+        if name in self._begun:
+            # It has failed since its start, and the hardware was told so.
+            pending.note_start(name, one.fault or "it was stopped after its start")
+            return
         done, problem = self._ask(
             lambda: self._hw.switch_result_for(one.info), "switch_result_for"
         )
         if done:
             failure = self._lifecycle.start(one, time, pending.plan.stop, pending.jump)
             pending.note_start(name, failure)
-            if failure is not None:
+            if failure is None:
+                self._begun.add(name)
+            else:
                 self._lifecycle.fall_back(one, time)
             return
         problem = problem or pending.lateness(time)
@@ -219,6 +226,14 @@ class SwitchTransaction:
 
     def _keep_unreleased(self, problem: str) -> None:
         """End a switch that only stops, on hardware that did not carry it out."""
+        if not self._pending.stop:
+            # Nobody is there to whom `failed` could give the reason.
+            self._pending.error = SwitchRefusedError(
+                "The robot did not carry out a switch that starts and stops nothing: "
+                f"{problem}.",
+                remedy="Look at the robot; the controllers are as before.",
+            )
+            return
         for one in _once(self._pending.stop):
             one.is_unreleased = True
             one.add_fault(f"the robot may still be in its mode: {problem}")
@@ -236,7 +251,7 @@ class SwitchTransaction:
         for one in _once(pending.start):
             self._lifecycle.abort(one, time, problem)
             pending.failed[one.info.name] = problem
-        undone = self._lifecycle.do_switch(plan.stop, plan.start)
+        undone = self._lifecycle.do_switch(self._restored, plan.start)
         done, _ = self._ask(self._hw.switch_result, "switch_result")
         if undone is None and done:
             # Those to be stopped have not noticed anything and run on.
@@ -249,6 +264,12 @@ class SwitchTransaction:
         pending.progress = SwitchProgress.ROLLING_BACK
         return False
 
+    @property
+    def _restored(self) -> list[ControllerInfo]:
+        """Return who goes on with the hardware; one that has failed stays off."""
+        ran = {one.info.name for one in self._was_running}
+        return [info for info in self._pending.plan.stop if info.name in ran]
+
     def _roll_back(self, begun: list[LoadedController], time: float) -> bool:
         """Stop what was started, and begin to start again what was stopped."""
         plan = self._pending.plan
@@ -259,7 +280,7 @@ class SwitchTransaction:
         for one in self._pending.start:
             if one.controller.state is ControllerState.WAITING:
                 self._lifecycle.abort(one, time, "the switch was taken back")
-        problem = self._lifecycle.do_switch(plan.stop, plan.start)
+        problem = self._lifecycle.do_switch(self._restored, plan.start)
         if problem is not None:
             return self._halt(time, problem)
         self._pending.progress = SwitchProgress.ROLLING_BACK

@@ -1,5 +1,6 @@
 """Nothing but real finite floats of their owners, or rest, ever reaches the robot."""
 
+import contextlib
 import math
 from decimal import Decimal
 from fractions import Fraction
@@ -8,9 +9,9 @@ import numpy as np
 import pytest
 
 from station.core.control.switching import Strictness
-from station.core.errors import SwitchRefusedError
+from station.core.errors import StationError, SwitchRefusedError
 from station.core.hardware.interfaces import EffortJointInterface
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 REFUSED = [
@@ -34,7 +35,7 @@ REFUSED = [
 class Written:
     """Notes what reaches the robot in every write."""
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: ScriptedBench) -> None:
         self.efforts: list[list[float]] = []
         self.positions: list[list[float]] = []
         self.velocities: list[list[float]] = []
@@ -55,7 +56,7 @@ class Written:
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 @pytest.fixture
@@ -281,3 +282,91 @@ def test_whoever_keeps_writing_a_free_command_is_noticed_soon(bench):
     assert count > 0
     assert "'j3'" in last
     assert bench.state("arm") == "running"
+
+
+@pytest.mark.parametrize("callback", ["starting", "stopping", "waiting", "aborting"])
+@pytest.mark.parametrize("command", [5.0, math.nan, 0j, None])
+def test_no_callback_of_a_switch_writes_the_command_of_another(
+    bench, callback, command
+):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    intruder = bench.load("intruder", "j2", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.04)
+    bench.switch(["owner"])
+    intruder.actions[callback] = lambda: owner.command(command)
+    sent = []
+    write = bench.robot.write
+    bench.robot.write = lambda time, period: (
+        sent.append(bench.robot.joints.velocity_command[0]),
+        write(time, period),
+    )
+    bench.robot.script.switch_cycles = 1
+
+    faults = []
+    for start, stop, failing in (
+        (["intruder"], [], set()),
+        ([], ["intruder"], set()),
+        (["intruder"], [], {"intruder"}),
+    ):
+        bench.robot.script.failing = failing
+        with contextlib.suppress(StationError):
+            bench.switch(start, stop, timeout=0.05)
+        faults.append(bench.fault("intruder"))
+
+    assert set(sent) == {0.04}
+    assert bench.state("owner") == "running"
+    assert any("'j1', which it has not claimed" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("failures", [[], [True]])
+def test_a_robot_that_seeds_its_commands_leaves_those_of_who_runs_on(bench, failures):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.04)
+    bench.load("other", "j2", kind="Velocity")
+    bench.switch(["owner"])
+    commands, do_switch = bench.robot.joints.velocity_command, bench.robot.do_switch
+
+    def seed(start, stop):
+        do_switch(start, stop)
+        commands[:] = [0.0] * len(commands)
+        if failures:
+            failures.clear()
+            raise RuntimeError("no bus")
+
+    bench.robot.do_switch = seed
+    bench.switch(["other"], ["owner"] if failures else [])
+
+    assert commands[0] == 0.04
+    assert bench.state("owner") == "running"
+
+
+def test_the_update_of_a_restart_writes_no_command_of_another(bench):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.04)
+    bench.load("restarted", "j2").actions["update"] = lambda: owner.command(5.0)
+    bench.switch(["owner"])
+    sent = []
+    bench.robot.write = lambda *_: sent.append(bench.robot.joints.velocity_command[0])
+
+    bench.switch(["restarted"], zero_period=True)
+
+    assert set(sent) == {0.04}
+    assert bench.state("owner") == "running"
+
+
+@pytest.mark.parametrize("command", [0, 0j, False, -0j])
+def test_what_only_equals_the_command_of_an_owner_does_not_reach_the_robot(
+    bench, command
+):
+    owner = bench.load("owner", "j1", kind="Velocity")
+    owner.actions["update"] = lambda: owner.command(0.0)
+    intruder = bench.load("intruder", "j2", kind="Velocity")
+    bench.switch(["owner", "intruder"])
+    intruder.actions["update"] = lambda: owner.command(command)
+    sent = []
+    bench.robot.write = lambda *_: sent.append(bench.robot.joints.velocity_command[0])
+
+    bench.step(3)
+
+    assert [type(one) for one in sent] == [float] * 3
+    assert bench.state("owner") == "running"

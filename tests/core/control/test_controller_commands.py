@@ -9,7 +9,7 @@ from station.core.control.command_guard import find_guards
 from station.core.control.controller_commands import ControllerCommands
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import InterfaceResources
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def storage():
 @pytest.fixture
 def commands(storage):
     """The commands of a controller that has claimed j1 and j3."""
-    robot = Bench().robot
+    robot = ScriptedBench().robot
     claim = InterfaceResources(EffortJointInterface.type_name, ("j1", "j3"))
     guards = find_guards(robot, (claim,))
     storage.append(robot.joints.effort_command)

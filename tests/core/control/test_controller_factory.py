@@ -13,7 +13,7 @@ from station.core.errors import (
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.hw.mock import MockRobotHW
-from tests.core.scripted import TYPES
+from station.testing.scripted import TYPES
 
 EFFORT = "hardware_interface::EffortJointInterface"
 

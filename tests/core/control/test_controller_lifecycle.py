@@ -6,14 +6,14 @@ import pytest
 
 from station.core.control.switching import Strictness
 from station.core.errors import StoppedError, SwitchRefusedError
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 def fail():

@@ -16,14 +16,14 @@ from station.core.errors import (
     SwitchTimeoutError,
 )
 from station.core.loop.control_loop import ControlLoop
-from tests.core.scripted import Bench, Scripted
+from station.testing.scripted import Scripted, ScriptedBench
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def frozen(bench):
 @pytest.fixture
 def threaded():
     """A bench whose cycles run in the control thread."""
-    bench = Bench(SystemClock())
+    bench = ScriptedBench(SystemClock())
     loop = ControlLoop(bench.robot, bench.manager, clock=SystemClock())
     loop.start()
     yield bench
@@ -312,3 +312,27 @@ def test_a_forced_reload_that_cannot_stop_everything_unloads_nothing(bench):
         bench.manager.reload_controller_libraries(force_kill=True)
 
     assert bench.state("arm") == "running"
+
+
+def test_the_running_controllers_are_told_with_their_claims(bench):
+    bench.load("a", "j1")
+    bench.load("b", "j2")
+    bench.switch(["b"])
+
+    assert [info.name for info in bench.manager.running()] == ["b"]
+    assert bench.manager.running()[0].claimed_resources[0].resources == ("j2",)
+    assert not bench.manager.is_switching()
+
+
+def test_a_switch_that_waits_for_the_hardware_is_told(bench):
+    bench.load("a", "j1").actions["waiting"] = lambda: seen.append(
+        bench.manager.is_switching()
+    )
+    seen = []
+    bench.robot.script.switch_cycles = 2
+
+    bench.switch(["a"])
+
+    assert seen
+    assert all(seen)
+    assert not bench.manager.is_switching()

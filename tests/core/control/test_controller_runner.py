@@ -7,14 +7,14 @@ from station.core.control.controller import ControllerSample
 from station.core.control.switching import Strictness
 from station.core.errors import StoppedError, SwitchRefusedError
 from station.core.ports.set_point import SetPointElement, SetPointPort
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 def test_a_controller_is_updated_for_the_last_time_in_the_cycle_that_stops_it(bench):

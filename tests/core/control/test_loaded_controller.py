@@ -3,12 +3,12 @@
 import pytest
 
 from station.core.ports.goal import GoalPort, GoalStatus
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 def test_the_status_says_everything_whatever_the_state(bench):

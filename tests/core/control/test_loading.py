@@ -9,7 +9,7 @@ from station.core.errors import (
     ControllerExistsError,
     ControllerLoadError,
 )
-from tests.core.scripted import Bench, Scripted
+from station.testing.scripted import Scripted, ScriptedBench
 
 PATIENCE = 30.0
 
@@ -28,7 +28,7 @@ class Slow(Scripted):
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 @pytest.fixture

@@ -5,14 +5,14 @@ import threading
 import pytest
 
 from station.core.errors import SwitchRefusedError, SwitchTimeoutError
-from tests.core.scripted import Bench
+from station.testing.scripted import ScriptedBench
 
 PATIENCE = 30.0
 
 
 @pytest.fixture
 def bench():
-    return Bench()
+    return ScriptedBench()
 
 
 def names(bench):

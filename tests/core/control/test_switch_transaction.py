@@ -7,9 +7,9 @@ independent observer compares, at the end of every cycle, what the hardware was 
 who runs and what is commanded; and at the end the answer with what has happened.
 """
 
+import contextlib
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import pytest
 
@@ -26,9 +26,10 @@ from station.core.hardware.interfaces import (
     JointStateHandle,
     VelocityJointInterface,
 )
-from station.core.hardware.robot_hw import RobotHW, SwitchState
+from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from tests.core.scripted import TYPES
+from station.testing import HookScript, SwitchObserver
+from station.testing.scripted import TYPES
 
 PERIOD = 0.01
 ROLLBACK = 20
@@ -53,21 +54,10 @@ REQUESTS = {
 }
 
 
-@dataclass
-class Script:
-    """What the robot answers; the last answer of each list is repeated."""
-
-    prepare: str = "yes"
-    does: list[bool] = field(default_factory=lambda: [True])
-    answers: list[str] = field(default_factory=lambda: ["DONE"])
-    done: int = 0
-    asked: int = 0
-
-
 class Joint(RobotHW):
     """One joint; remembers in whose mode the hardware is."""
 
-    def __init__(self, name: str, script: Script) -> None:
+    def __init__(self, name: str, script: HookScript) -> None:
         super().__init__()
         self.name = name
         self.script = script
@@ -79,42 +69,18 @@ class Joint(RobotHW):
         velocities.register_handle(JointHandle(state, self.velocity))
         self.register_interface(efforts)
         self.register_interface(velocities)
-
-    def prepare_switch(self, start, stop):
-        if self.script.prepare == "no":
-            raise SwitchRefusedError("The robot does not want to.")
-        if self.script.prepare == "raise":
-            raise RuntimeError("no bus")
+        script.install(self)
 
     def do_switch(self, start, stop):
-        does = self.script.does
-        works = does[min(self.script.done, len(does) - 1)]
-        self.script.done += 1
-        if not works:
-            raise RuntimeError("no bus")
         self.modes -= {info.name for info in stop}
         self.modes |= {info.name for info in start}
-
-    def answer(self) -> SwitchState:
-        answers = self.script.answers
-        said = answers[min(self.script.asked // 2, len(answers) - 1)]
-        self.script.asked += 1
-        if said == "raise":
-            raise RuntimeError("no bus")
-        return SwitchState[said]
-
-    def switch_result(self):
-        return self.answer()
-
-    def switch_result_for(self, controller):
-        return self.answer()
 
 
 class Bench:
     """The robot, the controllers old (running), new and more, and the observer."""
 
     def __init__(self, *, combined: bool, runs: bool) -> None:
-        self.scripts = [Script(), Script()]
+        self.scripts = [HookScript(), HookScript()]
         self.joints = [
             Joint(f"j{number}", script) for number, script in enumerate(self.scripts)
         ]
@@ -127,7 +93,6 @@ class Bench:
         )
         self.manager.pump = self.step
         self.time = 0.0
-        self.problems: list[str] = []
         both = ["j0", "j1"] if combined else ["j0"]
         self.claims = {"old": both, "new": both, "more": ["j0"]}
         for name, kind in (("old", "Effort"), ("new", "Velocity")):
@@ -138,6 +103,7 @@ class Bench:
             self.manager.unload_controller("new")
             self.load("new", "Velocity", ["j0"])
             self.load("more", "Velocity", ["j1"])
+        self.observer = SwitchObserver(robot, self.manager)
         if runs:
             self.switch(["old"], [])
 
@@ -152,7 +118,7 @@ class Bench:
     def step(self) -> None:
         self.time += PERIOD
         self.manager.update(self.time, PERIOD)
-        self.look()
+        self.observer.look()
 
     def running(self) -> set[str]:
         return {
@@ -163,16 +129,6 @@ class Bench:
 
     def faults(self) -> dict[str, str]:
         return {s.name: s.fault for s in self.manager.list_controllers()}
-
-    def look(self) -> None:
-        """Check that each joint has at most one owner and rests without one."""
-        running = self.running()
-        for joint in self.joints:
-            owners = [name for name in running if joint.name in self.claims[name]]
-            if len(owners) > 1:
-                self.problems.append(f"{joint.name} is owned by {owners}")
-            if not owners and (joint.effort, joint.velocity) != ([0.0], [0.0]):
-                self.problems.append(f"{joint.name} moves without an owner")
 
     def told(self) -> set[tuple[str, str]]:
         """Return which controller's mode each joint's hardware is in."""
@@ -209,8 +165,7 @@ def check(case: tuple[object, ...]) -> str | None:
             bench.manager.get_controller(name).actions[failing] = lambda: 1 / 0
     # Of two robots only the first misbehaves: the other must not be forgotten.
     script = bench.scripts[0]
-    script.prepare, script.done, script.asked = str(prepare), 0, 0
-    script.does, script.answers = [*does, True], list(answers)
+    script.begin(prepare, [*does, True], answers)
     before, cycle = bench.running(), bench.manager.cycle
     error = result = None
     try:
@@ -227,8 +182,8 @@ def _judge(bench, case, before, cycles, result, error) -> str | None:
     request, prepare = case[1], case[4]
     start, stop = REQUESTS[request]
     running = bench.running()
-    if bench.problems:
-        return bench.problems[0]
+    if bench.observer.problems:
+        return bench.observer.problems[0]
     if cycles > ROLLBACK + 20:
         return f"it took {cycles} cycles"
     unreleased = {
@@ -284,3 +239,45 @@ def test_every_switch_commits_rolls_back_or_halts_and_says_so(combined, request_
 
 def test_the_model_tries_every_combination():
     assert len(list(cases())) == 11_256
+
+
+@pytest.mark.parametrize("request_", [([], []), (["nobody"], [])])
+def test_a_switch_of_nothing_that_the_robot_does_not_carry_out_is_refused(request_):
+    bench = Bench(combined=False, runs=True)
+    bench.scripts[0].begin(works=[False])
+
+    with pytest.raises(SwitchRefusedError, match="starts and stops nothing"):
+        bench.switch(*request_, strictness=Strictness.BEST_EFFORT)
+
+    assert bench.running() == {"old"}
+
+
+@pytest.mark.parametrize("does", [[False, True], [True]])
+def test_a_controller_that_fails_before_its_switch_is_not_taken_back(does):
+    bench = Bench(combined=False, runs=True)
+    # Released in the update, in the cycle of the switch that was to stop it.
+    bench.manager.get_controller("old").actions["update"] = lambda: 1 / 0
+    bench.manager.get_controller("new").actions["starting"] = lambda: 1 / 0
+    bench.scripts[0].begin(works=[True, *does])
+
+    with contextlib.suppress(StationError):
+        bench.switch(["new"], ["old"])
+    bench.step()
+
+    assert bench.running() == set()
+    assert bench.told() == set()
+    assert bench.observer.problems == []
+
+
+def test_a_controller_that_fails_while_others_wait_is_not_started_again():
+    bench = Bench(combined=True, runs=False)
+    bench.scripts[1].begin(answers=[*["ONGOING"] * 4, "DONE"])
+    bench.manager.get_controller("new").actions["update"] = lambda: 1 / 0
+
+    result = bench.switch(["new", "more"], [], start_asap=True)
+
+    assert bench.running() == {"more"}
+    assert bench.told() == {("j1", "more")}
+    assert not result.ok
+    assert "update raised ZeroDivisionError" in result.failed["new"]
+    assert result.started == ("more",)

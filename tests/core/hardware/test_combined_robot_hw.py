@@ -30,7 +30,7 @@ from station.core.hardware.robot_hw import (
 )
 from station.core.parameters import Parameters
 from station.hw.mock import MockRobotHW
-from tests.core.scripted import TYPES
+from station.testing.scripted import TYPES
 
 EFFORT = EffortJointInterface.type_name
 

@@ -60,7 +60,7 @@ class RobotArm(ABC):
     and the `command_…` methods do not log, and do not raise once their arguments are
     valid.
 
-    `tests/conformance/test_robot_arms.py` holds every implementation to this contract.
+    `station.testing.ArmConformance` holds every implementation to this contract.
 
     Attributes:
         cycle_time: Time from one state of the arm to the next [s].

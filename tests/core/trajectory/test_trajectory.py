@@ -1,8 +1,9 @@
-"""Times in whole nanoseconds."""
+"""Times as ROS writes them, and the port for trajectories."""
 
 import pytest
 
 from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
+from station.core.trajectory.trajectory_port import TrajectoryPort
 
 
 @pytest.mark.parametrize(
@@ -24,3 +25,8 @@ def test_sums_compare_exactly():
     total = to_nanoseconds(0.1) + to_nanoseconds(0.2)
     assert total == to_nanoseconds(0.3)
     assert to_seconds(to_nanoseconds(10.5)) == 10.5
+
+
+def test_it_is_a_contract_and_nothing_to_use_by_itself():
+    with pytest.raises(TypeError, match="abstract"):
+        TrajectoryPort()

@@ -1,6 +1,6 @@
 """Where the manager deliberately answers otherwise than the original, and why.
 
-`test_controller_manager_vectors.py` applies those that show in a recorded run to it
+`recorded_behaviour.py` applies those that show in a recorded run to it
 (refusals, CM-32, CM-25, CM-67) and compares everything else word by word.
 """
 

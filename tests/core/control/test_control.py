@@ -1,4 +1,4 @@
-"""The words of controller_manager_msgs."""
+"""What people are told about controllers and joints: the shapes."""
 
 from dataclasses import fields
 
@@ -6,6 +6,7 @@ from station.core.control.controller_status import (
     ControllerStatistics,
     ControllerStatus,
 )
+from station.core.control.joint_states import JointStates
 
 
 def test_the_status_has_what_the_message_controller_state_has():
@@ -28,3 +29,7 @@ def test_the_statistics_have_what_the_message_controller_statistics_has():
         "num_control_loop_overruns",
         "time_last_control_loop_overrun",
     } <= names
+
+
+def test_the_fields_are_those_of_the_message():
+    assert JointStates._fields == ("stamp", "name", "position", "velocity", "effort")

@@ -1,6 +1,6 @@
-"""The control thread gets the newest value and knows whether it is new."""
+"""Values that pass between threads: the newest one, for one reader or for everybody."""
 
-from station.core.toolbox.realtime import RealtimeBuffer
+from station.core.toolbox.realtime import RealtimeBox, RealtimeBuffer
 
 
 def test_the_first_value_is_not_new():
@@ -37,3 +37,16 @@ def test_a_value_set_by_the_control_thread_is_not_new():
 
     assert not buffer.has_new()
     assert buffer.read_from_non_rt() == (3.0,)
+
+
+def test_the_box_holds_its_first_value():
+    assert RealtimeBox(3).get() == 3
+
+
+def test_the_newest_value_replaces_the_others():
+    box = RealtimeBox(1)
+
+    box.set(2)
+    box.set(3)
+
+    assert box.get() == 3

@@ -1,4 +1,8 @@
-"""The manager answers, calls and ends like the recorded original."""
+"""The manager answers, calls and ends like the recorded original.
+
+`controller_manager.json.gz` holds what the controller manager of ros_control answered
+and called, operation by operation.
+"""
 
 import gzip
 import json
@@ -12,10 +16,10 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import StationError
 from station.core.parameters import Parameters
-from tests.core.deliberate_differences import DIFFERENCES, WITHOUT_UPDATES
-from tests.core.recorded_robot import RecordedLoader, RecordedRobot
+from station.testing.recorded.deliberate_differences import WITHOUT_UPDATES
+from station.testing.recorded.recorded_robot import RecordedLoader, RecordedRobot
 
-VECTORS = Path(__file__).parents[1] / "data/vectors/controller_manager.json.gz"
+VECTORS = Path(__file__).parent / "controller_manager.json.gz"
 PERIOD = 0.01
 
 with gzip.open(VECTORS) as _file:
@@ -23,13 +27,20 @@ with gzip.open(VECTORS) as _file:
 
 
 class Replay:
-    """Carries out recorded operations and compares what happens."""
+    """Carries out recorded operations and compares what happens.
 
-    def __init__(self) -> None:
-        self.robot = RecordedRobot()
+    Args:
+        robot: The robot, which writes down its hooks.
+        manager_class: Class of the manager.
+    """
+
+    def __init__(
+        self, robot: RecordedRobot, manager_class: type[ControllerManager]
+    ) -> None:
+        self.robot = robot
         self.loader = RecordedLoader(self.robot)
         self.parameters = Parameters()
-        self.manager = ControllerManager(
+        self.manager = manager_class(
             self.robot, self.parameters, [self.loader], ManualClock()
         )
         self.manager.pump = self.pump
@@ -153,35 +164,47 @@ def _without_last_update(trace: list[str]) -> list[str]:
     return trace[:last] + trace[last + 1 :]
 
 
-@pytest.mark.parametrize(
-    "scenario", RECORDED["scenarios"], ids=lambda scenario: scenario["scenario"]
-)
-def test_scenario_agrees_with_the_recording(scenario: dict[str, Any]) -> None:
-    replay = Replay()
-    for op in scenario["ops"]:
-        replay.run(op)
-
-
 def _id(cell: dict[str, Any]) -> str:
     start, stop = "".join(cell["start"]), "".join(cell["stop"])
     return f"{cell['strictness']}-{cell['shared_joint']:d}-{start}-{stop}"
 
 
-@pytest.mark.parametrize("cell", RECORDED["matrix"], ids=_id)
-def test_matrix_cell_agrees_with_the_recording(cell: dict[str, Any]) -> None:
-    replay = Replay()
-    effort = "hardware_interface::EffortJointInterface"
-    for number, name in enumerate("ABC", 1):
-        joint = "j1" if cell["shared_joint"] else f"j{number}"
-        op = {"name": name, "init": "ok", "type_param": "probe/Ctl"}
-        replay.do_define({**op, "claims": {effort: [joint]}})
-        replay.do_load(op)
-    strict = {"strictness": 2}
-    replay.do_switch({**strict, "start": ["C"], "stop": []})
-    replay.do_switch({**strict, "start": [], "stop": ["C"]})
-    replay.do_switch({**strict, "start": ["B"], "stop": []})
-    replay.run({**cell, "op": "switch"})
+class RecordedBehaviour:
+    """Holds a controller manager, and the hooks of a robot, to the recorded original.
 
+    Derive a test class; name in it what is to be tried instead of the station's own.
 
-def test_every_difference_has_its_reason():
-    assert all(reason.endswith(".") for reason in DIFFERENCES.values())
+    Attributes:
+        robot: Class of the robot; its hooks write the trace that is compared.
+        manager: Class of the manager.
+    """
+
+    robot: type[RecordedRobot] = RecordedRobot
+    manager: type[ControllerManager] = ControllerManager
+
+    def replay(self) -> Replay:
+        """Return a replay with a new robot."""
+        return Replay(self.robot(), self.manager)
+
+    @pytest.mark.parametrize(
+        "scenario", RECORDED["scenarios"], ids=lambda scenario: scenario["scenario"]
+    )
+    def test_scenario_agrees_with_the_recording(self, scenario: dict[str, Any]) -> None:
+        replay = self.replay()
+        for op in scenario["ops"]:
+            replay.run(op)
+
+    @pytest.mark.parametrize("cell", RECORDED["matrix"], ids=_id)
+    def test_matrix_cell_agrees_with_the_recording(self, cell: dict[str, Any]) -> None:
+        replay = self.replay()
+        effort = "hardware_interface::EffortJointInterface"
+        for number, name in enumerate("ABC", 1):
+            joint = "j1" if cell["shared_joint"] else f"j{number}"
+            op = {"name": name, "init": "ok", "type_param": "probe/Ctl"}
+            replay.do_define({**op, "claims": {effort: [joint]}})
+            replay.do_load(op)
+        strict = {"strictness": 2}
+        replay.do_switch({**strict, "start": ["C"], "stop": []})
+        replay.do_switch({**strict, "start": [], "stop": ["C"]})
+        replay.do_switch({**strict, "start": ["B"], "stop": []})
+        replay.run({**cell, "op": "switch"})

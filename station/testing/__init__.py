@@ -1,0 +1,71 @@
+"""A kit with which authors test their own robots, controllers and arms.
+
+```python
+from station.testing import RobotConformance
+
+class TestMyRobot(RobotConformance):
+    robot = MyRobotHW
+    parameters = {"joints": ["shoulder", "elbow"]}
+```
+
+It is for tests only: nothing else of the station imports it. The suites need pytest,
+which is imported when one of them is asked for; they need no plug-in.
+"""
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from station.testing.bench import Bench
+from station.testing.hook_script import HookScript
+from station.testing.scripted import ScriptedBench
+from station.testing.storm import StormReport, storm
+from station.testing.switch_observer import SwitchObserver
+
+if TYPE_CHECKING:
+    from station.testing.conformance.arm_conformance import ArmConformance
+    from station.testing.conformance.controller_conformance import (
+        ControllerConformance,
+    )
+    from station.testing.conformance.robot_conformance import RobotConformance
+    from station.testing.recorded.recorded_behaviour import RecordedBehaviour
+
+__all__ = [
+    "ArmConformance",
+    "Bench",
+    "ControllerConformance",
+    "HookScript",
+    "RecordedBehaviour",
+    "RobotConformance",
+    "ScriptedBench",
+    "StormReport",
+    "SwitchObserver",
+    "storm",
+]
+
+_SUITES = {
+    "ArmConformance": "station.testing.conformance.arm_conformance",
+    "ControllerConformance": "station.testing.conformance.controller_conformance",
+    "RecordedBehaviour": "station.testing.recorded.recorded_behaviour",
+    "RobotConformance": "station.testing.conformance.robot_conformance",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Return a suite of tests.
+
+    Raises:
+        AttributeError: There is no such name.
+        ModuleNotFoundError: pytest is not installed.
+    """
+    module = _SUITES.get(name)
+    if module is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if find_spec("pytest") is None:
+        raise ModuleNotFoundError(
+            f"{name} is a suite of tests for pytest, which is not installed. "
+            "Install it with `pip install pytest`."
+        )
+    # So that a failing `assert` of the suite shows its values.
+    import_module("pytest").register_assert_rewrite(module)
+    return getattr(import_module(module), name)

@@ -1,0 +1,1 @@
+"""Suites of tests that hold robots, controllers and arms to their contracts."""

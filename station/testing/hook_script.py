@@ -1,0 +1,105 @@
+"""Order what the switching hooks of any robot answer, around what they really do."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from station.core.errors import SwitchRefusedError
+from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
+
+Prepare = Literal["yes", "no", "raise"]
+"""What `prepare_switch` does: call the robot's own, refuse, or raise an error."""
+Answer = Literal["DONE", "ONGOING", "ERROR", "raise"]
+"""What `switch_result` and `switch_result_for` say: DONE leaves it to the robot."""
+
+
+class HookError(RuntimeError):
+    """What a hook raises that was told to raise."""
+
+
+@dataclass
+class HookScript:
+    """What the hooks of one robot answer; may be changed between two cycles.
+
+    A hook that is told to fail does so before the robot's own hook is called, so that
+    nothing has changed in the robot.
+
+    Attributes:
+        prepare: What `prepare_switch` does.
+        works: Whether `do_switch` works, call by call; the last entry is repeated.
+        answers: What the results say, cycle by cycle; the last entry is repeated.
+        switches: How often `do_switch` was called.
+        asked: How often a result was asked for. The manager asks twice a cycle unless
+            the answer is DONE, so that each entry of `answers` stands for two.
+    """
+
+    prepare: Prepare = "yes"
+    works: Sequence[bool] = (True,)
+    answers: Sequence[Answer] = ("DONE",)
+    switches: int = field(default=0, compare=False)
+    asked: int = field(default=0, compare=False)
+
+    def begin(
+        self,
+        prepare: Prepare = "yes",
+        works: Sequence[bool] = (True,),
+        answers: Sequence[Answer] = ("DONE",),
+    ) -> None:
+        """Begin anew with other answers."""
+        self.prepare, self.works, self.answers = prepare, works, answers
+        self.switches = self.asked = 0
+
+    def install(self, robot: RobotHW) -> None:
+        """Let the hooks of `robot` follow this script; before a manager uses it.
+
+        The hooks of this one object are replaced, not those of its class.
+        """
+        prepare, do = robot.prepare_switch, robot.do_switch
+        result, result_for = robot.switch_result, robot.switch_result_for
+
+        def prepare_switch(
+            start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+        ) -> None:
+            self._prepare()
+            prepare(start, stop)
+
+        def do_switch(
+            start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+        ) -> None:
+            self._do()
+            do(start, stop)
+
+        def switch_result() -> SwitchState:
+            answer = self._answer()
+            return result() if answer is SwitchState.DONE else answer
+
+        def switch_result_for(controller: ControllerInfo) -> SwitchState:
+            answer = self._answer()
+            return result_for(controller) if answer is SwitchState.DONE else answer
+
+        robot.prepare_switch = prepare_switch  # type: ignore[method-assign]
+        robot.do_switch = do_switch  # type: ignore[method-assign]
+        robot.switch_result = switch_result  # type: ignore[method-assign]
+        robot.switch_result_for = switch_result_for  # type: ignore[method-assign]
+
+    def _prepare(self) -> None:
+        if self.prepare == "no":
+            raise SwitchRefusedError(
+                "The robot was told to refuse the switch.",
+                remedy="Change the script of its hooks.",
+            )
+        if self.prepare == "raise":
+            raise HookError("prepare_switch was told to raise")
+
+    def _do(self) -> None:
+        works = self.works[min(self.switches, len(self.works) - 1)]
+        self.switches += 1
+        if not works:
+            raise HookError("do_switch was told to raise")
+
+    def _answer(self) -> SwitchState:
+        said = self.answers[min(self.asked // 2, len(self.answers) - 1)]
+        self.asked += 1
+        if said == "raise":
+            raise HookError("switch_result was told to raise")
+        return SwitchState[said]

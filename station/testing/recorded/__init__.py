@@ -1,0 +1,1 @@
+"""The recorded behaviour of the original, and its replay."""

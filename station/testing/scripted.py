@@ -1,0 +1,155 @@
+"""Controllers that do what a test says, on the shipped mock robot."""
+
+import threading
+from collections.abc import Callable
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.core.clock import Clock
+from station.core.control.controller import Controller
+from station.core.control.controller_loader import TableLoader, Target
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointHandle,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.parameters import Parameters
+from station.hw.mock import MockRobotHW
+from station.testing.bench import Bench
+
+PERIOD = 0.01
+"""Period of a cycle of `ScriptedBench` [s]."""
+
+
+Actions = dict[str, Callable[[], object]]
+"""What to do in a callback, by the callback's name."""
+
+
+class Scripted(Controller[EffortJointInterface]):
+    """Notes every callback and runs what the test has put into `actions`.
+
+    Parameters: `joints`, the names of the joints that it claims; and `init_raises`,
+    the text of the error that `init` raises.
+
+    Attributes:
+        joints: The handles of the joints.
+        calls: Names of the callbacks so far, oldest first.
+        actions: What to do in a callback, by the callback's name.
+    """
+
+    hardware_interface: ClassVar[type] = EffortJointInterface
+
+    @override
+    def init(self, interface: EffortJointInterface, params: Parameters) -> None:
+        """Claim `joints`.
+
+        Args:
+            interface: The robot's interface.
+            params: `joints`, names of joints; `init_raises`, what `init` raises.
+
+        Raises:
+            RuntimeError: The parameter `init_raises` is set.
+        """
+        names = params.get_str_list("joints", [])
+        self.joints: list[JointHandle] = [interface.get_handle(name) for name in names]
+        self.calls: list[str] = []
+        self.actions: Actions = {}
+        if params.has("init_raises"):
+            raise RuntimeError(params.get_str("init_raises"))
+
+    def command(self, value: float) -> None:
+        """Command the same value to all joints."""
+        for joint in self.joints:
+            joint.set_command(value)
+
+    def _note(self, name: str) -> None:
+        self.calls.append(name)
+        if name in self.actions:
+            self.actions[name]()
+
+    @override
+    def starting(self, time: float) -> None:
+        self._note("starting")
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._note("update")
+
+    @override
+    def stopping(self, time: float) -> None:
+        self._note("stopping")
+
+    @override
+    def waiting(self, time: float) -> None:
+        self._note("waiting")
+
+    @override
+    def aborting(self, time: float) -> None:
+        self._note("aborting")
+
+
+class ScriptedPosition(Scripted):
+    """The same over position commands."""
+
+    hardware_interface = PositionJointInterface
+
+
+class ScriptedVelocity(Scripted):
+    """The same over velocity commands."""
+
+    hardware_interface = VelocityJointInterface
+
+
+TYPES: dict[str, Target] = {
+    "test/Effort": Scripted,
+    "test/Position": ScriptedPosition,
+    "test/Velocity": ScriptedVelocity,
+}
+"""Their types, as `ScriptedBench` knows them."""
+
+
+class ScriptedBench(Bench):
+    """A mock robot with joints j1, j2 and j3, scripted controllers, a loop by hand.
+
+    Args:
+        clock: Wall time; None for a clock that stands still.
+    """
+
+    robot: MockRobotHW
+
+    def __init__(self, clock: Clock | None = None) -> None:
+        super().__init__(
+            MockRobotHW(),
+            {"joints": ["j1", "j2", "j3"]},
+            loaders=[TableLoader(TYPES)],
+            clock=clock,
+            period=PERIOD,
+        )
+
+    def step_elsewhere(self) -> None:
+        """Run one cycle in another thread."""
+        thread = threading.Thread(target=self.step)
+        thread.start()
+        thread.join()
+
+    def load(
+        self, name: str, *joints: str, kind: str = "Effort", **parameters: object
+    ) -> Scripted:
+        """Load a scripted controller over some joints and return it.
+
+        Args:
+            name: Its name.
+            joints: The joints that it claims.
+            kind: `Effort`, `Position` or `Velocity`.
+            parameters: More parameters.
+
+        Raises:
+            StationError: It cannot be loaded.
+        """
+        controller = self.load_controller(
+            name, f"test/{kind}", joints=list(joints), **parameters
+        )
+        assert isinstance(controller, Scripted)
+        return controller

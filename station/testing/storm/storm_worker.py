@@ -1,0 +1,337 @@
+"""One thread of a storm: random operations on its own controllers and on everybody's.
+
+Only this thread loads, starts and unloads its own controllers; everybody may stop them.
+So after each answer it is known what must be true, unless somebody disturbed.
+"""
+
+import random
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from station.core.control.controller import ControllerState
+from station.core.control.switching import Strictness, SwitchRequest
+from station.core.errors import ControllerStateError, StationError
+from station.core.facade.station import Station
+from station.testing.hook_script import HookScript
+from station.testing.storm.storm_controller import (
+    BAD_COMMANDS,
+    CALLBACKS,
+    ODD_COMMANDS,
+    STORM_TYPE,
+    Mischief,
+    StormController,
+)
+from station.testing.storm.storm_resources import Claim
+from station.testing.switch_observer import SwitchObserver
+
+CONTROLLERS = 4
+"""How many controllers a thread has."""
+STOP_CYCLES = 3
+"""Within how many cycles a stop takes effect."""
+
+
+class Disturbances:
+    """Counts what may end what other threads have just done."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._count = 0
+        self._active = 0
+
+    def __enter__(self) -> None:
+        with self._lock:
+            self._count += 1
+            self._active += 1
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._active -= 1
+            self._count += 1
+
+    def stamp(self) -> int | None:
+        """Return how many there were; None while there is one."""
+        with self._lock:
+            return None if self._active else self._count
+
+
+class StormWorker:
+    """Carries out random operations.
+
+    Args:
+        number: Number of the thread, from 0.
+        seed: Seed of its dice.
+        station: The station.
+        observer: Looks at every cycle.
+        claims: What controllers can claim.
+        hooks: What the robot's switching hooks answer.
+        faults: What goes wrong in the robot, or right again, between two cycles.
+        disturbances: Those of all threads.
+
+    Attributes:
+        problems: What was wrong.
+        operations: How often each operation was carried out.
+        refusals: How often one was refused, by the code of the error.
+        switches: How switches ended, by outcome.
+        mischiefs: How often a controller did something wrong.
+        busy: The operation under way and since when [s monotonic]; None between two.
+        is_told_to_end: Set by the main thread.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        seed: int,
+        station: Station,
+        observer: SwitchObserver,
+        *,
+        claims: Sequence[Claim],
+        hooks: HookScript,
+        faults: Sequence[Callable[[random.Random], None]],
+        disturbances: Disturbances,
+    ) -> None:
+        self.problems: list[str] = []
+        self.operations: Counter[str] = Counter()
+        self.refusals: Counter[str] = Counter()
+        self.switches: Counter[str] = Counter()
+        self.mischiefs = 0
+        self.busy: tuple[str, float] | None = None
+        self.is_told_to_end = False
+        self._station = station
+        self._manager = station.manager
+        self._observer = observer
+        self._claims = claims
+        self._hooks = hooks
+        self._faults = faults
+        self._disturbances = disturbances
+        self._dice = random.Random(seed)
+        self._names = [f"storm_{number}_{index}" for index in range(CONTROLLERS)]
+        self._menu: dict[str, tuple[int, Callable[[], None]]] = {
+            "switch": (50, self._switch),
+            "stop others": (4, self._stop_others),
+            "load": (15, self._load),
+            "unload": (8, self._unload),
+            "mischief": (12, self._mischief),
+            "stop": (2, self._stop),
+            "release": (4, self._release),
+            "reload": (1, self._reload),
+            "recover": (2, self._recover),
+            "robot fault": (2, self._robot_fault),
+        }
+
+    def run(self, operations: int) -> None:
+        """Carry out so many operations."""
+        names = list(self._menu)
+        weights = [weight for weight, _ in self._menu.values()]
+        for _ in range(operations):
+            if self.is_told_to_end:
+                return
+            (name,) = self._dice.choices(names, weights)
+            self.busy = (name, time.monotonic())
+            self._carry_out(name)
+            self.busy = None
+
+    def _carry_out(self, name: str) -> None:
+        try:
+            self._menu[name][1]()
+        except StationError as error:
+            self.refusals[error.code] += 1
+            if not error.message or not error.message.endswith("."):
+                self._note(f"{name} was refused without a sentence: {error!r}")
+        except Exception as error:  # noqa: BLE001 - what the storm is looking for
+            self._note(f"{name} raised {type(error).__name__}: {error}")
+        self.operations[name] += 1
+
+    # Operations on own controllers
+
+    def _switch(self) -> None:
+        dice = self._dice
+        running = self._running()
+        idle = [name for name in self._names if name not in running]
+        ours = [name for name in self._names if name in running]
+        start = dice.sample(idle, dice.randint(0, min(2, len(idle))))
+        stop = dice.sample(ours, dice.randint(0, len(ours)))
+        if dice.random() < 0.05:
+            start.append("storm_nobody")
+        request = SwitchRequest(
+            start,
+            stop,
+            dice.choice(list(Strictness)),
+            start_asap=dice.random() < 0.3,
+            timeout=dice.choice([0.0, 0.05, 0.2]),
+            dry_run=dice.random() < 0.05,
+        )
+        stamp = self._disturbances.stamp()
+        try:
+            result = self._station.switch_controllers(request)
+        except StationError as error:
+            self._look_at_refusal(request, running, error, stamp)
+            raise
+        if request.dry_run:
+            return
+        self._wait_for(result.cycle)
+        self.switches[result.outcome.value if result.ok else "not ok"] += 1
+        untruth = self._observer.untruth(result)
+        if untruth is not None:
+            self._note(f"the answer to {request} is not true: {untruth}")
+
+    def _look_at_refusal(
+        self,
+        request: SwitchRequest,
+        before: frozenset[str],
+        error: StationError,
+        stamp: int | None,
+    ) -> None:
+        self._wait_for(self._manager.cycle + 1)
+        after = self._running()
+        begun = {*request.start} & (after - before)
+        is_quiet = stamp is not None and stamp == self._disturbances.stamp()
+        if begun and is_quiet:
+            self._note(f"refused ({error.message}), and {sorted(begun)} were started")
+        lost = ({*request.stop} & before) - after
+        unexplained = {
+            name
+            for name in lost
+            if f"'{name}' could not be started again" not in error.message
+            and not self._fault(name)
+        }
+        if unexplained and is_quiet:
+            self._note(
+                f"refused ({error.message}), and {sorted(unexplained)} were stopped"
+            )
+
+    def _load(self) -> None:
+        dice = self._dice
+        name = dice.choice(self._names)
+        claim = dice.choice(self._claims)
+        stamp = self._disturbances.stamp()
+        self._station.load_controller(
+            name,
+            STORM_TYPE,
+            {
+                "interface": claim.interface,
+                "resources": list(claim.resources),
+                "mischief": dice.random() < 0.05,
+            },
+        )
+        if name not in self._listed() and self._is_quiet_since(stamp):
+            self._note(f"loaded {name}, and it is not listed")
+
+    def _unload(self) -> None:
+        name = self._dice.choice(self._names)
+        was_listed = name in self._listed()
+        stamp = self._disturbances.stamp()
+        try:
+            self._station.unload_controller(name)
+        except ControllerStateError:
+            if name not in self._listed() and self._is_quiet_since(stamp):
+                self._note(f"refused to unload {name}, and it is gone")
+            raise
+        if name in self._listed():
+            self._note(f"unloaded {name}, and it is listed ({was_listed=})")
+
+    def _mischief(self) -> None:
+        dice = self._dice
+        name = dice.choice(self._names)
+        controller = self._manager.get_controller(name)
+        if not isinstance(controller, StormController):
+            self._note(f"{name} is {controller!r}")
+            return
+        commands = dice.choice([None, BAD_COMMANDS, BAD_COMMANDS, ODD_COMMANDS])
+        callback = dice.choice(CALLBACKS)
+        controller.mischief = Mischief(
+            callback,
+            None if commands is None else (dice.choice(commands),),
+            intrudes=dice.random() < 0.4,
+            place=dice.randrange(1000),
+        )
+        self.mischiefs += 1
+
+    # Operations on everybody's
+
+    def _stop_others(self) -> None:
+        running = [info.name for info in self._manager.running()]
+        stop = self._dice.sample(running, self._dice.randint(0, min(2, len(running))))
+        with self._disturbances:
+            result = self._station.switch_controllers(
+                SwitchRequest(stop=stop, strictness=Strictness.BEST_EFFORT)
+            )
+        self._wait_for(result.cycle)
+        untruth = self._observer.untruth(result)
+        if untruth is not None:
+            self._note(f"the answer to stopping {stop} is not true: {untruth}")
+
+    def _stop(self) -> None:
+        with self._disturbances:
+            self._station.stop("The storm stops everything")
+            # It was engaged before this cycle ended: at the latest the one after the
+            # next has begun with it.
+            cycle = self._observer.cycle + STOP_CYCLES
+            self._wait_for(cycle)
+            latch = self._station.loop.stop_latch
+            if latch.pending and latch.cycle < cycle - STOP_CYCLES:
+                self._note(f"a stop was not carried out by cycle {cycle}")
+
+    def _release(self) -> None:
+        self._station.release_stop(arm=False)
+        self._station.release_stop(arm=True)
+
+    def _reload(self) -> None:
+        with self._disturbances:
+            self._manager.reload_controller_libraries(
+                force_kill=self._dice.random() < 0.5
+            )
+
+    def _recover(self) -> None:
+        with self._disturbances:
+            self._station.robots.recover_all(restart=self._dice.random() < 0.5)
+
+    def _robot_fault(self) -> None:
+        dice = self._dice
+        with self._disturbances:
+            if self._faults and dice.random() < 0.5:
+                fault = partial(dice.choice(self._faults), dice)
+                self._station.loop.run_in_cycle(fault, timeout=30.0)
+            elif dice.random() < 0.5:
+                self._hooks.begin(
+                    prepare=dice.choice(["yes", "yes", "no", "raise"]),
+                    works=dice.choices([True, False], [4, 1], k=5),
+                    answers=dice.choices(
+                        ["DONE", "ONGOING", "ERROR", "raise"], [4, 3, 1, 1], k=5
+                    ),
+                )
+                self._wait_for(self._observer.cycle + 20)
+                self._hooks.begin()
+            else:
+                self._hooks.begin()
+
+    # Looking
+
+    def _running(self) -> frozenset[str]:
+        return self._observer.ran_at(self._observer.cycle)
+
+    def _listed(self) -> set[str]:
+        return {
+            status.name
+            for status in self._manager.list_controllers()
+            if status.state is not ControllerState.LOADING
+        }
+
+    def _fault(self, name: str) -> str:
+        return next(
+            (s.fault for s in self._manager.list_controllers() if s.name == name),
+            "it is not loaded",
+        )
+
+    def _is_quiet_since(self, stamp: int | None) -> bool:
+        return stamp is not None and stamp == self._disturbances.stamp()
+
+    def _wait_for(self, cycle: int) -> None:
+        """Wait until the observer has looked at a cycle; the main thread times it."""
+        while self._observer.cycle < cycle and not self.is_told_to_end:
+            time.sleep(0.0002)
+
+    def _note(self, problem: str) -> None:
+        self.problems.append(problem)

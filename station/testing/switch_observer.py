@@ -1,0 +1,344 @@
+"""An independent observer of a robot and its manager: looks before every `write`.
+
+It uses what the robot and the manager show to everybody, and none of the code that
+keeps the commands with their owners.
+"""
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.switching import SwitchOutcome, SwitchResult
+from station.core.hardware.combined_robot_hw import CombinedRobotHW
+from station.core.hardware.interfaces import JointStateInterface
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.robot_hw import ControllerInfo, RobotHW
+
+MOST_PROBLEMS = 50
+"""How many problems are kept; the first ones say the most."""
+UNRELEASED = "may still be in its mode"
+"""What the fault of a controller says whose stop the robot could not be told."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandPlace:
+    """One command of the robot.
+
+    Attributes:
+        claim: Wire name of the interface, and the resource.
+        storage: The list that holds the command.
+        index: Where in the list.
+        rest: Returns the command at which the resource rests now.
+    """
+
+    claim: tuple[str, str]
+    storage: list[float]
+    index: int
+    rest: Callable[[], float]
+
+    @property
+    def slot(self) -> tuple[int, int]:
+        """Identity of the storage and index: several interfaces may share a command."""
+        return id(self.storage), self.index
+
+
+class SwitchObserver:
+    """Looks at the end of every cycle, before the commands reach the hardware.
+
+    It checks that every command is a finite float; that every resource has at most one
+    owner, as far as the robot demands; that commands without an owner rest where they
+    were when they lost the owner; that joints without an owner do not move; and
+    that the robot was told which controllers run.
+
+    Args:
+        robot: The robot, initialised. Its `write` and `do_switch` are watched from now
+            on, and those of the robots it combines.
+        manager: Its manager.
+        may_share: Whether the robot lets several controllers own the same resource of
+            the same interface.
+        drift: How far a joint without an owner may move [rad or m].
+        settling: After how many cycles without an owner a joint must be at rest.
+
+    Attributes:
+        problems: What was wrong, one sentence each, at most `MOST_PROBLEMS`.
+        cycle: Number of the last cycle that was looked at, as `manager.cycle`.
+        checks: More to look at in every cycle; each returns a problem or None.
+    """
+
+    def __init__(
+        self,
+        robot: RobotHW,
+        manager: ControllerManager,
+        *,
+        may_share: bool = False,
+        drift: float = math.inf,
+        settling: int = 1000,
+    ) -> None:
+        self.problems: list[str] = []
+        self.cycle = manager.cycle
+        self.checks: list[Callable[[], str | None]] = []
+        self._robot = robot
+        self._manager = manager
+        self._may_share = may_share
+        self._drift = drift
+        self._settling = settling
+        self._places = command_places(robot)
+        self._resting: dict[tuple[int, int], float] = {}
+        self._unowned_since: dict[str, tuple[int, float]] = {}
+        self._cycles = [manager.cycle]
+        self._running = [frozenset(info.name for info in manager.running())]
+        self._mirrors = [_Mirror(leaf, manager) for leaf in _leaves(robot)]
+        write = robot.write
+
+        def watched_write(time: float, period: float) -> None:
+            self.look()
+            write(time, period)
+
+        robot.write = watched_write  # type: ignore[method-assign]
+
+    def forget_rest(self) -> None:
+        """Let resources without an owner rest elsewhere, after a reset of the world."""
+        self._resting.clear()
+        self._unowned_since.clear()
+
+    def look(self) -> None:
+        """Check the robot as it is now; called before every `write`."""
+        cycle, running = self._manager.cycle, self._manager.running()
+        self.find_wrong_commands()
+        self._look_at_owners(running)
+        self._look_at_rest(running)
+        self._look_at_joints(running, cycle)
+        if not self._manager.is_switching():
+            for mirror in self._mirrors:
+                self._note(mirror.difference(running))
+        for check in self.checks:
+            self._note(check())
+        names = frozenset(info.name for info in running)
+        if names != self._running[-1]:
+            # In this order: whoever looks a cycle up reads `_cycles` first.
+            self._running.append(names)
+            self._cycles.append(cycle)
+        self.cycle = cycle
+
+    def ran_at(self, cycle: int) -> frozenset[str]:
+        """Return the names of the controllers that ran at the end of a cycle.
+
+        Args:
+            cycle: Its number, at most `self.cycle`.
+        """
+        return self._running[max(bisect_right(self._cycles, cycle) - 1, 0)]
+
+    def untruth(self, result: SwitchResult) -> str | None:
+        """Return what an answer to a switch says that was not so; None if it is true.
+
+        Args:
+            result: The answer; its cycle must have been looked at.
+        """
+        running = self.ran_at(result.cycle)
+        start = {info.name for info in result.plan.start}
+        stop = {info.name for info in result.plan.stop}
+        as_planned = start <= running and not stop & running
+        at = f"in cycle {result.cycle} {_names(running)} ran"
+        if not {*result.started} <= running:
+            return f"said to be started: {_names(result.started)}; {at}"
+        if {*result.stopped} & running:
+            return f"said to be stopped: {_names(result.stopped)}; {at}"
+        if result.ok and not as_planned:
+            return f"said to be as planned, +{_names(start)} -{_names(stop)}; {at}"
+        if not result.ok and not result.failed:
+            return f"said not to be as planned, without a reason; {at}"
+        if result.outcome is SwitchOutcome.ROLLED_BACK and not stop <= running:
+            return f"said to be rolled back to {_names(stop)}; {at}"
+        return None
+
+    def find_wrong_commands(self) -> None:
+        """Note every command that is not a finite float."""
+        for place in self._places:
+            value = place.storage[place.index]
+            if type(value) is not float or not math.isfinite(value):
+                self._note(f"command {value!r} of {place.claim[1]} is no finite float")
+
+    def _look_at_owners(self, running: Sequence[ControllerInfo]) -> None:
+        owners: dict[tuple[str, str], str] = {}
+        for info in running:
+            for claim in info.claimed_resources:
+                for resource in claim.resources:
+                    other = owners.setdefault(
+                        (claim.hardware_interface, resource), info.name
+                    )
+                    if other != info.name and not self._may_share:
+                        self._note(f"{resource} is owned by {other} and {info.name}")
+        conflicts = self._robot.check_for_conflict(running)
+        if conflicts:
+            self._note(f"two owners: {conflicts[0].reason}")
+
+    def _look_at_rest(self, running: Sequence[ControllerInfo]) -> None:
+        claims = {
+            (claim.hardware_interface, resource)
+            for info in running
+            for claim in info.claimed_resources
+            for resource in claim.resources
+        }
+        owned = {place.slot for place in self._places if place.claim in claims}
+        for place in self._places:
+            slot, value = place.slot, place.storage[place.index]
+            if slot in owned:
+                self._resting.pop(slot, None)
+                continue
+            if slot not in self._resting:
+                self._resting[slot] = value
+                rest = place.rest()
+                if math.isfinite(rest) and not math.isclose(
+                    value, rest, rel_tol=0.0, abs_tol=1e-9
+                ):
+                    self._note(
+                        f"command {value!r} of {place.claim} without an owner does not "
+                        f"rest at {rest!r}"
+                    )
+            elif value != self._resting[slot]:
+                self._note(
+                    f"command {place.claim} without an owner changed from "
+                    f"{self._resting[slot]!r} to {value!r}"
+                )
+                self._resting[slot] = value
+
+    def _look_at_joints(self, running: Sequence[ControllerInfo], cycle: int) -> None:
+        states = self._robot.get(JointStateInterface)
+        if states is None or self._drift == math.inf:
+            return
+        owned = {
+            resource
+            for info in running
+            for claim in info.claimed_resources
+            for resource in claim.resources
+        }
+        if owned - {*states.get_names()}:  # e.g. a whole arm
+            self._unowned_since.clear()
+            return
+        for handle in states.handles():
+            if handle.name in owned:
+                self._unowned_since.pop(handle.name, None)
+                continue
+            position = handle.get_position()
+            since, before = self._unowned_since.setdefault(
+                handle.name, (cycle, position)
+            )
+            if cycle - since <= self._settling:
+                self._unowned_since[handle.name] = (since, position)
+            elif abs(position - before) > self._drift:
+                self._note(
+                    f"joint {handle.name} without an owner moved from {before} to "
+                    f"{position}"
+                )
+                self._unowned_since[handle.name] = (cycle, position)
+
+    def _note(self, problem: str | None) -> None:
+        if problem is not None and len(self.problems) < MOST_PROBLEMS:
+            self.problems.append(f"cycle {self._manager.cycle}: {problem}")
+
+
+class _Mirror:
+    """What one robot was told about running controllers.
+
+    Args:
+        robot: The robot; it may be part of a combined one.
+        manager: The manager.
+    """
+
+    def __init__(self, robot: RobotHW, manager: ControllerManager) -> None:
+        self._robot = robot
+        self._manager = manager
+        self._resources = robot.resources()
+        self._told = self._concerned(manager.running())
+        self._unsure: set[str] = set()
+        do_switch = robot.do_switch
+
+        def watched_do_switch(
+            start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
+        ) -> None:
+            names = {info.name for info in (*start, *stop)}
+            self._unsure |= names  # when it raises
+            do_switch(start, stop)
+            self._unsure -= names
+            self._told -= {info.name for info in stop}
+            self._told |= {info.name for info in start}
+
+        robot.do_switch = watched_do_switch  # type: ignore[method-assign]
+
+    def difference(self, running: Sequence[ControllerInfo]) -> str | None:
+        """Return what the robot was told wrongly; None if nothing.
+
+        Args:
+            running: The controllers that run.
+        """
+        wrong = (self._told ^ self._concerned(running)) - self._unsure
+        if not wrong:
+            return None
+        status = {one.name: one for one in self._manager.list_controllers()}
+        # A controller without claims concerns nobody; an unreleased one says so.
+        wrong = {
+            name
+            for name in wrong
+            if name not in status
+            or (
+                any(claim.resources for claim in status[name].claimed_resources)
+                and UNRELEASED not in status[name].fault
+            )
+        }
+        if not wrong:
+            return None
+        told, self._told = self._told, self._concerned(running)
+        faults = {name: status[name].fault for name in wrong & status.keys()}
+        return (
+            f"the robot was not told what became of {_names(wrong)}: it was told of "
+            f"{_names(told)}, and {_names(self._told)} run; faults: {faults}"
+        )
+
+    def _concerned(self, running: Sequence[ControllerInfo]) -> set[str]:
+        return {
+            info.name
+            for info in running
+            if any(
+                self._resources.intersection(claim.resources)
+                for claim in info.claimed_resources
+            )
+        }
+
+
+def command_places(robot: RobotHW) -> list[CommandPlace]:
+    """Return every command of every interface of a robot.
+
+    Args:
+        robot: The robot, initialised.
+    """
+    places: list[CommandPlace] = []
+    for interface_type in robot.interface_types():
+        interface: object | None = robot.get(interface_type)
+        if not isinstance(interface, HardwareResourceManager):
+            continue
+        type_name = interface_type_name(interface_type)
+        for handle in interface.handles():
+            origin, name = interface.origin(handle.name), handle.name
+            places.extend(
+                CommandPlace(
+                    (type_name, name),
+                    storage,
+                    index,
+                    lambda o=origin, n=name, p=position: o.rest_commands(n)[p],  # type: ignore[misc]
+                )
+                for position, (storage, index) in enumerate(handle.command_slots())
+            )
+    return places
+
+
+def _leaves(robot: RobotHW) -> list[RobotHW]:
+    if not isinstance(robot, CombinedRobotHW):
+        return [robot]
+    return [leaf for part in robot.robots.values() for leaf in _leaves(part)]
+
+
+def _names(names: Sequence[str] | set[str] | frozenset[str]) -> str:
+    return ", ".join(sorted(names)) or "nobody"

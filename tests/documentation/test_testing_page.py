@@ -1,0 +1,50 @@
+"""The examples of the page about testing are tests that pass."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from tests.documentation.shell_examples import ROOT
+
+DOCS = ROOT / "docs"
+
+
+def python_blocks(page):
+    text = (DOCS / page).read_text()
+    return re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+
+
+EXAMPLES = python_blocks("testing.md")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Write down the controller and the robot that the page tests."""
+    (tmp_path / "spring.py").write_text(python_blocks("write_a_controller.md")[0])
+    (tmp_path / "my_robot_hw.py").write_text(python_blocks("write_a_robot.md")[0])
+    return tmp_path
+
+
+@pytest.mark.parametrize("number", range(len(EXAMPLES)))
+def test_the_example_passes(number, folder):
+    (folder / "test_example.py").write_text(EXAMPLES[number])
+
+    result = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "."],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert result.returncode == 0, result.stdout
+    assert " passed" in result.stdout
+
+
+def test_every_example_but_two_is_a_suite():
+    assert sum("Conformance" in one or "Recorded" in one for one in EXAMPLES) == 4
+    assert len(EXAMPLES) == 6
