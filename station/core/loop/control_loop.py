@@ -11,6 +11,7 @@ are carried out, the robot is not written to and no controller is updated.
 
 import threading
 from collections.abc import Callable
+from math import inf
 from typing import TypeVar
 
 from station.core.clock import Clock
@@ -42,6 +43,8 @@ class ControlLoop:
         clock: Wall time.
         period: Nominal period [s], > 0.
         real_time_factor: Station time over wall time of the thread, > 0.
+        update_budget: How long an update of one controller may take in the thread
+            [s wall time], > 0; `period` when None, infinite for no budget.
         snapshots: Where every cycle leaves its snapshot.
 
     Attributes:
@@ -58,6 +61,7 @@ class ControlLoop:
         clock: Clock,
         period: float = 0.001,
         real_time_factor: float = 1.0,
+        update_budget: float | None = None,
         snapshots: SnapshotRing | None = None,
     ) -> None:
         self.hw = hw
@@ -76,6 +80,7 @@ class ControlLoop:
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
         ]
+        self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
         self._thread: threading.Thread | None = None
@@ -112,6 +117,7 @@ class ControlLoop:
         self._meter.reset()
         self._state = LoopState.RUNNING
         self.manager.pump = None
+        self.manager.update_budget = self._update_budget
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
         self._thread.start()
 
@@ -133,6 +139,7 @@ class ControlLoop:
             )
         self._thread = None
         self.manager.pump = self.step
+        self.manager.update_budget = inf  # steps do not follow the wall clock
         if self._state is LoopState.RUNNING:
             self._state = LoopState.STOPPED
 

@@ -1,5 +1,7 @@
 """List, load, switch, unload."""
 
+import sys
+
 import pytest
 
 from station.client import ApiError
@@ -182,3 +184,14 @@ def test_types_are_listed(client):
 
     assert spring.type == "test/Spring"
     assert spring.base_class
+
+
+def test_a_module_outside_of_the_list_is_refused_with_the_line_that_allows_it(operator):
+    answer = operator.post(
+        "/api/v1/controllers", json={"name": "joke", "type": "antigravity:X"}
+    )
+
+    problem = problem_of(answer, 403, "controller_module_refused")
+    line = "under 'station': controller_modules: [tests.api.spring, antigravity]"
+    assert line in problem["remedy"]
+    assert "antigravity" not in sys.modules
