@@ -171,6 +171,12 @@ def _add_controller_verbs(verbs: _Verbs) -> None:
         help="ROS parameter file with its parameters; else the station's configuration",
     )
     load.add_argument("--type", help="its type, when no parameters say it")
+    load.add_argument(
+        "--load-timeout",
+        type=float,
+        metavar="S",
+        help="how long its import and init may take [s]",
+    )
     unload = verbs.add(
         "unload_controller",
         "controllers:unload_controller",
@@ -195,6 +201,12 @@ def _add_switch_verbs(verbs: _Verbs) -> None:
     )
     switch.add_argument("--activate-asap", action="store_true")
     switch.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
+    switch.add_argument(
+        "--switch-bound",
+        type=float,
+        metavar="S",
+        help="longest switch without a timeout [s]; inf: as long as it takes",
+    )
     switch.add_argument("--dry-run", action="store_true", help="only say what would be")
     for name, summary in (
         ("start", "start loaded controllers"),
