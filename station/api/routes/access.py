@@ -6,7 +6,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Authenticator, Role
-from station.api.dependencies import AuthenticatorDep, RoleDep
+from station.api.dependencies import AccessDep, AuthenticatorDep, RoleDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -54,7 +54,7 @@ async def login(
 async def logout(
     request: Request, response: Response, authenticator: AuthenticatorDep
 ) -> None:
-    """Revoke the session cookie."""
+    """Revoke the session cookie, and end the streams of the session."""
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"
@@ -68,10 +68,12 @@ async def session(role: RoleDep) -> Session:
 
 
 @router.post("/stream-tickets", responses=problems())
-async def issue_ticket(role: RoleDep, authenticator: AuthenticatorDep) -> StreamTicket:
+async def issue_ticket(
+    access: AccessDep, authenticator: AuthenticatorDep
+) -> StreamTicket:
     """Return a ticket that opens one WebSocket soon: `?ticket=…`."""
     return StreamTicket(
-        ticket=authenticator.issue_ticket(role), expires_in=TICKET_LIFETIME
+        ticket=authenticator.issue_ticket(access), expires_in=TICKET_LIFETIME
     )
 
 

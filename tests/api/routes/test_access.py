@@ -70,4 +70,4 @@ def test_a_ticket_has_the_role_of_who_asked(client, authenticator):
     ticket = client.stream_ticket()
 
     assert ticket.expires_in > 0
-    assert authenticator.redeem_ticket(ticket.ticket).value == "operator"
+    assert authenticator.redeem_ticket(ticket.ticket).role.value == "operator"
