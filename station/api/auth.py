@@ -83,7 +83,7 @@ class Access:
     session: Session | None = None
 
     def has_ended(self) -> bool:
-        """Return whether the access was withdrawn; tokens last as long as the station."""
+        """Return whether the access was withdrawn; that of a token never is."""
         return self.session is not None and self.session.has_ended()
 
     async def wait_for_end(self) -> None:

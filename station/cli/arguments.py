@@ -172,10 +172,7 @@ def _add_controller_verbs(verbs: _Verbs) -> None:
     )
     load.add_argument("--type", help="its type, when no parameters say it")
     load.add_argument(
-        "--load-timeout",
-        type=float,
-        metavar="S",
-        help="how long its import and init may take [s]",
+        "--load-timeout", type=float, metavar="S", help="longest init [s]"
     )
     unload = verbs.add(
         "unload_controller",

@@ -182,7 +182,10 @@ class _Gateway:
         if session is None:
             await socket.close(4401, "log in first")
             return
-        await self._parts.relay.socket(socket, session.role)
+        sessions = self._parts.sessions
+        await self._parts.relay.socket(
+            socket, session.role, lambda: sessions.wait_for_end(session)
+        )
 
 
 async def _answer(request: "Awaitable[StopState]") -> Response:

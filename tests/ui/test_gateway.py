@@ -23,9 +23,11 @@ class _Relay:
     async def page(self):
         return PlainTextResponse("viser")
 
-    async def socket(self, browser, role):
+    async def socket(self, browser, role, wait_for_end):
         await browser.accept()
         await browser.send_text(role.value)
+        if role is Role.VIEWER:
+            await wait_for_end()
         await browser.close(4321, "done")
 
 
@@ -250,3 +252,21 @@ def test_a_huge_form_is_refused(browser):
     body = httpx.QueryParams({"token": "x" * 10_000})
     answer = browser.post("/login", content=str(body).encode(), headers=_own(browser))
     assert answer.status_code == 413
+
+
+def test_logging_out_ends_the_socket_of_that_session_alone(browser, gateway):
+    _log_in(browser, "watch")
+    with httpx.Client(base_url=gateway[0]) as other:
+        _log_in(other, "watch")
+        with _socket(browser) as mine, _socket(other) as kept:
+            assert mine.recv() == kept.recv() == "viewer"
+
+            browser.post("/logout", headers=_own(browser))
+
+            with pytest.raises(ConnectionClosed):
+                mine.recv(timeout=5.0)
+            with pytest.raises(TimeoutError):
+                kept.recv(timeout=0.1)
+            other.post("/logout", headers=_own(other))
+            with pytest.raises(ConnectionClosed):
+                kept.recv(timeout=5.0)

@@ -250,11 +250,13 @@ def test_an_expired_session_ends_its_streams(station, monkeypatch):
     monkeypatch.setattr(auth, "EXPIRY_PERIOD", 0.01)
     clock = ManualClock()
     app = create_app(station, Authenticator(OPERATOR, VIEWER, clock=clock))
-    with ApiServer(app, port=0) as server:
-        with open_stream(server, headers=log_in(server)) as stream:
-            read(stream)
-            clock.advance(SESSION_LIFETIME)
-            assert code_at_the_end(stream) == 4401
+    with (
+        ApiServer(app, port=0) as server,
+        open_stream(server, headers=log_in(server)) as stream,
+    ):
+        read(stream)
+        clock.advance(SESSION_LIFETIME)
+        assert code_at_the_end(stream) == 4401
 
 
 def test_viewers_leave_streams_for_operators(station, authenticator):
