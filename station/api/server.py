@@ -11,6 +11,7 @@ from fastapi import FastAPI
 
 from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
+from station.web.limited_server import LimitedServer
 
 if TYPE_CHECKING:
     from station.api.streams import Broadcaster
@@ -42,7 +43,7 @@ class ApiServer:
         self.host = host
         self.port = port
         self._broadcaster: Broadcaster = app.state.broadcaster
-        self._server = uvicorn.Server(
+        self._server = LimitedServer(
             uvicorn.Config(
                 app,
                 ws=StreamProtocol,

@@ -39,7 +39,6 @@ _STATIC_TYPES = {
     "login.js": "text/javascript; charset=utf-8",
 }
 _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
-_MAX_FORM_BYTES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +109,6 @@ class _Gateway:
 
     async def login(self, request: "Request") -> Response:
         body = await request.body()
-        if len(body) > _MAX_FORM_BYTES:
-            return Response(status_code=413)
         fields = parse_qs(body.decode("utf-8", errors="replace"))
         return await self._log_in(request, fields.get("token", [""])[0])
 

@@ -21,6 +21,7 @@ from station.ui.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.sessions import Role, Sessions
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
+from station.web.limited_server import LimitedServer
 
 _logger = logging.getLogger(__name__)
 _PARENT_PERIOD = 0.2
@@ -193,7 +194,7 @@ async def ask_role(url: str, token: str) -> Role | None:
             raise
 
 
-class _Server(uvicorn.Server):
+class _Server(LimitedServer):
     """Uvicorn that leaves signals to `_serve` and does not wait for browsers."""
 
     def __init__(self, app: Starlette) -> None:
