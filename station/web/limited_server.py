@@ -17,6 +17,9 @@ from enum import Enum
 import uvicorn
 from typing_extensions import override
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import (
+    WebSocketsSansIOProtocol,
+)
 
 MOST_CONNECTIONS = 256
 """Most connections at a time, WebSockets among them."""
@@ -86,15 +89,26 @@ class LimitedProtocol(H11Protocol):
 
     def _make_room(self) -> None:
         """End the connection that has kept the server waiting longest."""
-        waiting = [
+        # Where the transport is closing, the place is given away already.
+        others = [
             one
             for one in self.connections
+            if one is not self and not one.transport.is_closing()
+        ]
+        waiting = [
+            one
+            for one in others
             if isinstance(one, LimitedProtocol)
-            and one is not self
-            and not one.transport.is_closing()  # its place is given away already
             and one.present_phase() is not Phase.WORK
         ]
-        if waiting:
+        closed = [
+            one
+            for one in others
+            if isinstance(one, WebSocketsSansIOProtocol) and one.close_sent
+        ]
+        if closed:  # the client does not answer the close frame
+            closed[0].transport.abort()
+        elif waiting:
             min(waiting, key=lambda one: one.since).transport.abort()
         elif len(self.connections) > self.most + EXTRA_CONNECTIONS:
             self.transport.abort()

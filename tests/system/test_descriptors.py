@@ -67,3 +67,24 @@ def test_the_stop_works_while_viewers_open_all_the_streams_they_can(station):
         assert stop(url, access["token"]) < 1.0
 
     assert "out of system resource" not in station.errors
+
+
+def test_the_stop_works_while_strangers_leave_refused_streams_half_closed(station):
+    access = station.access()
+    url = access["url"]
+    parts = urlsplit(url)
+    handshake = (
+        f"GET /api/v1/streams/joint_states HTTP/1.1\r\nHost: {parts.netloc}\r\n"
+        "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    ).encode()
+
+    with ExitStack() as stack:
+        for _ in range(2 * DESCRIPTORS):
+            raw = stack.enter_context(
+                socket.create_connection((parts.hostname, parts.port))
+            )
+            raw.sendall(handshake)
+        assert stop(url, access["token"]) < 1.0
+
+    assert "out of system resource" not in station.errors
