@@ -10,6 +10,7 @@ from station.api.errors import ProblemError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
+from station.web.failed_logins import FailedLogins
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -48,9 +49,19 @@ GrippersDep = Annotated[Grippers, Depends(get_grippers)]
 AuthenticatorDep = Annotated[Authenticator, Depends(get_authenticator)]
 
 
+async def get_failed_logins(request: Request) -> FailedLogins:
+    """Return the record of failed logins."""
+    failed_logins: FailedLogins = request.app.state.failed_logins
+    return failed_logins
+
+
+FailedLoginsDep = Annotated[FailedLogins, Depends(get_failed_logins)]
+
+
 async def access(
     request: Request,
     authenticator: AuthenticatorDep,
+    failed_logins: FailedLoginsDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
     """Return what the caller may do, and what proves it.
@@ -60,6 +71,8 @@ async def access(
     """
     found = authenticator.access_of_headers(request.headers)
     if found is None:
+        if "authorization" in request.headers:
+            await failed_logins.slow_down(request)
         raise ProblemError(
             401,
             "unauthorized",

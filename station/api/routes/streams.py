@@ -15,6 +15,7 @@ from station.wire import CLOSE_UNAUTHORIZED
 if TYPE_CHECKING:
     from station.api.streams import Broadcaster
     from station.core.facade.station import Station
+    from station.web.failed_logins import FailedLogins
 
 router = APIRouter(tags=["streams"])
 
@@ -33,9 +34,12 @@ async def stream(websocket: WebSocket, topic: str) -> None:
     """Stream a topic; refusals are close codes, which browsers only see once open."""
     station: Station = websocket.app.state.station
     broadcaster: Broadcaster = websocket.app.state.broadcaster
+    failed_logins: FailedLogins = websocket.app.state.failed_logins
     await websocket.accept()
     access = access_of(websocket)
     if access is None:
+        if "authorization" in websocket.headers:
+            await failed_logins.slow_down(websocket)
         reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return
