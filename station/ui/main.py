@@ -21,11 +21,13 @@ from station.ui.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.sessions import Role, Sessions
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
-from station.web.limited_server import LimitedServer
+from station.web.limited_server import LimitedServer, connection_share
 
 _logger = logging.getLogger(__name__)
 _PARENT_PERIOD = 0.2
 _CLOSING_TIME = 1
+_DESCRIPTORS = 3
+"""File descriptors of a browser's 3D socket: its own, and both ends of the one to Viser."""
 _REQUEST_TIMEOUT = 2.0
 
 
@@ -207,7 +209,8 @@ class _Server(LimitedServer):
                 ws_per_message_deflate=False,
                 timeout_graceful_shutdown=_CLOSING_TIME,
                 server_header=False,
-            )
+            ),
+            connection_share(_DESCRIPTORS),
         )
 
     @override

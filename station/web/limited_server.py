@@ -152,10 +152,14 @@ class LimitedServer(uvicorn.Server):
             listener.listen(WAITING_CONNECTIONS)
 
 
-def connection_share() -> int:
-    """Return how many connections leave enough file descriptors to this process."""
+def connection_share(descriptors: int = 1) -> int:
+    """Return how many connections leave enough file descriptors to this process.
+
+    Args:
+        descriptors: How many descriptors a connection may take, >= 1.
+    """
     limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if limit == resource.RLIM_INFINITY:
         return MOST_CONNECTIONS
     free = limit - len(os.listdir("/dev/fd")) - RESERVED_DESCRIPTORS
-    return max(ACCEPTED_AT_ONCE, min(MOST_CONNECTIONS, free))
+    return max(ACCEPTED_AT_ONCE, min(MOST_CONNECTIONS, free // descriptors))

@@ -125,6 +125,7 @@ def test_connections_leave_descriptors_to_the_process(monkeypatch):
     assert connection_share() <= MOST_CONNECTIONS
     monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (128, 128))
     assert 8 <= connection_share() <= 128 - 40
+    assert 8 <= connection_share(3) <= (128 - 40) // 3
     monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (16, 16))
     assert connection_share() == 8
     monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (-1, -1))
