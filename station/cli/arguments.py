@@ -99,7 +99,10 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         "read it in the list of processes: STATION_API__TOKEN is more private",
     )
     run.add_argument(
-        "--real-time-factor", type=float, metavar="X", help="station over wall time"
+        "--real-time-factor",
+        type=float,
+        metavar="X",
+        help="station over wall time, 0.01 to 100",
     )
     ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
     ui.add_argument("--connect", metavar="URL", help="the same as --url")
@@ -119,8 +122,12 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"),
         help="where the robot stands [m], [rad]",
     )
-    # Given by `station run`: the dashboard ends when that process does.
+    # Given by `station run`: whom the dashboard follows, and how long without one.
     ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
+    ui.add_argument("--watchdog", default="", help=argparse.SUPPRESS)
+    ui.add_argument(
+        "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
+    )
     verbs.add(
         "doctor",
         "doctor:doctor",
@@ -163,12 +170,9 @@ def _add_controller_verbs(verbs: _Verbs) -> None:
         aliases=("load",),
     )
     load.add_argument("name")
+    source = "ROS parameter file with its parameters; else the station's configuration"
     load.add_argument(
-        "param_file",
-        nargs="?",
-        type=Path,
-        metavar="PARAM_FILE",
-        help="ROS parameter file with its parameters; else the station's configuration",
+        "param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source
     )
     load.add_argument("--type", help="its type, when no parameters say it")
     load.add_argument(
@@ -198,12 +202,8 @@ def _add_switch_verbs(verbs: _Verbs) -> None:
     )
     switch.add_argument("--activate-asap", action="store_true")
     switch.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
-    switch.add_argument(
-        "--switch-bound",
-        type=float,
-        metavar="S",
-        help="longest switch without a timeout [s]; inf: as long as it takes",
-    )
+    bound = "longest switch without a timeout, s; inf: no limit"
+    switch.add_argument("--switch-bound", type=float, metavar="S", help=bound)
     switch.add_argument("--dry-run", action="store_true", help="only say what would be")
     for name, summary in (
         ("start", "start loaded controllers"),

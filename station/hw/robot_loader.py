@@ -11,7 +11,7 @@ ENTRY_POINTS = "station.hw"
 
 
 class RobotTypeError(StationError, LookupError):
-    """A type of robot is unknown, or what it names is no robot."""
+    """A type of robot is unknown, or names something that is not a robot."""
 
     code = "robot_type"
 
@@ -24,7 +24,7 @@ def create_robot(robot_type: str) -> RobotHW:
             `station.hw`, or `module:Class`.
 
     Raises:
-        RobotTypeError: It is none of these, cannot be imported, or is no `RobotHW`.
+        RobotTypeError: The type is unknown, cannot be imported, or is not a `RobotHW`.
     """
     installed = {entry.name: entry.value for entry in entry_points(group=ENTRY_POINTS)}
     known = {**installed, **HARDWARE}
@@ -45,7 +45,7 @@ def create_robot(robot_type: str) -> RobotHW:
         ) from error
     if not (isinstance(found, type) and issubclass(found, RobotHW)):
         raise RobotTypeError(
-            f"robot.type '{robot_type}': {target} is no RobotHW.",
+            f"robot.type '{robot_type}': {target} is not a RobotHW.",
             remedy="Derive it from station.core.hardware.robot_hw.RobotHW.",
         )
     return found()

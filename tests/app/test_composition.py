@@ -22,6 +22,7 @@ from station.core.hardware.interfaces import (
     JointStateInterface,
     PositionJointInterface,
 )
+from station.core.loop.heartbeat import Heartbeat
 from tests.app.mass_hw import TYPE
 
 GROUP = "position_controllers/JointGroupPositionController"
@@ -171,3 +172,28 @@ def test_only_modules_that_the_configuration_names_are_imported(tmp_path):
         station.load_controller("joke", "antigravity:Any")
 
     assert "antigravity" not in sys.modules
+
+
+def test_every_step_is_announced_before_it_is_done(tmp_path):
+    config = configure(
+        tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}, odd: {{type: no/Such}}"
+    )
+    steps = []
+
+    compose(config, ManualClock(), announce=steps.append)
+
+    assert steps == [
+        f"Building the robot {TYPE}",
+        "Loading the controller 'arm'",
+        "Loading the controller 'odd'",
+    ]
+
+
+def test_the_loop_shares_the_heartbeat_it_is_given(tmp_path):
+    heartbeat = Heartbeat()
+
+    station = compose(
+        configure(tmp_path, ""), ManualClock(), heartbeat=heartbeat
+    ).station
+
+    assert station.loop.heartbeat is heartbeat

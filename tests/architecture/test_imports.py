@@ -175,3 +175,23 @@ def test_package_stays_light_when_imported(package):
 
     assert result.returncode == 0, result.stderr
     assert not result.stdout.strip(), f"importing {package} also loads {result.stdout}"
+
+
+def test_franka_with_a_given_arm_runs_without_a_simulator():
+    code = """
+import sys
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.franka_hw import FrankaHW
+from tests.hw.franka.scripted_arm import ScriptedArm
+
+robot = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
+tree = ParameterTree({"robot": robot})
+hw = FrankaHW(ScriptedArm())
+hw.init(Parameters(tree), Parameters(tree, "robot"))
+hw.read(0.001, 0.001)
+hw.write(0.001, 0.001)
+print(hw.mode(), hw.simulated_world(), "mujoco" in sys.modules)
+"""
+    result = run_python(code, directory=ROOT)
+
+    assert result.stdout.split() == ["idle", "None", "False"], result.stderr

@@ -34,7 +34,7 @@ def test_class_is_named_by_its_module(monkeypatch):
         ("other_hw/Other", "allowed are .*franka_hw/FrankaHW"),
         ("no_such_module:Robot", "cannot be imported"),
         ("station.core.hardware.robot_hw:Nothing", "cannot be imported"),
-        ("collections:OrderedDict", "is no RobotHW"),
+        ("collections:OrderedDict", "is not a RobotHW"),
     ],
 )
 def test_anything_else_is_refused(robot_type, message):

@@ -22,7 +22,7 @@ from station.core.errors import (
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.robots import Robots
-from station.core.facade.simulation import Simulation
+from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
@@ -51,6 +51,8 @@ class Station(MotionCommands):
         boot_id: Random name of this run.
         robots: The robots, their services and recovery.
         simulation: Pause, step and reset of a simulated robot.
+        watchdog_failure: Why no watchdog looks after the station at the moment; None
+            when one does, or when none is wanted.
     """
 
     def __init__(
@@ -63,8 +65,9 @@ class Station(MotionCommands):
     ) -> None:
         super().__init__(loop, manager)
         self.robots = Robots(loop, manager)
-        self.simulation = Simulation(loop)
+        self.simulation = SimulationControl(loop)
         self.boot_id = uuid.uuid4().hex
+        self.watchdog_failure: str | None = None
         self.parameters = parameters
         self._robot_type = robot_type
         self._reserved = reserved
@@ -148,7 +151,7 @@ class Station(MotionCommands):
         age = self.loop.age()
         if age > FRESH:
             return f"The last cycle is {age:.2f} s old; the loop hangs."
-        return None
+        return self.watchdog_failure
 
     def loop_report(self) -> LoopReport:
         """Return state and statistics of the loop."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from station.core.facade.simulation import SimulationReport
+from station.core.facade.simulation_control import SimulationReport
 from station.core.hardware.robot_report import ClampReport
 from station.core.loop.loop_report import LoopReport
 from station.core.loop.stop_latch import StopState

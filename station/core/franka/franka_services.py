@@ -25,8 +25,8 @@ from station.core.hardware.services import RecoverableRobot, ServiceKind, servic
 class CollisionBehavior:
     """Thresholds of contact (lower) and collision (upper).
 
-    Those named `acceleration` count while the desired motion accelerates, the
-    `nominal` ones otherwise. Torques [Nm], shape (7,); forces [N, Nm], shape (6,).
+    Thresholds named `acceleration` apply while the desired motion accelerates, those
+    named `nominal` otherwise. Torques [Nm], shape (7,); forces [N, Nm], shape (6,).
     """
 
     lower_torque_thresholds_acceleration: tuple[float, ...]
@@ -41,7 +41,7 @@ class CollisionBehavior:
 
 @dataclass(frozen=True, slots=True)
 class ArmRecord:
-    """One of the last cycles before a motion was aborted.
+    """A cycle of the arm, kept for the log of an error.
 
     Attributes:
         time: Time of the arm [s].
@@ -50,7 +50,7 @@ class ArmRecord:
         tau_J: Measured torques [Nm], shape (7,).
         q_d: Desired positions [rad], shape (7,).
         tau_J_d: Desired torques [Nm], shape (7,).
-        command: What the client sent last, in the unit of its kind.
+        command: The last command of the client, in the unit of its kind.
     """
 
     time: float
@@ -72,11 +72,11 @@ class FrankaServices(RecoverableRobot):
 
     @abstractmethod
     def robot_mode(self) -> RobotMode:
-        """Return what the arm is doing."""
+        """Return the mode of the arm."""
 
     @abstractmethod
     def get_robot_state(self) -> RobotState:
-        """Return a copy of the state, every field of the last cycle."""
+        """Return a copy of the state of the last cycle, all fields up to date."""
 
     @abstractmethod
     def model(self) -> FrankaModelHandle:
@@ -84,11 +84,11 @@ class FrankaServices(RecoverableRobot):
 
     @abstractmethod
     def errors(self) -> list[ArmError]:
-        """Return what the present errors, or else the last motion's, came from."""
+        """Return the present errors, or else those that ended the last motion."""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:
-        """Return the last cycles before the last abort, oldest first, at most 50."""
+        """Return the last cycles before the last error, oldest first, at most 50."""
 
     @abstractmethod
     def simulation(self) -> ArmSimulation | None:
@@ -137,7 +137,7 @@ class FrankaServices(RecoverableRobot):
             NE_T_EE: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: The numbers are no homogeneous transform.
+            InvalidCommandError: The numbers are not a homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -152,7 +152,7 @@ class FrankaServices(RecoverableRobot):
             EE_T_K: A homogeneous transform, 16 numbers.
 
         Raises:
-            InvalidCommandError: The numbers are no homogeneous transform.
+            InvalidCommandError: The numbers are not a homogeneous transform.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -169,12 +169,13 @@ class FrankaServices(RecoverableRobot):
         The arm carries the weight of the load from now on.
 
         Args:
-            mass: 0 or more [kg].
+            mass: 0 to the payload of the arm, 3 kg unless configured otherwise [kg].
             F_x_center_load: Centre of mass in the flange frame [m], shape (3,).
-            load_inertia: Inertia about it, axes of the flange [kg m^2], 9 numbers.
+            load_inertia: Inertia about the centre of mass in the axes of the flange
+                [kg m^2], 9 numbers, column-major.
 
         Raises:
-            InvalidCommandError: No rigid body has this mass and inertia.
+            InvalidCommandError: A value is out of range, or no body has that inertia.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -183,7 +184,7 @@ class FrankaServices(RecoverableRobot):
         """Set the thresholds of contact and collision.
 
         Args:
-            behavior: The thresholds, each > 0 and no lower above its upper one.
+            behavior: The thresholds, each > 0, each lower one at most its upper one.
 
         Raises:
             InvalidCommandError: A threshold is impossible.
@@ -197,7 +198,7 @@ class FrankaServices(RecoverableRobot):
     @override
     @abstractmethod
     def error_recovery(self) -> bool:
-        """Clear the errors and return to Idle; nothing moves by itself.
+        """Clear the errors and return to Idle; no motion starts.
 
         The arm is in AutomaticErrorRecovery until it is at rest.
 
@@ -227,7 +228,7 @@ class FrankaServices(RecoverableRobot):
         Refused while a controller commands the arm.
 
         Raises:
-            ArmCommandError: A controller runs, or it is not connected.
+            ArmCommandError: A controller commands the arm, or it is not connected.
         """
 
 

@@ -2,9 +2,9 @@
 
 Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp and
 franka_gripper_node.cpp, franka_gripper/action/*.action; libfranka@0.9.2
-include/franka/gripper.h, gripper_state.h; differs: a command begins at once and is
-asked about, and one that did not reach its aim is aborted with the reason, instead of
-having succeeded with `success` false.
+include/franka/gripper.h, gripper_state.h; differs: a command begins at once and its
+progress is in the state, and a command that did not reach its aim is aborted with the
+reason, instead of having succeeded with `success` false.
 """
 
 from abc import abstractmethod
@@ -19,13 +19,13 @@ from station.core.hardware.services import InterruptibleServices
 from station.core.ports.goal import GoalStatus
 
 DEFAULT_SPEED = 0.1
-"""How fast the width changes [m/s]. Source: franka_gripper_node.cpp, default_speed."""
+"""Default speed of the width [m/s]. Source: franka_gripper_node.cpp, default_speed."""
 DEFAULT_EPSILON = 0.005
 """Tolerance of a grasped object's width [m]. Source: gripper.h, Gripper.grasp."""
 
 
 class GripperAction(Enum):
-    """What a hand can be told to do for a while."""
+    """A command of a hand that takes time."""
 
     HOMING = "homing"
     MOVE = "move"
@@ -33,26 +33,26 @@ class GripperAction(Enum):
 
 
 class GripperActivity(Enum):
-    """What the fingers are doing."""
+    """The present activity of the fingers."""
 
     IDLE = "idle"
-    """They stay where they are; nothing is held with force."""
+    """The fingers hold their width without force."""
     HOMING = "homing"
     MOVING = "moving"
     GRASPING = "grasping"
     HOLDING = "holding"
-    """They press with the force of the last grasp."""
+    """The fingers press with the force of the last grasp."""
     CONTROLLED = "controlled"
     """A controller claims the finger joints."""
 
 
 @dataclass(frozen=True, slots=True)
 class GraspRequest:
-    """A grasp: close (or open) until something is in the way, then press.
+    """A grasp: close or open until an object blocks the fingers, then press.
 
     Attributes:
         width: Expected width of the object [m].
-        force: What each finger presses the object with [N].
+        force: Force of each finger on the object [N].
         speed: How fast the width changes [m/s].
         epsilon_inner: How much narrower the object may be [m].
         epsilon_outer: How much wider the object may be [m].
@@ -72,11 +72,11 @@ class GraspRequest:
 
 @dataclass(frozen=True, slots=True)
 class GripperCommand:
-    """One homing, move or grasp, and how far it is.
+    """One homing, move or grasp, and its progress.
 
     Attributes:
-        identifier: Its number in this run.
-        action: What was asked for.
+        identifier: Number of the command in this run.
+        action: Kind of the command.
         status: `ACTIVE`, and then for good `SUCCEEDED`, `ABORTED` (it did not reach
             its aim) or `PREEMPTED` (something else ended it).
         message: Why it did not succeed; else empty.
@@ -96,18 +96,18 @@ class GripperCommand:
 
 @dataclass(frozen=True, slots=True)
 class GripperState:
-    """A hand at a glance.
+    """The state of a hand.
 
     Attributes:
         width: Distance between the fingers [m].
-        max_width: Largest one, as the last homing has measured it [m].
-        is_grasped: Something of the expected width is held.
-        temperature: Of the hand [degree Celsius].
-        time: Of the hand [s]; never goes back.
-        activity: What the fingers are doing.
-        force: What each finger presses with, > 0 outwards [N].
-        command: What it was told and has not finished.
-        last: The last command that ended.
+        max_width: Largest width, as the last homing has measured it [m].
+        is_grasped: Whether an object of the expected width is held.
+        temperature: Temperature of the hand [degree Celsius].
+        time: Time of the hand [s]; never goes back.
+        activity: The present activity of the fingers.
+        force: Force of each finger, > 0 outwards [N].
+        command: The active command; None without.
+        last: The last command that ended; None without.
     """
 
     width: float
@@ -124,9 +124,8 @@ class GripperState:
 class GripperServices(InterruptibleServices):
     """The hand of one arm, under its arm_id. Control thread, between two cycles.
 
-    A command begins at once and ends the command before. No command waits, and no
-    command depends on the arm: a gripper works while its arm has errors, recovers or
-    is disconnected.
+    A command begins at once and ends the command before. No method waits. The hand does
+    not depend on the errors, the recovery and the connection of the arm.
     """
 
     @abstractmethod
@@ -146,7 +145,7 @@ class GripperServices(InterruptibleServices):
         """Open or close to a width.
 
         Args:
-            width: 0 to the largest one [m].
+            width: 0 to the largest width [m].
             speed: How fast the width changes, above 0 [m/s].
 
         Raises:
@@ -156,7 +155,7 @@ class GripperServices(InterruptibleServices):
 
     @abstractmethod
     def grasp(self, request: GraspRequest) -> None:
-        """Close, or open, until something is in the way, and press it from then on.
+        """Close or open until an object blocks the fingers, and press it from then on.
 
         Args:
             request: What to grasp.
@@ -168,9 +167,9 @@ class GripperServices(InterruptibleServices):
 
     @abstractmethod
     def stop(self) -> None:
-        """Stand still and press no more; possible at any time.
+        """Stop the fingers and end their force; possible at any time.
 
-        Fingers that a controller claims go on obeying it.
+        Fingers that a controller claims go on obeying that controller.
         """
 
     @override

@@ -1,4 +1,4 @@
-"""What a robot tells about itself: limits, transmissions, and what was cut off."""
+"""What a robot reports about itself: limits, transmissions, cut-off commands, scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ from station.core.hardware.limits.joint_limits_handle import Clamp, JointLimitsH
 
 @dataclass(frozen=True, slots=True)
 class JointLimitsReport:
-    """The limits of one joint, and who set them.
+    """The limits of one joint, and their sources.
 
     Attributes:
-        joint: Its name.
-        limits: What it may do.
-        soft_limits: Where it is slowed down; None if it is not.
+        joint: Name of the joint.
+        limits: Hard limits.
+        soft_limits: Soft limits, before which the joint is slowed down; None without.
         sources: Where each kind of limit comes from, such as "urdf limit" or
             "parameters"; keys are "position", "velocity", "acceleration", "jerk",
             "effort" and "soft", as far as there is such a limit.
@@ -45,7 +45,7 @@ class TransmissionReport:
 
 @dataclass(frozen=True, slots=True)
 class ClampReport:
-    """How often the commands of a joint were cut off.
+    """How often the commands of a joint were cut off by limits.
 
     Attributes:
         hardware_interface: The interface that was commanded.
@@ -60,16 +60,16 @@ class ClampReport:
 
 @dataclass(frozen=True, slots=True)
 class SceneObjectReport:
-    """A thing in a simulated world, where it is now.
+    """An object in a simulated world, at its present pose.
 
     Attributes:
-        name: Its name.
+        name: Name of the object.
         kind: `box`, `sphere`, `cylinder`, `table` or `mesh`.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder [m]; empty for a mesh.
-        position: Of its middle, in the world [m], shape (3,).
-        orientation: Unit quaternion x, y, z, w.
-        mass: [kg]; 0 for a thing that cannot move.
+        position: Position of its centre in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w in the world.
+        mass: [kg]; 0 for an object that cannot move.
         file: File of a mesh.
     """
 
@@ -85,7 +85,7 @@ class SceneObjectReport:
 def limit_values(
     limits: JointLimits, soft_limits: SoftJointLimits | None
 ) -> dict[str, object]:
-    """Return each kind of limit that there is, to be compared with others.
+    """Return the limits that are set, by kind, to be compared with others.
 
     Args:
         limits: Hard limits.
@@ -109,13 +109,13 @@ def limit_values(
 def report_clamps(
     handles: Mapping[tuple[str, str], JointLimitsHandle],
 ) -> list[ClampReport]:
-    """Return what some limits have cut off. Any thread.
+    """Return the commands that limits have cut off. Any thread.
 
     Args:
         handles: The limits by joint and hardware interface; not changed any more.
 
     Returns:
-        One entry per handle that ever did.
+        One entry per handle that has cut off a command.
     """
     reports = []
     for (_, hardware_interface), handle in handles.items():

@@ -1,4 +1,4 @@
-"""Several Franka arms in one world, driven by torques; an error of one stops all.
+"""Several Franka arms in one world, driven by torques; an error stops all of them.
 
 Source: franka_ros@c11f000 franka_hw/src/franka_combinable_hw.cpp,
 franka_combined_hw.cpp; differs: all arms are read and commanded in one cycle; a

@@ -64,8 +64,23 @@ class RRBotHW(MockRobotHW):
         self._delay(
             joints.position_command, joints.velocity_command, joints.effort_command
         )
-        before = list(joints.position)
         super().write(time, period)
+
+    @override
+    def read(self, time, period):
+        before = list(self.joints.position)
+        super().read(time, period)
+        if period > 0.0:
+            self.move(before)
+            super().read(time, 0.0)  # measure the joints where they are now
+
+    def move(self, before):
+        """Let the joints lag behind their commands.
+
+        Args:
+            before: Positions at the beginning of the cycle [rad], shape (2,).
+        """
+        joints = self.joints
         for index, part in enumerate(self.smoothing):
             way = joints.position[index] - before[index]
             joints.position[index] = before[index] + (1.0 - part) * way
@@ -86,8 +101,8 @@ class WrappingRRBotHW(RRBotHW):
     """Joints whose sensors know a turn only, from -pi to pi."""
 
     @override
-    def write(self, time, period):
-        super().write(time, period)
+    def move(self, before):
+        super().move(before)
         position = self.joints.position
         position[:] = [remainder(value, 2.0 * pi) for value in position]
 

@@ -120,7 +120,7 @@ def test_a_cancelled_loading_leaves_the_next_one_of_its_name_alone(bench, monkey
     go_on = [threading.Event(), threading.Event()]
     numbers = iter(range(2))
 
-    def run(loading, timeout):
+    def run(*_):
         number = next(numbers)
         entered[number].set()
         assert go_on[number].wait(PATIENCE)

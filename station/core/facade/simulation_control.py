@@ -1,6 +1,6 @@
 """Pause, step, reset and the pace of a simulated robot, for any thread.
 
-Controllers survive all of it, and whatever was commanded before a reset is void.
+Controllers stay loaded and running; commands from before a reset are void.
 """
 
 import math
@@ -11,22 +11,23 @@ from station.core.errors import ParameterError, SimulationError
 from station.core.hardware.limits import JointLimits
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopState
+from station.core.loop.pace import check_real_time_factor
 
-FASTEST = 100.0
-"""Largest real-time factor."""
 MOST_STEPS = 10_000
-"""Most cycles of one `step`: at the usual rate ten seconds."""
+"""Most cycles of one `step`; ten seconds at 1 kHz."""
+# How often a waiting `step` looks at the loop [s], and how much longer than twice the
+# nominal time it waits [s].
 _WAKE = 0.002
 _GRACE = 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class SimulationReport:
-    """The simulation at a glance.
+    """The state of a simulation.
 
     Attributes:
-        paused: Station time stands still.
-        real_time_factor: Station time over wall time, as asked for.
+        paused: Whether station time stands still.
+        real_time_factor: Commanded ratio of station time to wall time.
         time: Time of the simulated world [s]; a reset sets it to zero.
         steps_due: Cycles that are still to be run while paused.
     """
@@ -37,8 +38,8 @@ class SimulationReport:
     steps_due: int
 
 
-class Simulation:
-    """Commands the pace of one loop and the world of its robot.
+class SimulationControl:
+    """Controls the pace of one loop and the world of its robot.
 
     Every method refuses a robot that is not simulated.
 
@@ -51,7 +52,7 @@ class Simulation:
         self._world = loop.hw.simulated_world()
 
     def find(self) -> SimulationReport | None:
-        """Return the simulation at a glance; None when the robot is real."""
+        """Return the state of the simulation; None when the robot is real."""
         if self._world is None:
             return None
         time, pace = self._world.time(), self._loop.pace
@@ -60,7 +61,7 @@ class Simulation:
         )
 
     def report(self) -> SimulationReport:
-        """Return the simulation at a glance.
+        """Return the state of the simulation.
 
         Raises:
             SimulationError: The robot is not simulated.
@@ -73,24 +74,19 @@ class Simulation:
     def change(
         self, *, paused: bool | None = None, real_time_factor: float | None = None
     ) -> SimulationReport:
-        """Pause or resume, and change the pace; None leaves things as they are.
+        """Pause or resume, and change the pace; None changes nothing.
 
         Args:
             paused: Whether station time is to stand still.
-            real_time_factor: Station time over wall time, > 0 and <= `FASTEST`.
+            real_time_factor: Station time over wall time, 0.01 to 100.
 
         Raises:
             ParameterError: The factor is out of range; nothing changed.
             LoopError: The loop died or hangs.
         """
         self.report()
-        if real_time_factor is not None and not 0.0 < real_time_factor <= FASTEST:
-            raise ParameterError(
-                f"The real-time factor is {real_time_factor}; it must be more than 0 "
-                f"and at most {FASTEST:g}.",
-                remedy="1 is real time; to stand still, pause.",
-                details={"real_time_factor": real_time_factor},
-            )
+        if real_time_factor is not None:
+            check_real_time_factor(real_time_factor)
         pace = self._loop.pace
 
         def apply() -> None:
@@ -110,21 +106,22 @@ class Simulation:
     def step(self, cycles: int = 1) -> SimulationReport:
         """Run some cycles of a paused simulation; return when they are done.
 
-        They come at the pace of the loop, one after each other.
+        The cycles run one after another at the pace of the loop.
 
         Args:
             cycles: How many, 1 … `MOST_STEPS`.
 
         Raises:
             ParameterError: `cycles` is out of range.
-            SimulationError: It is not paused, or was resumed meanwhile.
+            SimulationError: The simulation is not paused, or was resumed meanwhile.
             LoopError: The loop died or hangs.
         """
         self.report()
         if not 1 <= cycles <= MOST_STEPS:
             raise ParameterError(
-                f"{cycles} cycles were asked for; allowed are 1 to {MOST_STEPS}.",
-                remedy="Step several times, or resume.",
+                f"A step of {cycles} cycles is not possible; allowed are 1 to "
+                f"{MOST_STEPS}.",
+                remedy="Step several times, or resume the simulation.",
                 details={"n": cycles},
             )
         loop, pace = self._loop, self._loop.pace
@@ -207,7 +204,7 @@ class Simulation:
             loop.clock.sleep_until(loop.clock.now() + _WAKE)
         if pace.steps_due > 0:
             raise SimulationError(
-                f"{pace.steps_due} of the cycles asked for are still to be run.",
+                f"{pace.steps_due} cycles of the step have not run yet.",
                 remedy="The loop may be late, or another client may be stepping, too; "
                 "look at the report of the loop.",
             )
