@@ -36,6 +36,7 @@ def switch_result(result: SwitchResult) -> wire.SwitchResult:
         ok=result.ok,
         started=list(result.started),
         stopped=list(result.stopped),
+        outcome=result.outcome.value,
         failed=dict(result.failed),
         ignored=list(result.plan.ignored),
         jump=dict(result.jump),
@@ -188,6 +189,10 @@ def status(station: Station, versions: dict[str, str]) -> wire.Status:
         "robots": arms(station),
         "versions": versions,
         "clamps": clamps(found.clamps),
+        "command_violations": {
+            "count": found.command_violations,
+            "last": found.last_command_violation,
+        },
     })
 
 

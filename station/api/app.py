@@ -15,6 +15,7 @@ from station.api.routes import PREFIX, api_router, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
+from station.web.failed_logins import FailedLogins
 
 DESCRIPTION = """
 Everything a station can do, for programs and browsers. Errors are problem documents
@@ -57,6 +58,7 @@ def create_app(
     )
     app.state.station = station
     app.state.authenticator = authenticator
+    app.state.failed_logins = FailedLogins()
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams

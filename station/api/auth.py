@@ -1,8 +1,11 @@
 """Authentication: two tokens, cookies for browsers, tickets for WebSockets."""
 
+import asyncio
+import contextlib
 import hmac
 import secrets
 from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import Enum
 from http.cookies import CookieError, SimpleCookie
 
@@ -12,8 +15,11 @@ TICKET_LIFETIME = 30.0
 """How long after its issue a ticket can open a WebSocket [s]."""
 SESSION_LIFETIME = 12 * 3600.0
 """How long a cookie is valid [s]."""
-MAX_GRANTS = 1024
-"""Most cookies, and most tickets, that are kept; the oldest are dropped first."""
+EXPIRY_PERIOD = 1.0
+"""How often an open stream looks whether its session has expired [s]."""
+MAX_GRANTS = 512
+"""Most cookies, and most tickets, that are kept for each role; of the same role the
+oldest are dropped first."""
 
 
 class Role(Enum):
@@ -29,29 +35,119 @@ class Role(Enum):
         return self is Role.OPERATOR or needed is Role.VIEWER
 
 
-class _Grants:
-    """Random names, each of which proves a role for a limited time. Not thread-safe."""
+class Session:
+    """A browser that has logged in. For one event loop.
 
-    def __init__(self, clock: Clock, lifetime: float) -> None:
+    Args:
+        role: What it may do.
+        clock: Ages it.
+
+    Attributes:
+        role: The same.
+        cookie: The random value of its cookie.
+    """
+
+    def __init__(self, role: Role, clock: Clock) -> None:
+        self.role = role
+        self.cookie = secrets.token_urlsafe(32)
         self._clock = clock
-        self._lifetime = lifetime
-        self._roles: dict[str, tuple[Role, float]] = {}
+        self._expiry = clock.now() + SESSION_LIFETIME
+        self._closed = asyncio.Event()
 
-    def issue(self, role: Role) -> str:
+    def has_ended(self) -> bool:
+        """Return whether the session was closed or has expired."""
+        return self._closed.is_set() or self._clock.now() >= self._expiry
+
+    def close(self) -> None:
+        """End the session, and with it the streams that were opened by it."""
+        self._closed.set()
+
+    async def wait_for_end(self) -> None:
+        """Return when the session was closed or has expired."""
+        while not self.has_ended():
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._closed.wait(), EXPIRY_PERIOD)
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """What a request or a WebSocket may do, and what proves it.
+
+    Attributes:
+        role: What it may do.
+        session: The browser's session, also when a ticket of that session was shown;
+            None for a token.
+    """
+
+    role: Role
+    session: Session | None = None
+
+    def has_ended(self) -> bool:
+        """Return whether the access was withdrawn; that of a token never is."""
+        return self.session is not None and self.session.has_ended()
+
+    async def wait_for_end(self) -> None:
+        """Return when the access was withdrawn; for a token, never."""
+        if self.session is None:
+            await asyncio.Event().wait()
+        else:
+            await self.session.wait_for_end()
+
+
+class _Tickets:
+    """Random names, each of which proves an access once and for a short time."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._issued: dict[str, tuple[Access, float]] = {}
+
+    def issue(self, access: Access) -> str:
         now = self._clock.now()
-        for name, (_, expiry) in list(self._roles.items()):
-            if expiry <= now or len(self._roles) >= MAX_GRANTS:
-                del self._roles[name]
+        for name, (_, expiry) in list(self._issued.items()):
+            if expiry <= now:
+                del self._issued[name]
+        # Each role has its own share: viewers cannot displace an operator's ticket.
+        alike = [n for n, (one, _) in self._issued.items() if one.role is access.role]
+        if len(alike) >= MAX_GRANTS:
+            del self._issued[alike[0]]
         name = secrets.token_urlsafe(32)
-        self._roles[name] = (role, now + self._lifetime)
+        self._issued[name] = (access, now + TICKET_LIFETIME)
         return name
 
-    def role(self, name: str) -> Role | None:
-        role, expiry = self._roles.get(name, (None, 0.0))
-        return role if expiry > self._clock.now() else None
+    def redeem(self, name: str) -> Access | None:
+        access, expiry = self._issued.pop(name, (None, 0.0))
+        if access is None or expiry <= self._clock.now() or access.has_ended():
+            return None
+        return access
 
-    def revoke(self, name: str) -> None:
-        self._roles.pop(name, None)
+
+class _Sessions:
+    """The browsers that have logged in, by their cookie."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._open: dict[str, Session] = {}
+
+    def open(self, role: Role) -> str:
+        for session in list(self._open.values()):
+            if session.has_ended():
+                self.close(session.cookie)
+        # Each role has its own share: viewers cannot displace an operator's session.
+        alike = [one.cookie for one in self._open.values() if one.role is role]
+        if len(alike) >= MAX_GRANTS:
+            self.close(alike[0])
+        session = Session(role, self._clock)
+        self._open[session.cookie] = session
+        return session.cookie
+
+    def find(self, cookie: str) -> Session | None:
+        session = self._open.get(cookie)
+        return None if session is None or session.has_ended() else session
+
+    def close(self, cookie: str) -> None:
+        session = self._open.pop(cookie, None)
+        if session is not None:
+            session.close()
 
 
 class Authenticator:
@@ -80,8 +176,8 @@ class Authenticator:
         self.operator_token = operator_token or secrets.token_urlsafe(32)
         self.viewer_token = viewer_token or secrets.token_urlsafe(32)
         self.cookie_name = f"station_{secrets.token_hex(4)}"
-        self._sessions = _Grants(clock, SESSION_LIFETIME)
-        self._tickets = _Grants(clock, TICKET_LIFETIME)
+        self._sessions = _Sessions(clock)
+        self._tickets = _Tickets(clock)
 
     def role_of_token(self, token: str) -> Role | None:
         """Return the role of a token, in the same time for every wrong token."""
@@ -94,21 +190,19 @@ class Authenticator:
 
     def open_session(self, role: Role) -> str:
         """Return the value of a new session cookie."""
-        return self._sessions.issue(role)
+        return self._sessions.open(role)
 
     def close_session(self, cookie: str) -> None:
-        """Revoke a session cookie."""
-        self._sessions.revoke(cookie)
+        """Revoke a session cookie; its tickets and its open streams end with it."""
+        self._sessions.close(cookie)
 
-    def issue_ticket(self, role: Role) -> str:
-        """Return a ticket that opens one WebSocket."""
-        return self._tickets.issue(role)
+    def issue_ticket(self, access: Access) -> str:
+        """Return a ticket that opens one WebSocket with the access of its requester."""
+        return self._tickets.issue(access)
 
-    def redeem_ticket(self, ticket: str) -> Role | None:
-        """Return the role of a ticket and revoke the ticket."""
-        role = self._tickets.role(ticket)
-        self._tickets.revoke(ticket)
-        return role
+    def redeem_ticket(self, ticket: str) -> Access | None:
+        """Return the access that a ticket proves, and revoke the ticket."""
+        return self._tickets.redeem(ticket)
 
     def session_of(self, headers: Mapping[str, str]) -> str:
         """Return the session cookie in a request's headers; empty without a cookie."""
@@ -119,8 +213,8 @@ class Authenticator:
         morsel = cookies.get(self.cookie_name)
         return "" if morsel is None else morsel.value
 
-    def role_of_headers(self, headers: Mapping[str, str]) -> Role | None:
-        """Return the role that a request's headers prove; None when they prove no role.
+    def access_of_headers(self, headers: Mapping[str, str]) -> Access | None:
+        """Return the access that a request's headers prove; None when they prove none.
 
         A bearer token, where there is one, decides alone; the cookie is not looked at.
         """
@@ -128,5 +222,7 @@ class Authenticator:
         if authorization is not None:
             scheme, _, token = authorization.partition(" ")
             known = scheme.lower() == "bearer"
-            return self.role_of_token(token.strip()) if known else None
-        return self._sessions.role(self.session_of(headers))
+            role = self.role_of_token(token.strip()) if known else None
+            return None if role is None else Access(role)
+        session = self._sessions.find(self.session_of(headers))
+        return None if session is None else Access(session.role, session)

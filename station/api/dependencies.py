@@ -5,11 +5,12 @@ from typing import Annotated
 from fastapi import Depends, Request, Security
 from fastapi.security import HTTPBearer
 
-from station.api.auth import Authenticator, Role
+from station.api.auth import Access, Authenticator, Role
 from station.api.errors import ProblemError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
+from station.web.failed_logins import FailedLogins
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -48,18 +49,30 @@ GrippersDep = Annotated[Grippers, Depends(get_grippers)]
 AuthenticatorDep = Annotated[Authenticator, Depends(get_authenticator)]
 
 
-async def viewer(
+async def get_failed_logins(request: Request) -> FailedLogins:
+    """Return the record of failed logins."""
+    failed_logins: FailedLogins = request.app.state.failed_logins
+    return failed_logins
+
+
+FailedLoginsDep = Annotated[FailedLogins, Depends(get_failed_logins)]
+
+
+async def access(
     request: Request,
     authenticator: AuthenticatorDep,
+    failed_logins: FailedLoginsDep,
     _: Annotated[object, Security(_bearer)] = None,
-) -> Role:
-    """Return the caller's role.
+) -> Access:
+    """Return what the caller may do, and what proves it.
 
     Raises:
-        ProblemError: The caller proves no role.
+        ProblemError: The caller proves nothing.
     """
-    role = authenticator.role_of_headers(request.headers)
-    if role is None:
+    found = authenticator.access_of_headers(request.headers)
+    if found is None:
+        if "authorization" in request.headers:
+            await failed_logins.slow_down(request)
         raise ProblemError(
             401,
             "unauthorized",
@@ -68,7 +81,15 @@ async def viewer(
             "printed at its start, or log in at /login?token=<token>.",
             {"WWW-Authenticate": "Bearer"},
         )
-    return role
+    return found
+
+
+AccessDep = Annotated[Access, Depends(access)]
+
+
+async def viewer(access: AccessDep) -> Role:
+    """Return the caller's role."""
+    return access.role
 
 
 RoleDep = Annotated[Role, Depends(viewer)]

@@ -22,6 +22,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ControllerTypeNotFoundError: 404,
     errors.ControllerLoadError: 422,
     errors.ControllerExistsError: 409,
+    errors.ControllerModuleRefusedError: 403,
     errors.ControllerStateError: 409,
     errors.SwitchRefusedError: 409,
     errors.ResourceConflictError: 409,
@@ -156,8 +157,18 @@ def station_error_response(error: errors.StationError) -> Response:
 
 def _remedy(error: errors.StationError) -> str:
     """Return the error's remedy and the route that carries it out."""
-    parts = (error.remedy, ROUTES.get(error.code))
+    parts = (error.remedy, ROUTES.get(error.code), _configuration_line(error))
     return " ".join(part for part in parts if part) or "See the detail."
+
+
+def _configuration_line(error: errors.StationError) -> str | None:
+    """Return the line of the configuration that would allow what was refused."""
+    if not isinstance(error, errors.ControllerModuleRefusedError):
+        return None
+    listed = error.details.get("allowed")
+    known = listed if isinstance(listed, list) else []
+    line = ", ".join(str(each) for each in (*known, error.details.get("module")))
+    return f"In the configuration, under 'station': controller_modules: [{line}]"
 
 
 def validation_response(error: RequestValidationError) -> Response:

@@ -5,6 +5,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.errors import ProblemError
 from station.api.host_policy import HostPolicy
+from station.web.body_limit import announces_more_than, limited
 from station.wire import CLOSE_FORBIDDEN
 
 MAX_BODY_BYTES = 256 * 1024
@@ -68,11 +69,13 @@ class Guard:
 
         changing = scope["method"] not in _SAFE_METHODS
         refused = self._place_refused(scope, changing=changing)
-        refused = refused or self._size_refused(scope)
+        if refused is None and announces_more_than(scope, self._max_body):
+            refused = self._too_large()
         if refused is not None:
             await refused.response()(scope, receive, send_with_headers)
             return
-        await self._app(scope, self._limited(receive), send_with_headers)
+        receive = limited(receive, self._max_body, self._too_large())
+        await self._app(scope, receive, send_with_headers)
 
     def _place_refused(self, scope: Scope, *, changing: bool) -> ProblemError | None:
         headers = Headers(scope=scope)
@@ -93,12 +96,6 @@ class Guard:
             )
         return None
 
-    def _size_refused(self, scope: Scope) -> ProblemError | None:
-        length = Headers(scope=scope).get("content-length", "0")
-        if length.isdigit() and int(length) > self._max_body:
-            return self._too_large()
-        return None
-
     def _too_large(self) -> ProblemError:
         return ProblemError(
             413,
@@ -107,16 +104,3 @@ class Guard:
             "Send less at once.",
             {"connection": "close"},
         )
-
-    def _limited(self, receive: Receive) -> Receive:
-        size = 0
-
-        async def receive_limited() -> Message:
-            nonlocal size
-            message = await receive()
-            size += len(message.get("body", b""))
-            if size > self._max_body:
-                raise self._too_large()
-            return message
-
-        return receive_limited

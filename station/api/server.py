@@ -12,6 +12,7 @@ from fastapi import FastAPI
 
 from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
+from station.web.limited_server import LimitedServer
 
 if TYPE_CHECKING:
     from station.api.streams import Broadcaster
@@ -43,7 +44,7 @@ class ApiServer:
         self.host = host
         self.port = port
         self._broadcaster: Broadcaster = app.state.broadcaster
-        self._server = uvicorn.Server(
+        self._server = LimitedServer(
             uvicorn.Config(
                 app,
                 ws=StreamProtocol,

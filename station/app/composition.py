@@ -66,13 +66,15 @@ def compose(
     robot = create_robot(config.robot.type)
     robot.init(root, root.namespace(ROBOT_NAMESPACE))
     robot.check_period(1.0 / config.station.rate)
-    manager = ControllerManager(robot, root, default_loaders(CONTROLLERS), clock)
+    loaders = default_loaders(CONTROLLERS, config.controller_modules())
+    manager = ControllerManager(robot, root, loaders, clock)
     loop = ControlLoop(
         robot,
         manager,
         clock=clock,
         period=1.0 / config.station.rate,
         real_time_factor=config.station.real_time_factor,
+        update_budget=config.station.longest_update(),
         heartbeat=heartbeat,
     )
     reserved = frozenset({ROBOT_NAMESPACE})

@@ -170,14 +170,14 @@ def _add_controller_verbs(verbs: _Verbs) -> None:
         aliases=("load",),
     )
     load.add_argument("name")
+    source = "ROS parameter file with its parameters; else the station's configuration"
     load.add_argument(
-        "param_file",
-        nargs="?",
-        type=Path,
-        metavar="PARAM_FILE",
-        help="ROS parameter file with its parameters; else the station's configuration",
+        "param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source
     )
     load.add_argument("--type", help="its type, when no parameters say it")
+    load.add_argument(
+        "--load-timeout", type=float, metavar="S", help="longest init [s]"
+    )
     unload = verbs.add(
         "unload_controller",
         "controllers:unload_controller",
@@ -202,6 +202,8 @@ def _add_switch_verbs(verbs: _Verbs) -> None:
     )
     switch.add_argument("--activate-asap", action="store_true")
     switch.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
+    bound = "longest switch without a timeout, s; inf: no limit"
+    switch.add_argument("--switch-bound", type=float, metavar="S", help=bound)
     switch.add_argument("--dry-run", action="store_true", help="only say what would be")
     for name, summary in (
         ("start", "start loaded controllers"),

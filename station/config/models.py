@@ -5,7 +5,8 @@ is not 1.
 """
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from math import inf
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -14,12 +15,16 @@ from station.core.loop.pace import FASTEST, SLOWEST
 
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
+MODULE_PATTERN = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*$"
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 """What ROS allows as a name without namespaces."""
 Port = Annotated[int, Field(ge=0, le=65535)]
 """A TCP port; 0 for any free one."""
 PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
 """`package/Class` or `module:Class`."""
+
+ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
+"""A Python module; the modules inside of a package belong to it."""
 
 
 class _Section(BaseModel):
@@ -49,10 +54,24 @@ class LoopSection(_Section):
     Attributes:
         rate: Cycles per second of station time [Hz].
         real_time_factor: Station time over wall time, 0.01 to 100.
+        update_budget: How long an update of one controller may take [s wall time];
+            `period` for the period of the loop, None for no budget.
+        controller_modules: Python modules whose controllers may be loaded as
+            `module:Class` while the station runs.
     """
 
     rate: float = Field(ge=1.0, le=10_000.0)
     real_time_factor: Annotated[float, AfterValidator(_within(SLOWEST, FASTEST))]
+    update_budget: Annotated[float, Field(gt=0.0)] | Literal["period"] | None
+    controller_modules: list[ModuleName]
+
+    def longest_update(self) -> float:
+        """Return how long an update may take [s wall time]; infinite for no budget."""
+        if self.update_budget is None:
+            return inf
+        if self.update_budget == "period":
+            return 1.0 / self.rate
+        return self.update_budget
 
 
 class RobotSection(_Section):
@@ -160,6 +179,16 @@ class StationConfig(_Section):
     ui: UiSection
     watchdog: WatchdogSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
+
+    def controller_modules(self) -> frozenset[str]:
+        """Return the modules whose controllers may be loaded as `module:Class`.
+
+        They are the ones that the configuration lists, and the ones that the types of
+        its own controllers name.
+        """
+        types = (controller.type for controller in self.controllers.values())
+        named = (kind.partition(":")[0] for kind in types if ":" in kind)
+        return frozenset((*self.station.controller_modules, *named))
 
     def robot_parameters(self) -> dict[str, object]:
         """Return the robot's parameters, `type` among them."""

@@ -6,7 +6,12 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from station.config.errors import ConfigError, key_text
-from station.config.models import NAME_PATTERN, PLUGIN_PATTERN, StationConfig
+from station.config.models import (
+    MODULE_PATTERN,
+    NAME_PATTERN,
+    PLUGIN_PATTERN,
+    StationConfig,
+)
 from station.config.yaml_reader import KeyPath
 from station.core.errors import show
 
@@ -25,6 +30,7 @@ _WANTED = {
     "finite_number": "a finite number",
 }
 _PATTERNS = {
+    MODULE_PATTERN: "the name of a Python module, e.g. my_package.my_controllers",
     NAME_PATTERN: "a name of letters, digits and underscores",
     PLUGIN_PATTERN: "package/Class, e.g. franka_hw/FrankaHW, or module:Class",
 }

@@ -8,7 +8,8 @@ StationError
 ├── ControllerNotFoundError       no controller of that name is loaded (KeyError)
 ├── ControllerTypeNotFoundError   no loader knows that type (KeyError)
 ├── ControllerLoadError           a controller cannot be created or initialised
-│   └── ControllerExistsError     that name is loaded already (ValueError)
+│   ├── ControllerExistsError     that name is loaded already (ValueError)
+│   └── ControllerModuleRefusedError   its module may not be imported (PermissionError)
 ├── ControllerStateError          not possible in the controller's state (RuntimeError)
 ├── SwitchRefusedError            a switch was refused; nothing changed
 │   └── ResourceConflictError     two controllers want the same resource
@@ -16,6 +17,7 @@ StationError
 ├── InvalidCommandError           a set-point is malformed (ValueError)
 ├── ArmNotFoundError              there is no arm of that name (KeyError)
 ├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
+├── ServiceNotFoundError          the robot has no service of that name (KeyError)
 ├── GripperNotFoundError          there is no hand at that arm (KeyError)
 ├── GripperCommandError           a hand cannot carry out a request (RuntimeError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
@@ -124,6 +126,12 @@ class ControllerExistsError(ControllerLoadError, ValueError):
     """A controller of that name is loaded already."""
 
     code = "controller_exists"
+
+
+class ControllerModuleRefusedError(ControllerLoadError, PermissionError):
+    """The module of a controller is not among those that may be imported."""
+
+    code = "controller_module_refused"
 
 
 class ControllerStateError(StationError, RuntimeError):

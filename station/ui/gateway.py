@@ -10,7 +10,7 @@ nothing is shown or done without a session, and the stop button is the gateway's
 """
 
 from collections.abc import Awaitable, Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib import resources
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qs, urlencode
@@ -23,6 +23,7 @@ from starlette.routing import Route, WebSocketRoute
 from station.client import ApiError
 from station.ui.gateway_guard import GatewayGuard, session_cookie
 from station.ui.sessions import Role, Session, Sessions
+from station.web.failed_logins import FailedLogins
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -39,7 +40,6 @@ _STATIC_TYPES = {
     "login.js": "text/javascript; charset=utf-8",
 }
 _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
-_MAX_FORM_BYTES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +55,7 @@ class GatewayParts:
         relay: The way to Viser.
         origins: Which Host and Origin headers are answered.
         sessions: The logged-in browsers.
+        failed_logins: Who has sent wrong tokens.
     """
 
     role_of: Callable[[str], Awaitable[Role | None]]
@@ -64,6 +65,7 @@ class GatewayParts:
     relay: "ViserRelay"
     origins: "OriginPolicy"
     sessions: Sessions
+    failed_logins: FailedLogins = field(default_factory=FailedLogins)
 
 
 def build_gateway(parts: GatewayParts) -> Starlette:
@@ -110,8 +112,6 @@ class _Gateway:
 
     async def login(self, request: "Request") -> Response:
         body = await request.body()
-        if len(body) > _MAX_FORM_BYTES:
-            return Response(status_code=413)
         fields = parse_qs(body.decode("utf-8", errors="replace"))
         return await self._log_in(request, fields.get("token", [""])[0])
 
@@ -121,6 +121,7 @@ class _Gateway:
         except ApiError:
             return RedirectResponse("/login?" + urlencode({"refused": "link"}), 303)
         if role is None:
+            await self._parts.failed_logins.slow_down(request)
             return RedirectResponse("/login?" + urlencode({"refused": "token"}), 303)
         session = self._parts.sessions.open(role)
         answer = RedirectResponse("/", 303)
@@ -182,7 +183,10 @@ class _Gateway:
         if session is None:
             await socket.close(4401, "log in first")
             return
-        await self._parts.relay.socket(socket, session.role)
+        sessions = self._parts.sessions
+        await self._parts.relay.socket(
+            socket, session.role, lambda: sessions.wait_for_end(session)
+        )
 
 
 async def _answer(request: "Awaitable[StopState]") -> Response:

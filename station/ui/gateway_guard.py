@@ -3,14 +3,25 @@
 from typing import TYPE_CHECKING
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
+
+from station.web.body_limit import announces_more_than, limited
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
     from station.ui.origins import OriginPolicy
 
+MAX_BODY_BYTES = 4096
+"""Largest body of a request: the login form has one field."""
+TOO_LARGE = PlainTextResponse(
+    f"The body is larger than the {MAX_BODY_BYTES} bytes allowed.\n",
+    413,
+    {"connection": "close"},
+)
+_TOO_MUCH = HTTPException(413, headers={"connection": "close"})
 _SAFE_METHODS = frozenset({"GET", "HEAD"})
 _PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
@@ -52,12 +63,19 @@ class GatewayGuard:
             await self._app(scope, receive, send)
             return
         refusal = self._refusal(scope)
-        if refusal and scope["type"] == "websocket":
+        if not refusal and announces_more_than(scope, MAX_BODY_BYTES):
+            await TOO_LARGE(scope, receive, send)
+        elif refusal and scope["type"] == "websocket":
             await WebSocketClose(4403, refusal)(scope, receive, send)
         elif refusal:
             await PlainTextResponse(refusal + "\n", 403)(scope, receive, send)
         else:
-            await self._app(scope, receive, _sealing(scope, send))
+            await self._pass_on(scope, receive, _sealing(scope, send))
+
+    async def _pass_on(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
+        if scope["type"] == "http":
+            receive = limited(receive, MAX_BODY_BYTES, _TOO_MUCH)
+        await self._app(scope, receive, send)
 
     def _refusal(self, scope: "Scope") -> str:
         headers = Headers(scope=scope)

@@ -22,10 +22,13 @@ from station.ui.station_follower import StationAccess, StationFollower
 from station.ui.stop_button import StopButton
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
+from station.web.limited_server import LimitedServer, connection_share
 
 _logger = logging.getLogger(__name__)
 _LOOK_PERIOD = 0.2
 _CLOSING_TIME = 1
+_DESCRIPTORS = 3
+"""File descriptors of a browser's 3D socket, with both ends of that to Viser."""
 _REQUEST_TIMEOUT = 2.0
 
 
@@ -211,7 +214,7 @@ async def ask_role(url: str, token: str) -> Role | None:
             raise
 
 
-class _Server(uvicorn.Server):
+class _Server(LimitedServer):
     """Uvicorn that leaves signals to `_serve` and does not wait for browsers."""
 
     def __init__(self, app: Starlette) -> None:
@@ -224,7 +227,8 @@ class _Server(uvicorn.Server):
                 ws_per_message_deflate=False,
                 timeout_graceful_shutdown=_CLOSING_TIME,
                 server_header=False,
-            )
+            ),
+            connection_share(_DESCRIPTORS),
         )
 
     @override

@@ -1,13 +1,18 @@
 """Browser sessions of the gateway: who has logged in, and in which role."""
 
+import asyncio
+import contextlib
 import secrets
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 SESSION_LIFETIME = 12 * 3600.0
 """How long a login lasts [s]; every request renews it."""
+
+EXPIRY_PERIOD = 1.0
+"""How often an open socket looks whether its session has expired [s]."""
 
 
 class Role(Enum):
@@ -24,10 +29,12 @@ class Session:
     Attributes:
         identifier: Random value of its cookie.
         role: What it may do.
+        closed: Set when the session is closed, or dropped for a newer one.
     """
 
     identifier: str
     role: Role
+    closed: asyncio.Event = field(default_factory=asyncio.Event, compare=False)
 
 
 class Sessions:
@@ -38,7 +45,8 @@ class Sessions:
 
     Args:
         now: Monotonic clock [s].
-        limit: Most sessions kept; the oldest goes first.
+        limit: Most sessions kept for each role; of the same role the oldest goes first,
+            so that no viewer can end an operator's session.
     """
 
     def __init__(
@@ -51,8 +59,9 @@ class Sessions:
     def open(self, role: Role) -> Session:
         """Start a session and return it."""
         self._forget_expired()
-        while len(self._sessions) >= self._limit:
-            del self._sessions[next(iter(self._sessions))]
+        alike = [one for one, _ in self._sessions.values() if one.role is role]
+        for session in alike[: max(0, len(alike) + 1 - self._limit)]:
+            self.close(session.identifier)
         session = Session(secrets.token_urlsafe(32), role)
         self._sessions[session.identifier] = (session, self._now())
         return session
@@ -69,7 +78,16 @@ class Sessions:
 
     def close(self, identifier: str | None) -> None:
         """End a session; one that is not known is ended already."""
-        self._sessions.pop(identifier or "", None)
+        entry = self._sessions.pop(identifier or "", None)
+        if entry is not None:
+            entry[0].closed.set()
+
+    async def wait_for_end(self, session: Session) -> None:
+        """Return when a session was closed or has expired; does not renew it."""
+        while not session.closed.is_set():
+            self._forget_expired()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(session.closed.wait(), EXPIRY_PERIOD)
 
     def _forget_expired(self) -> None:
         oldest = self._now() - SESSION_LIFETIME
@@ -77,4 +95,4 @@ class Sessions:
             key for key, (_, used_at) in self._sessions.items() if used_at < oldest
         ]
         for key in expired:
-            del self._sessions[key]
+            self.close(key)

@@ -1,6 +1,7 @@
 """Pass a browser's requests on to Viser, and its frames both ways."""
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 import httpx
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _MAX_FRAME_BYTES = 64 * 1024 * 1024
 _NO_UPSTREAM = 1013
+_SESSION_ENDED = 4401
 # Codes that an endpoint may not send: 1005, 1006 and 1015 only report.
 _UNSENDABLE = frozenset({1005, 1006, 1015})
 
@@ -54,12 +56,18 @@ class ViserRelay:
             self._page = answer.content
         return Response(self._page, media_type="text/html; charset=utf-8")
 
-    async def socket(self, browser: WebSocket, role: "Role") -> None:
-        """Connect a browser with Viser until either closes.
+    async def socket(
+        self,
+        browser: WebSocket,
+        role: "Role",
+        wait_for_end: Callable[[], Awaitable[None]],
+    ) -> None:
+        """Connect a browser with Viser until either closes or the session ends.
 
         Args:
             browser: The browser's WebSocket, not accepted yet.
             role: Decides which of its frames pass.
+            wait_for_end: Returns when the browser's session has ended.
         """
         offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
         try:
@@ -78,18 +86,28 @@ class ViserRelay:
             return
         async with upstream:
             await browser.accept(subprotocol=upstream.subprotocol)
-            await _relay(browser, upstream, role)
+            ended = asyncio.ensure_future(wait_for_end())
+            await _relay(browser, upstream, role, ended)
 
 
-async def _relay(browser: WebSocket, upstream: ClientConnection, role: "Role") -> None:
+async def _relay(
+    browser: WebSocket,
+    upstream: ClientConnection,
+    role: "Role",
+    ended: asyncio.Future[None],
+) -> None:
     downwards = asyncio.create_task(_to_browser(browser, upstream))
     upwards = asyncio.create_task(_to_viser(browser, upstream, role))
+    ends: set[asyncio.Future[None]] = {downwards, upwards, ended}
     try:
-        await asyncio.wait({downwards, upwards}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+        is_over = ended.done()
     finally:
-        downwards.cancel()
-        upwards.cancel()
-        await asyncio.gather(downwards, upwards, return_exceptions=True)
+        for end in ends:
+            end.cancel()
+        await asyncio.gather(*ends, return_exceptions=True)
+    if is_over and browser.application_state is WebSocketState.CONNECTED:
+        await browser.close(_SESSION_ENDED, "the session has ended")
 
 
 async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:

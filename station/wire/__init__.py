@@ -96,6 +96,7 @@ from station.wire.simulation import (
     StepRequest,
 )
 from station.wire.station import (
+    CommandViolations,
     Health,
     JointStates,
     LoginRequest,
@@ -145,6 +146,7 @@ __all__ = [
     "CommandElement",
     "CommandInfo",
     "CommandRequest",
+    "CommandViolations",
     "ControllerName",
     "ControllerSample",
     "ControllerState",

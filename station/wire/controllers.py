@@ -16,6 +16,11 @@ from station.wire.base import (
     ResponseModel,
 )
 
+LOAD_TIMEOUT = 60.0
+"""Default of the wall time in which a controller must be loaded [s]."""
+SWITCH_BOUND = 5.0
+"""Default of the wall time that a switch without a timeout may take [s]."""
+
 ControllerStateName = Annotated[
     Literal[
         "unknown", "initialized", "running", "stopped", "waiting", "aborted", "loading"
@@ -87,6 +92,7 @@ class LoadRequest(RequestModel):
         type: Its plugin type; may be left out when the configuration has it.
         params: Its parameters as in a ros_control YAML; may be left out when the
             configuration has them.
+        timeout: How long its import, constructor and init may take [s of wall time].
     """
 
     model_config = ConfigDict(
@@ -107,6 +113,7 @@ class LoadRequest(RequestModel):
     name: ControllerName
     type: str | None = Field(default=None, min_length=1, max_length=256)
     params: ParameterValues | None = None
+    timeout: float = Field(default=LOAD_TIMEOUT, gt=0.0, le=3600.0)
 
 
 class SwitchRequest(RequestModel):
@@ -117,7 +124,10 @@ class SwitchRequest(RequestModel):
         stop: Names to stop.
         strictness: `strict`: all or nothing; `best_effort`: what is possible.
         start_asap: Start each as soon as its joints are ready.
-        timeout: Wall-clock deadline [s]; 0 means the station's default.
+        timeout: How long the hardware may take [s]; 0 means as long as it takes, up to
+            `bound`.
+        bound: How long a switch without a timeout may take [s of wall time]; null
+            means as long as the hardware takes, as in ros_control.
         dry_run: Only return what would happen.
     """
 
@@ -132,6 +142,7 @@ class SwitchRequest(RequestModel):
     strictness: Literal["strict", "best_effort"] = "strict"
     start_asap: bool = False
     timeout: float = Field(default=0.0, ge=0.0, le=60.0)
+    bound: float | None = Field(default=SWITCH_BOUND, gt=0.0, le=3600.0)
     dry_run: bool = False
 
     @model_validator(mode="after")
@@ -148,6 +159,10 @@ class SwitchResult(ResponseModel):
         ok: Every controller runs or stopped as planned.
         started: Names that were started.
         stopped: Names that were stopped.
+        outcome: How the switch ended. `committed`: what could be done was done;
+            `rolled_back`: what ran before runs again; `halted`: controllers of the
+            switch were stopped, because the hardware carried out neither the switch
+            nor its reversal.
         failed: Why a controller of the request does not run, by name.
         ignored: Why parts of a best-effort request were left out.
         jump: How far the first commands are from those before, by joint, in the unit
@@ -163,6 +178,7 @@ class SwitchResult(ResponseModel):
                     "ok": True,
                     "started": ["arm"],
                     "stopped": [],
+                    "outcome": "committed",
                     "failed": {},
                     "ignored": [],
                     "jump": {"panda_joint1": 0.0},
@@ -176,6 +192,7 @@ class SwitchResult(ResponseModel):
     ok: bool
     started: Items[str]
     stopped: Items[str]
+    outcome: Annotated[Literal["committed", "rolled_back", "halted"], FromEnum]
     failed: dict[str, str]
     ignored: Items[str]
     jump: dict[str, Measured]

@@ -76,6 +76,18 @@ class LoopReport(ResponseModel):
     scheduler: str
 
 
+class CommandViolations(ResponseModel):
+    """Commands that were written without a claim on their resource, and put to rest.
+
+    Attributes:
+        count: How many there were.
+        last: Who wrote what last; empty without one.
+    """
+
+    count: int = 0
+    last: Reason = ""
+
+
 class Status(ResponseModel):
     """The station at a glance.
 
@@ -93,6 +105,7 @@ class Status(ResponseModel):
         robots: The arms with their modes and errors.
         versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
+        command_violations: Commands that nobody had the right to write.
     """
 
     boot_id: str
@@ -108,6 +121,7 @@ class Status(ResponseModel):
     robots: Items[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
     clamps: Items[Clamp] = Field(default_factory=list)
+    command_violations: CommandViolations = Field(default_factory=CommandViolations)
 
 
 class StopRequest(RequestModel):

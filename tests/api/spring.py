@@ -2,7 +2,7 @@
 
 from station.core.clock import ManualClock
 from station.core.control.controller import Controller, ControllerSample
-from station.core.control.controller_loader import TableLoader
+from station.core.control.controller_loader import ClassLoader, TableLoader
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.tunables import Tunable, Tunables
 from station.core.facade.station import Station
@@ -66,9 +66,9 @@ class OneJointHW(RobotHW):
 def make_station(clock=None):
     """Return a station over one joint; its loop is not started."""
     hw, clock, parameters = OneJointHW(), clock or ManualClock(), Parameters()
-    manager = ControllerManager(
-        hw, parameters, [TableLoader({"test/Spring": "tests.api.spring:Spring"})], clock
-    )
+    table = TableLoader({"test/Spring": "tests.api.spring:Spring"})
+    loaders = [table, ClassLoader(["tests.api.spring"])]
+    manager = ControllerManager(hw, parameters, loaders, clock)
     return Station(
         ControlLoop(hw, manager, clock=clock), manager, parameters, "test/OneJointHW"
     )

@@ -1,11 +1,27 @@
 """A configuration becomes a station whose controllers are loaded."""
 
+import sys
+import threading
+
 import pytest
+from typing_extensions import override
 
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.errors import HardwareInterfaceError, ParameterError, StationError
+from station.core.control import controller_runner
+from station.core.control.controller import Controller
+from station.core.control.switching import SwitchRequest
+from station.core.errors import (
+    ControllerModuleRefusedError,
+    HardwareInterfaceError,
+    ParameterError,
+    StationError,
+)
+from station.core.hardware.interfaces import (
+    JointStateInterface,
+    PositionJointInterface,
+)
 from station.core.loop.heartbeat import Heartbeat
 from tests.app.mass_hw import TYPE
 
@@ -90,6 +106,72 @@ def test_the_default_configuration_has_trajectory_controllers_ready():
     states = {c.type: c.state.value for c in station.controllers()}
     assert states["effort_controllers/JointTrajectoryController"] == "initialized"
     assert states["position_controllers/JointTrajectoryController"] == "initialized"
+
+
+class TakesTwoPeriods(Controller[PositionJointInterface]):
+    """Every update takes twice as long as the period of the loop."""
+
+    hardware_interface = PositionJointInterface
+    clock = ManualClock()
+
+    @override
+    def init(self, interface, params):
+        interface.get_handle("joint1")
+
+    @override
+    def update(self, time, period):
+        self.clock.advance(0.004)
+
+
+class HasNoHurry(Controller[JointStateInterface]):
+    """Counts its updates."""
+
+    hardware_interface = JointStateInterface
+
+    @override
+    def init(self, interface, params):
+        self.updates = 0
+        self.enough = threading.Event()
+
+    @override
+    def update(self, time, period):
+        self.updates += 1
+        if self.updates > 150:
+            self.enough.set()
+
+
+def test_a_controller_over_its_budget_is_stopped_while_others_go_on(
+    tmp_path, monkeypatch
+):
+    config = configure(
+        tmp_path,
+        f"slow: {{type: '{__name__}:TakesTwoPeriods'}},"
+        f"quick: {{type: '{__name__}:HasNoHurry'}}",
+    )
+    monkeypatch.setattr(controller_runner, "perf_counter", TakesTwoPeriods.clock.now)
+    station = compose(config, ManualClock()).station
+
+    station.switch_controllers(SwitchRequest(start=["slow", "quick"]))
+    station.loop.start()
+    assert station.manager.get_controller("quick").enough.wait(5.0)
+    states = {c.name: (c.state.value, c.fault) for c in station.controllers()}
+    station.loop.stop()
+
+    assert states["slow"][0] == "aborted"
+    assert "update took 4 ms, 100 in a row" in states["slow"][1]
+    assert "at most 2 ms" in states["slow"][1]
+    assert states["quick"] == ("running", "")
+
+
+def test_only_modules_that_the_configuration_names_are_imported(tmp_path):
+    config = configure(tmp_path, f"quick: {{type: '{__name__}:HasNoHurry'}}")
+    station = compose(config, ManualClock()).station
+
+    station.load_controller("again", f"{__name__}:HasNoHurry")
+    with pytest.raises(ControllerModuleRefusedError, match="'antigravity'"):
+        station.load_controller("joke", "antigravity:Any")
+
+    assert "antigravity" not in sys.modules
 
 
 def test_every_step_is_announced_before_it_is_done(tmp_path):

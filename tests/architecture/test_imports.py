@@ -32,6 +32,7 @@ VIOLATIONS = {
     "wire-stands-alone": ("station/wire/base.py", "import station.core.errors"),
     "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
     "api-serves": ("station/api/app.py", "import viser"),
+    "web-stands-alone": ("station/web/body_limit.py", "import station.core"),
     "ui-is-a-client": ("station/ui/scene.py", "import station.core.clock"),
 }
 

@@ -62,6 +62,7 @@ class FakeStation:
     def __init__(self) -> None:
         self.timeout = 10.0
         self.calls: list[tuple[object, ...]] = []
+        self.outcome = "committed"
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
         self.faults: dict[str, str] = {}
@@ -133,8 +134,9 @@ class FakeStation:
     def cancel_goal(self, name, goal_id):
         self._record("cancel_goal", name, goal_id)
 
-    def load_controller(self, name, type=None, params=None):  # noqa: A002
+    def load_controller(self, name, type=None, params=None, *, timeout=None):  # noqa: A002
         self._record("load", name, type, params)
+        self.load_timeout = timeout
         self.states[name] = "initialized"
         return self.controller(name)
 
@@ -145,11 +147,12 @@ class FakeStation:
     def switch_controllers(self, **request):
         self._record("switch", request)
         return SwitchResult(
-            ok=not self.failed,
+            ok=not self.failed and self.outcome == "committed",
             failed=self.failed,
             ignored=[],
             started=list(request.get("start", ())),
             stopped=list(request.get("stop", ())),
+            outcome=self.outcome,
             jump={"j1": 0.0, "j2": 0.25},
             cycle=7,
             dry_run=request.get("dry_run", False),

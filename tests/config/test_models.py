@@ -10,7 +10,12 @@ from station.config.models import ApiSection, LoopSection
 @pytest.mark.parametrize("rate", [0.5, 1e5, True, "1000", float("nan"), float("inf")])
 def test_impossible_rate_is_refused(rate):
     with pytest.raises(ValidationError):
-        LoopSection(rate=rate, real_time_factor=1.0)
+        LoopSection(
+            rate=rate,
+            real_time_factor=1.0,
+            update_budget=None,
+            controller_modules=[],
+        )
 
 
 @pytest.mark.parametrize("token", ["short", "has space in it", "umlaut-ä-in-it"])

@@ -1,5 +1,7 @@
 """What is wrong with a configuration is said by key, value and what is allowed."""
 
+from math import inf
+
 import pytest
 
 from station.config.errors import ConfigError
@@ -7,7 +9,12 @@ from station.config.loading import load_config
 from station.config.validation import validate
 
 MINIMAL = {
-    "station": {"rate": 1000, "real_time_factor": 1.0},
+    "station": {
+        "rate": 1000,
+        "real_time_factor": 1.0,
+        "update_budget": "period",
+        "controller_modules": [],
+    },
     "robot": {"type": "a/B"},
     "scene": {"objects": []},
     "controllers": {},
@@ -24,6 +31,25 @@ def place(path: tuple[str | int, ...]) -> str:
 
 def test_minimal_configuration_is_valid():
     assert validate(MINIMAL, place).station.rate == 1000.0
+
+
+@pytest.mark.parametrize(
+    ("written", "longest"), [("period", 0.001), (0.02, 0.02), (None, inf)]
+)
+def test_the_budget_of_an_update_is_the_period_a_time_or_none(written, longest):
+    values = {**MINIMAL, "station": {**MINIMAL["station"], "update_budget": written}}
+
+    assert validate(values, place).station.longest_update() == longest
+
+
+def test_modules_of_configured_controllers_may_be_loaded_besides_the_listed_ones():
+    station = {**MINIMAL["station"], "controller_modules": ["listed.package"]}
+    controllers = {"arm": {"type": "mine.arm:Arm"}, "hand": {"type": "a/Hand"}}
+    values = {**MINIMAL, "station": station, "controllers": controllers}
+
+    modules = validate(values, place).controller_modules()
+
+    assert modules == {"listed.package", "mine.arm"}
 
 
 @pytest.mark.parametrize(

@@ -195,6 +195,7 @@ class FakeStation:
             "ok": True,
             "started": body.get("start", []),
             "stopped": body.get("stop", []),
+            "outcome": "committed",
             "failed": {},
             "jump": {},
             "cycle": 11,

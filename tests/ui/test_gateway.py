@@ -1,5 +1,7 @@
 """The gateway: nothing is shown or done before login, by strangers or by viewers."""
 
+import socket
+
 import httpx
 import pytest
 from starlette.responses import PlainTextResponse
@@ -11,6 +13,7 @@ from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.gateway_state import BarState
 from station.ui.origins import OriginPolicy
 from station.ui.sessions import Role, Sessions
+from station.web.failed_logins import FailedLogins
 from station.wire import StopState
 from tests.ui.served import Served
 
@@ -23,9 +26,11 @@ class _Relay:
     async def page(self):
         return PlainTextResponse("viser")
 
-    async def socket(self, browser, role):
+    async def socket(self, browser, role, wait_for_end):
         await browser.accept()
         await browser.send_text(role.value)
+        if role is Role.VIEWER:
+            await wait_for_end()
         await browser.close(4321, "done")
 
 
@@ -33,6 +38,10 @@ class _Station:
     def __init__(self):
         self.done = []
         self.failure = None
+        self.slept = []
+
+    async def sleep(self, delay):
+        self.slept.append(delay)
 
     async def role_of(self, token):
         if self.failure:
@@ -62,6 +71,7 @@ def gateway():
             relay=_Relay(),
             origins=OriginPolicy("127.0.0.1"),
             sessions=Sessions(),
+            failed_logins=FailedLogins(sleep=station.sleep),
         )
     )
     with Served(app) as served:
@@ -249,4 +259,49 @@ def test_other_files_are_not(browser, name):
 def test_a_huge_form_is_refused(browser):
     body = httpx.QueryParams({"token": "x" * 10_000})
     answer = browser.post("/login", content=str(body).encode(), headers=_own(browser))
+    assert answer.status_code == 413
+
+
+def test_logging_out_ends_the_socket_of_that_session_alone(browser, gateway):
+    _log_in(browser, "watch")
+    with httpx.Client(base_url=gateway[0]) as other:
+        _log_in(other, "watch")
+        with _socket(browser) as mine, _socket(other) as kept:
+            assert mine.recv() == kept.recv() == "viewer"
+
+            browser.post("/logout", headers=_own(browser))
+
+            with pytest.raises(ConnectionClosed):
+                mine.recv(timeout=5.0)
+            with pytest.raises(TimeoutError):
+                kept.recv(timeout=0.1)
+            other.post("/logout", headers=_own(other))
+            with pytest.raises(ConnectionClosed):
+                kept.recv(timeout=5.0)
+
+
+def test_wrong_tokens_are_held_back_and_right_ones_are_not(browser, station):
+    for _ in range(12):
+        _log_in(browser, "wrong")
+    assert max(station.slept) == 1.0
+    station.slept.clear()
+
+    assert _log_in(browser).headers["location"] == "/"
+    assert station.slept == []
+
+
+def test_a_body_is_refused_before_it_arrives(browser):
+    url = browser.base_url
+    head = (
+        f"POST /login HTTP/1.1\r\nHost: {url.host}:{url.port}\r\n"
+        f"Origin: {_own(browser)['Origin']}\r\n"
+    )
+    with socket.create_connection((url.host, url.port), timeout=5.0) as raw:
+        raw.sendall(f"{head}Content-Length: 398458880\r\n\r\n".encode())
+        assert raw.recv(65536).startswith(b"HTTP/1.1 413")
+
+
+def test_a_body_without_a_length_is_refused_when_it_grows_too_large(browser):
+    parts = iter([b"token=" + b"x" * 3000, b"x" * 3000])
+    answer = browser.post("/login", content=parts, headers=_own(browser))
     assert answer.status_code == 413

@@ -1,5 +1,8 @@
 """Browser sessions of the gateway."""
 
+import asyncio
+
+from station.ui import sessions as module
 from station.ui.sessions import SESSION_LIFETIME, Role, Sessions
 
 
@@ -47,3 +50,29 @@ def test_the_oldest_session_makes_room():
     others = [sessions.open(Role.VIEWER) for _ in range(2)]
     assert sessions.find(first.identifier) is None
     assert all(sessions.find(other.identifier) for other in others)
+
+
+def test_viewers_do_not_displace_operators():
+    sessions = Sessions(limit=2)
+    operator = sessions.open(Role.OPERATOR)
+    for _ in range(5):
+        sessions.open(Role.VIEWER)
+    assert sessions.find(operator.identifier) == operator
+
+
+def test_waiting_ends_when_the_session_is_closed_dropped_or_expired(monkeypatch):
+    monkeypatch.setattr(module, "EXPIRY_PERIOD", 0.001)
+    time = _Time()
+    sessions = Sessions(time, limit=1)
+
+    async def wait(end):
+        session = sessions.open(Role.VIEWER)
+        waiting = asyncio.create_task(sessions.wait_for_end(session))
+        await asyncio.sleep(0)
+        assert not waiting.done()
+        end(session)
+        await asyncio.wait_for(waiting, 5.0)
+
+    asyncio.run(wait(lambda session: sessions.close(session.identifier)))
+    asyncio.run(wait(lambda _: sessions.open(Role.VIEWER)))
+    asyncio.run(wait(lambda _: setattr(time, "now", time.now + 2 * SESSION_LIFETIME)))

@@ -1,16 +1,19 @@
 """Pages and frames on their way between a browser and Viser."""
 
 import asyncio
+from functools import partial
 
+import httpx
 import msgspec
 import pytest
 import viser
 from starlette.applications import Starlette
-from starlette.routing import WebSocketRoute
+from starlette.responses import Response
+from starlette.routing import Route, WebSocketRoute
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from station.ui.sessions import Role
+from station.ui.sessions import Role, Sessions
 from station.ui.viser_relay import ViserRelay
 from tests.ui.bench import CAMERA
 from tests.ui.served import Served
@@ -28,7 +31,7 @@ def relayed(shared_bench):
 
 def _as(relay, role):
     async def endpoint(socket):
-        await relay.socket(socket, role)
+        await relay.socket(socket, role, asyncio.Event().wait)
 
     return endpoint
 
@@ -81,6 +84,39 @@ def test_visers_close_code_reaches_the_browser(relayed):
         socket.recv(timeout=5.0)
     assert closed.value.rcvd.code == 1002
     assert "Version mismatch" in closed.value.rcvd.reason
+
+
+def test_the_socket_is_closed_when_its_session_ends(shared_bench):
+    door = shared_bench.guarded
+    relay, sessions = ViserRelay(door.port, door.secret), Sessions()
+    opened = []
+
+    async def watch(socket):
+        opened.append(sessions.open(Role.OPERATOR))
+        end = partial(sessions.wait_for_end, opened[0])
+        await relay.socket(socket, Role.OPERATOR, end)
+
+    async def log_out(_):
+        sessions.close(opened[0].identifier)
+        return Response()
+
+    routes = [WebSocketRoute("/ui", watch), Route("/logout", log_out)]
+    with (
+        Served(Starlette(routes=routes)) as served,
+        _connect(f"{served.url.replace('http', 'ws')}/ui") as socket,
+    ):
+        socket.send(msgspec.msgpack.encode(CAMERA))
+        assert isinstance(socket.recv(timeout=5.0), bytes)
+        httpx.get(f"{served.url}/logout")
+        with pytest.raises(ConnectionClosed) as closed:
+            _read_to_the_end(socket)
+
+    assert closed.value.rcvd.code == 4401
+
+
+def _read_to_the_end(socket):
+    while True:
+        socket.recv(timeout=5.0)
 
 
 def test_the_page_comes_with_visers_secret(shared_bench):

@@ -6,19 +6,31 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Authenticator, Role
-from station.api.dependencies import AuthenticatorDep, RoleDep
+from station.api.dependencies import (
+    AccessDep,
+    AuthenticatorDep,
+    FailedLoginsDep,
+    RoleDep,
+)
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
+from station.web.failed_logins import FailedLogins
 from station.wire import LoginRequest, Session, StreamTicket
 
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
 
 
-def _role_of(authenticator: Authenticator, token: str) -> Role:
+async def _role_of(
+    request: Request,
+    authenticator: Authenticator,
+    failed_logins: FailedLogins,
+    token: str,
+) -> Role:
     role = authenticator.role_of_token(token)
     if role is None:
+        await failed_logins.slow_down(request)
         raise ProblemError(
             401,
             "unauthorized",
@@ -42,10 +54,14 @@ def _set_cookie(response: Response, authenticator: Authenticator, role: Role) ->
 
 @router.post("/login", responses=problems(413, 422))
 async def login(
-    request: LoginRequest, response: Response, authenticator: AuthenticatorDep
+    body: LoginRequest,
+    request: Request,
+    response: Response,
+    authenticator: AuthenticatorDep,
+    failed_logins: FailedLoginsDep,
 ) -> Session:
     """Exchange a token for a session cookie (SameSite=Strict, HttpOnly)."""
-    role = _role_of(authenticator, request.token)
+    role = await _role_of(request, authenticator, failed_logins, body.token)
     _set_cookie(response, authenticator, role)
     return Session(role=role.value)
 
@@ -54,7 +70,7 @@ async def login(
 async def logout(
     request: Request, response: Response, authenticator: AuthenticatorDep
 ) -> None:
-    """Revoke the session cookie."""
+    """Revoke the session cookie, and end the streams of the session."""
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"
@@ -68,21 +84,25 @@ async def session(role: RoleDep) -> Session:
 
 
 @router.post("/stream-tickets", responses=problems())
-async def issue_ticket(role: RoleDep, authenticator: AuthenticatorDep) -> StreamTicket:
+async def issue_ticket(
+    access: AccessDep, authenticator: AuthenticatorDep
+) -> StreamTicket:
     """Return a ticket that opens one WebSocket soon: `?ticket=…`."""
     return StreamTicket(
-        ticket=authenticator.issue_ticket(role), expires_in=TICKET_LIFETIME
+        ticket=authenticator.issue_ticket(access), expires_in=TICKET_LIFETIME
     )
 
 
 @login_page.get("/login")
 async def login_by_link(
+    request: Request,
     authenticator: AuthenticatorDep,
+    failed_logins: FailedLoginsDep,
     token: str,
     target: Annotated[str, Query(alias="next")] = "/docs",
 ) -> Response:
     """Log a browser in by the link that the station printed, then show a page."""
-    role = _role_of(authenticator, token)
+    role = await _role_of(request, authenticator, failed_logins, token)
     # A link that leads to another site would let an attacker use the login page to
     # send people there; browsers take // and /\\ for the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))

@@ -43,7 +43,9 @@ def load_controller(
     if _is_loaded(station, request.name):
         response.status_code = 200
     return ControllerState.model_validate(
-        station.load_controller(request.name, request.type, request.params)
+        station.load_controller(
+            request.name, request.type, request.params, timeout=request.timeout
+        )
     )
 
 
@@ -72,6 +74,7 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
             strictness=switching.Strictness[request.strictness.upper()],
             start_asap=request.start_asap,
             timeout=request.timeout,
+            bound=request.bound,
             dry_run=request.dry_run,
         )
     )
@@ -88,7 +91,11 @@ def get_controller(name: str, station: StationDep) -> ControllerState:
     "/controllers/{name}", dependencies=[Operator], responses=problems(404, 409)
 )
 def unload_controller(name: str, station: StationDep) -> ControllerState:
-    """Unload a controller that does not run; return its last state."""
+    """Unload a controller that does not run; return its last state.
+
+    The loading of a controller that is still `loading` is cancelled, and the request
+    that loads the controller is refused.
+    """
     before = ControllerState.model_validate(station.controller(name))
     station.unload_controller(name)
     return before

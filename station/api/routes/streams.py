@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from fastapi import APIRouter, WebSocket
 
-from station.api.auth import Authenticator, Role
+from station.api.auth import Access, Authenticator
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
 from station.api.routes.problems import problems
@@ -15,17 +15,18 @@ from station.wire import CLOSE_UNAUTHORIZED
 if TYPE_CHECKING:
     from station.api.streams import Broadcaster
     from station.core.facade.station import Station
+    from station.web.failed_logins import FailedLogins
 
 router = APIRouter(tags=["streams"])
 
 
-def role_of(websocket: WebSocket) -> Role | None:
-    """Return the role that a WebSocket's ticket, token or cookie proves."""
+def access_of(websocket: WebSocket) -> Access | None:
+    """Return the access that a WebSocket's ticket, token or cookie proves."""
     authenticator: Authenticator = websocket.app.state.authenticator
     ticket = websocket.query_params.get("ticket")
     if ticket is not None:
         return authenticator.redeem_ticket(ticket)
-    return authenticator.role_of_headers(websocket.headers)
+    return authenticator.access_of_headers(websocket.headers)
 
 
 @router.websocket("/streams/{topic:path}")
@@ -33,8 +34,12 @@ async def stream(websocket: WebSocket, topic: str) -> None:
     """Stream a topic; refusals are close codes, which browsers only see once open."""
     station: Station = websocket.app.state.station
     broadcaster: Broadcaster = websocket.app.state.broadcaster
+    failed_logins: FailedLogins = websocket.app.state.failed_logins
     await websocket.accept()
-    if role_of(websocket) is None:
+    access = access_of(websocket)
+    if access is None:
+        if "authorization" in websocket.headers:
+            await failed_logins.slow_down(websocket)
         reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return
@@ -43,7 +48,7 @@ async def stream(websocket: WebSocket, topic: str) -> None:
     except StreamRequestError as error:
         await websocket.close(error.close_code, error.reason)
         return
-    await broadcaster.serve(websocket, request, source)
+    await broadcaster.serve(websocket, request, source, access)
 
 
 @router.get(

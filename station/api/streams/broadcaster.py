@@ -8,13 +8,19 @@ import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.api import answers
+from station.api.auth import Access, Role
 from station.api.streams.channel import Channel, open_channel
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
 from station.api.streams.topics import Data, Payload, Topic
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.wire import CLOSE_GOING_AWAY, CLOSE_TOO_SLOW, CLOSE_TRY_LATER
+from station.wire import (
+    CLOSE_GOING_AWAY,
+    CLOSE_TOO_SLOW,
+    CLOSE_TRY_LATER,
+    CLOSE_UNAUTHORIZED,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -32,7 +38,9 @@ class Broadcaster:
     Args:
         station: Where the data comes from.
         slow_after: A client that takes nothing for so long is closed [s].
-        max_clients: More are turned away.
+        max_clients: More are turned away. Viewers together get at most three quarters
+            of them, and each browser's session a quarter, so that no viewer can keep
+            the operators out.
     """
 
     def __init__(
@@ -42,7 +50,7 @@ class Broadcaster:
         self._slow_after = slow_after
         self._max_clients = max_clients
         self._channels: dict[StreamRequest, Channel] = {}
-        self._clients: set[asyncio.Task[None]] = set()
+        self._clients: dict[asyncio.Task[None], Access] = {}
         self._closing = asyncio.Event()
 
     @property
@@ -57,29 +65,55 @@ class Broadcaster:
             await asyncio.wait(self._clients, timeout=timeout)
 
     async def serve(
-        self, websocket: WebSocket, request: StreamRequest, topic: Topic
+        self,
+        websocket: WebSocket,
+        request: StreamRequest,
+        topic: Topic,
+        access: Access,
     ) -> None:
-        """Send frames to an accepted client until either side has enough."""
-        if self._closing.is_set() or len(self._clients) >= self._max_clients:
-            await websocket.close(CLOSE_TRY_LATER, "too many streams, or shutting down")
+        """Send frames to an accepted client until either side, or its session, ends."""
+        refused = self._refusal(access)
+        if refused is not None:
+            await websocket.close(CLOSE_TRY_LATER, refused)
             return
-        task = asyncio.create_task(self._serve(websocket, request, topic))
-        self._clients.add(task)
+        task = asyncio.create_task(self._serve(websocket, request, topic, access))
+        self._clients[task] = access
         try:
             await task
         finally:
-            self._clients.discard(task)
+            self._clients.pop(task, None)
             task.cancel()
 
+    def _refusal(self, access: Access) -> str | None:
+        """Return why another stream is turned away; None when it is taken."""
+        present, most = self._clients.values(), self._max_clients
+        if self._closing.is_set():
+            return "the station shuts down"
+        if len(present) >= most:
+            return f"there are {most} streams already"
+        share = most - most // 4
+        viewers = sum(one.role is Role.VIEWER for one in present)
+        if access.role is Role.VIEWER and viewers >= share:
+            return f"viewers have {share} streams already"
+        share = max(1, most // 4)
+        same = sum(one.session is access.session for one in present)
+        if access.session is not None and same >= share:
+            return f"this session has {share} streams already"
+        return None
+
     async def _serve(
-        self, websocket: WebSocket, request: StreamRequest, topic: Topic
+        self,
+        websocket: WebSocket,
+        request: StreamRequest,
+        topic: Topic,
+        access: Access,
     ) -> None:
         channel = self._channels.get(request)
         if channel is None:
             channel = self._channels[request] = open_channel(request, topic)
         channel.join()
         try:
-            code, reason = await self._first_end(websocket, channel)
+            code, reason = await self._first_end(websocket, channel, access)
         finally:
             channel.leave()
             if channel.clients == 0:
@@ -88,13 +122,14 @@ class Broadcaster:
             await _close(websocket, code, reason)
 
     async def _first_end(
-        self, websocket: WebSocket, channel: Channel
+        self, websocket: WebSocket, channel: Channel, access: Access
     ) -> tuple[int, str]:
         """Return how to close: (0, "") when the client is gone already."""
         ends: list[tuple[Coroutine[object, object, None], int, str]] = [
             (_drain(websocket), 0, ""),
             (self._feed(websocket, channel), CLOSE_TOO_SLOW, "took no frame in time"),
             (self._wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
+            (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the session has ended"),
         ]
         tasks = [asyncio.create_task(end) for end, _, _ in ends]
         try:

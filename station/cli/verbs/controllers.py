@@ -69,7 +69,9 @@ def load_controller(options: Namespace) -> int:
     if options.param_file is not None:
         params = _parameters_of(options.name, options.param_file)
     with open_client(options) as client:
-        state = client.load_controller(options.name, options.type, params)
+        state = client.load_controller(
+            options.name, options.type, params, timeout=options.load_timeout
+        )
     if options.json:
         say_model(state)
     else:

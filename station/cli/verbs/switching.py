@@ -1,6 +1,7 @@
 """Verbs that start and stop controllers."""
 
 from argparse import Namespace
+from math import isinf
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
@@ -10,6 +11,11 @@ from station.cli.output import say, say_model
 if TYPE_CHECKING:
     from station.client import StationClient
     from station.wire import SwitchResult
+
+_OUTCOMES = {
+    "rolled_back": "Rolled back: what ran before runs again.",
+    "halted": "Halted: the hardware carried out neither the switch nor its reversal.",
+}
 
 
 def switch_controllers(options: Namespace) -> int:
@@ -23,6 +29,9 @@ def switch_controllers(options: Namespace) -> int:
             "No controller is named.",
             remedy="Name some with --activate, --deactivate or both.",
         )
+    limit: dict[str, float | None] = {}
+    if options.switch_bound is not None:
+        limit["bound"] = None if isinf(options.switch_bound) else options.switch_bound
     with open_client(options) as client:
         result = client.switch_controllers(
             start=options.activate,
@@ -30,6 +39,7 @@ def switch_controllers(options: Namespace) -> int:
             strictness="best_effort" if options.best_effort else "strict",
             start_asap=options.activate_asap,
             timeout=options.switch_timeout,
+            **limit,
             dry_run=options.dry_run,
         )
     return _tell(result, as_json=options.json)
@@ -78,6 +88,8 @@ def _tell(result: "SwitchResult", *, as_json: bool) -> int:
     if as_json:
         say_model(result)
         return 0 if result.ok else 1
+    if result.outcome in _OUTCOMES:
+        say(_OUTCOMES[result.outcome])
     would = "Would have " if result.dry_run else ""
     for what, names in (("stopped", result.stopped), ("started", result.started)):
         if names:

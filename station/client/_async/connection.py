@@ -1,6 +1,7 @@
 """The connection of a client to its station: requests go out, wire models come back."""
 
 import json
+import math
 from collections.abc import Mapping
 from typing import TypeVar
 
@@ -97,7 +98,8 @@ class AsyncConnection:
             answer: Wire model of the answer.
             body: JSON body; a model sends only what was set.
             headers: Extra headers.
-            patience: How much longer than usual the answer may take [s].
+            patience: How much longer than usual the answer may take [s]; infinite for
+                as long as it takes.
 
         Raises:
             ApiError: The station refuses.
@@ -124,6 +126,7 @@ class AsyncConnection:
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,
     ) -> ModelT:
+        read = self.timeout + patience if math.isfinite(patience) else None
         try:
             response = await self._http.request(
                 method,
@@ -131,7 +134,7 @@ class AsyncConnection:
                 params=query,
                 content=content,
                 headers=headers,
-                timeout=self.timeout + patience,
+                timeout=httpx.Timeout(self.timeout, read=read),
             )
         except httpx.TransportError as error:
             raise StationUnreachableError(self.url, error) from error

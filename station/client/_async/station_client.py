@@ -1,5 +1,6 @@
 """The client of a station: one method per route."""
 
+import math
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -51,6 +52,7 @@ from station.wire import (
     SwitchResult,
     TrajectoryRequest,
 )
+from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
 
 class AsyncStationClient:
@@ -161,6 +163,8 @@ class AsyncStationClient:
         name: str,
         type: str | None = None,  # noqa: A002 - ros_control's word
         params: Mapping[str, JsonValue] | None = None,
+        *,
+        timeout: float | None = None,
     ) -> ControllerState:
         """Load a controller; loading the same one again changes nothing.
 
@@ -168,17 +172,25 @@ class AsyncStationClient:
             name: Its name.
             type: Its plugin type; None when the station's configuration has it.
             params: Its parameters; None when the station's configuration has them.
+            timeout: How long its import, constructor and init may take [s]; None for
+                the station's default.
         """
-        given: dict[str, object] = {"name": name, "type": type, "params": params}
+        given: dict[str, object] = {
+            "name": name,
+            "type": type,
+            "params": params,
+            "timeout": timeout,
+        }
         request = LoadRequest.model_validate({
             key: value for key, value in given.items() if value is not None
         })
+        patience = LOAD_TIMEOUT if timeout is None else timeout
         return await self._connection.send(
-            "POST", "/controllers", ControllerState, request
+            "POST", "/controllers", ControllerState, request, patience=patience
         )
 
     async def unload_controller(self, name: str) -> ControllerState:
-        """Unload a stopped controller and return its last state."""
+        """Unload a stopped controller, or cancel its loading; return its last state."""
         path = _controller(name)
         return await self._connection.send("DELETE", path, ControllerState)
 
@@ -190,6 +202,7 @@ class AsyncStationClient:
         strictness: Strictness = "strict",
         start_asap: bool = False,
         timeout: float = 0.0,
+        bound: float | None = SWITCH_BOUND,
         dry_run: bool = False,
     ) -> SwitchResult:
         """Start and stop controllers in one cycle.
@@ -199,7 +212,10 @@ class AsyncStationClient:
             stop: Names to stop.
             strictness: `strict` for all or nothing, `best_effort` for what is possible.
             start_asap: Start each as soon as its joints are ready.
-            timeout: Deadline [s], 0 to 60; 0 means the station's default.
+            timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
+                takes, up to `bound`.
+            bound: How long a switch without a timeout may take [s of wall time]; None
+                means as long as the hardware takes.
             dry_run: Only return what would happen.
         """
         request = SwitchRequest(
@@ -208,10 +224,12 @@ class AsyncStationClient:
             strictness=strictness,
             start_asap=start_asap,
             timeout=timeout,
+            bound=bound,
             dry_run=dry_run,
         )
+        patience = timeout or (math.inf if bound is None else bound)
         return await self._connection.send(
-            "POST", "/controllers/switch", SwitchResult, request, patience=timeout
+            "POST", "/controllers/switch", SwitchResult, request, patience=patience
         )
 
     async def gains(self, name: str) -> Gains:

@@ -1,6 +1,7 @@
 # Generated from _async/station_client.py by tools/generate_client.py.
 """The client of a station: one method per route."""
 
+import math
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -52,6 +53,7 @@ from station.wire import (
     SwitchResult,
     TrajectoryRequest,
 )
+from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
 
 class StationClient:
@@ -162,6 +164,8 @@ class StationClient:
         name: str,
         type: str | None = None,  # noqa: A002 - ros_control's word
         params: Mapping[str, JsonValue] | None = None,
+        *,
+        timeout: float | None = None,
     ) -> ControllerState:
         """Load a controller; loading the same one again changes nothing.
 
@@ -169,15 +173,25 @@ class StationClient:
             name: Its name.
             type: Its plugin type; None when the station's configuration has it.
             params: Its parameters; None when the station's configuration has them.
+            timeout: How long its import, constructor and init may take [s]; None for
+                the station's default.
         """
-        given: dict[str, object] = {"name": name, "type": type, "params": params}
+        given: dict[str, object] = {
+            "name": name,
+            "type": type,
+            "params": params,
+            "timeout": timeout,
+        }
         request = LoadRequest.model_validate({
             key: value for key, value in given.items() if value is not None
         })
-        return self._connection.send("POST", "/controllers", ControllerState, request)
+        patience = LOAD_TIMEOUT if timeout is None else timeout
+        return self._connection.send(
+            "POST", "/controllers", ControllerState, request, patience=patience
+        )
 
     def unload_controller(self, name: str) -> ControllerState:
-        """Unload a stopped controller and return its last state."""
+        """Unload a stopped controller, or cancel its loading; return its last state."""
         path = _controller(name)
         return self._connection.send("DELETE", path, ControllerState)
 
@@ -189,6 +203,7 @@ class StationClient:
         strictness: Strictness = "strict",
         start_asap: bool = False,
         timeout: float = 0.0,
+        bound: float | None = SWITCH_BOUND,
         dry_run: bool = False,
     ) -> SwitchResult:
         """Start and stop controllers in one cycle.
@@ -198,7 +213,10 @@ class StationClient:
             stop: Names to stop.
             strictness: `strict` for all or nothing, `best_effort` for what is possible.
             start_asap: Start each as soon as its joints are ready.
-            timeout: Deadline [s], 0 to 60; 0 means the station's default.
+            timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
+                takes, up to `bound`.
+            bound: How long a switch without a timeout may take [s of wall time]; None
+                means as long as the hardware takes.
             dry_run: Only return what would happen.
         """
         request = SwitchRequest(
@@ -207,10 +225,12 @@ class StationClient:
             strictness=strictness,
             start_asap=start_asap,
             timeout=timeout,
+            bound=bound,
             dry_run=dry_run,
         )
+        patience = timeout or (math.inf if bound is None else bound)
         return self._connection.send(
-            "POST", "/controllers/switch", SwitchResult, request, patience=timeout
+            "POST", "/controllers/switch", SwitchResult, request, patience=patience
         )
 
     def gains(self, name: str) -> Gains:

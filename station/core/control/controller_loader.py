@@ -7,13 +7,17 @@ controller_loader.h; differs: a plugin is a Python class named `module:Class`.
 import importlib
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
 
 from typing_extensions import override
 
 from station.core.control.controller import ControllerBase
-from station.core.errors import ControllerLoadError, ControllerTypeNotFoundError
+from station.core.errors import (
+    ControllerLoadError,
+    ControllerModuleRefusedError,
+    ControllerTypeNotFoundError,
+)
 from station.core.faults import CONTAINED, describe
 
 BASE_CLASS = "controller_interface::ControllerBase"
@@ -126,10 +130,18 @@ class EntryPointLoader(ControllerLoader):
 
 
 class ClassLoader(ControllerLoader):
-    """Creates any importable class whose type is written `module:Class`."""
+    """Creates the class that a type written `module:Class` names.
 
-    def __init__(self) -> None:
+    Importing a module runs its code, so whoever lets others choose types gives a list.
+
+    Args:
+        allowed: Modules that may be imported, with the modules inside of them; any
+            module when None.
+    """
+
+    def __init__(self, allowed: Collection[str] | None = None) -> None:
         super().__init__()
+        self._allowed = None if allowed is None else frozenset(allowed)
         self._modules: set[str] = set()
 
     @override
@@ -143,8 +155,26 @@ class ClassLoader(ControllerLoader):
 
     @override
     def create(self, controller_type: str) -> ControllerBase | None:
-        self._modules.add(controller_type.partition(":")[0])
+        module = controller_type.partition(":")[0]
+        self._check_allowed(module, controller_type)
+        self._modules.add(module)
         return _create(controller_type, controller_type)
+
+    def _check_allowed(self, module: str, controller_type: str) -> None:
+        """Refuse a module that is not on the list.
+
+        Raises:
+            ControllerModuleRefusedError: It is not.
+        """
+        if self._allowed is None or not self._allowed.isdisjoint(_with_parents(module)):
+            return
+        listed = sorted(self._allowed)
+        raise ControllerModuleRefusedError(
+            f"Controllers of the module '{module}' may not be loaded: the module is "
+            "not on the list of modules that this station imports.",
+            remedy="Add the module to the list of allowed modules and start again.",
+            details={"type": controller_type, "module": module, "allowed": listed},
+        )
 
     @override
     def reload(self) -> None:
@@ -152,13 +182,22 @@ class ClassLoader(ControllerLoader):
         self._modules.clear()
 
 
-def default_loaders(table: Mapping[str, str]) -> list[ControllerLoader]:
+def _with_parents(module: str) -> list[str]:
+    """Return a module and the packages around it."""
+    parts = module.split(".")
+    return [".".join(parts[: count + 1]) for count in range(len(parts))]
+
+
+def default_loaders(
+    table: Mapping[str, str], modules: Collection[str] | None = None
+) -> list[ControllerLoader]:
     """Return the usual loaders: `table`, installed packages, `module:Class`.
 
     Args:
         table: Type to `module:Class`.
+        modules: Modules that `module:Class` may name; any module when None.
     """
-    return [TableLoader(table), EntryPointLoader(), ClassLoader()]
+    return [TableLoader(table), EntryPointLoader(), ClassLoader(modules)]
 
 
 def create_controller(

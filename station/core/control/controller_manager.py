@@ -207,7 +207,9 @@ class ControllerManager:
             loaded = loading.run(timeout)
         finally:
             with self._lock:
-                self._loading.pop(name, None)
+                # After a cancellation another caller may be loading the same name.
+                if self._loading.get(name) is loading:
+                    del self._loading[name]
         if loaded.controller.set_points is not None:
             loaded.controller.set_points.clock = self._clock
         with self._lock:

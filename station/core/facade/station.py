@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerManager, ControllerStatus
+from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, GainsChange
 from station.core.errors import (
@@ -72,6 +73,7 @@ class Station(MotionCommands):
         self._reserved = reserved
         self._change_lock = threading.Lock()
         self._revisions: dict[str, int] = {}
+        self._loading: set[str] = set()
 
     @property
     def epoch(self) -> int:
@@ -103,6 +105,7 @@ class Station(MotionCommands):
         """Return the station at a glance."""
         snapshot = self.snapshots.latest()
         latch = self.loop.stop_latch
+        violations, last_violation = self.manager.command_violations
         return StationStatus(
             boot_id=self.boot_id,
             epoch=self.loop.epoch,
@@ -115,6 +118,8 @@ class Station(MotionCommands):
             loop=self.loop.report(),
             simulation=self.simulation.find(),
             clamps=tuple(self.loop.hw.clamps()),
+            command_violations=violations,
+            last_command_violation=last_violation,
         )
 
     def hardware(self) -> HardwareReport:
@@ -161,13 +166,16 @@ class Station(MotionCommands):
         return self.manager.list_controllers()
 
     def controller(self, name: str) -> ControllerStatus:
-        """Return one loaded controller.
+        """Return one controller that is loaded or being loaded.
 
         Raises:
-            ControllerNotFoundError: No controller of that name is loaded.
+            ControllerNotFoundError: There is no controller of that name.
         """
-        self.manager.get_controller(name)
-        return next(s for s in self.manager.list_controllers() if s.name == name)
+        for status in self.manager.list_controllers():
+            if status.name == name:
+                return status
+        self.manager.get_controller(name)  # raises, and says which ones are loaded
+        return self.controller(name)  # it was loaded in between
 
     def controller_types(self) -> list[tuple[str, str]]:
         """Return type and base class of every controller that can be loaded."""
@@ -178,24 +186,38 @@ class Station(MotionCommands):
         name: str,
         controller_type: str | None = None,
         params: Mapping[str, object] | None = None,
+        *,
+        timeout: float = LOAD_TIMEOUT,
     ) -> ControllerStatus:
         """Load a controller; doing the same twice is the same as once.
+
+        Nobody else waits meanwhile: the controller is listed as loading, and
+        `unload_controller` cancels.
 
         Args:
             name: Name to load it under.
             controller_type: `package/Class` or `module:Class`; what the parameters
                 under `name` say when left out.
             params: Its parameters; those in the parameter tree when left out.
+            timeout: How long its import, constructor and init may take [s wall time].
 
         Raises:
-            ControllerExistsError: Something else is loaded under that name.
+            ControllerExistsError: Something else is loaded under that name, or a
+                controller of that name is being loaded.
             ControllerTypeNotFoundError: There is no such type.
-            ControllerLoadError: It cannot be initialised; nothing stays loaded.
+            ControllerLoadError: It cannot be initialised, or not in time, or its
+                loading was cancelled; nothing stays loaded.
             ParameterError: A parameter is missing or impossible.
         """
         with self._change_lock:
             before = self.parameters.get(name)
             wanted = self._wanted_parameters(name, controller_type, params, before)
+            if name in self._loading:
+                raise ControllerExistsError(
+                    f"Controller '{name}' is being loaded.",
+                    remedy="Wait until it is loaded, or unload it to cancel.",
+                    details={"controller": name},
+                )
             if any(s.name == name for s in self.manager.list_controllers()):
                 if wanted == before:
                     return self.controller(name)
@@ -205,19 +227,26 @@ class Station(MotionCommands):
                     details={"controller": name},
                 )
             self.parameters.set(name, wanted)
-            try:
-                self.manager.load_controller(name)
-            except BaseException:
-                self._restore(name, before)
-                raise
-            self._revisions[name] = self._revisions.get(name, 0) + 1
-            return self.controller(name)
+            self._loading.add(name)
+        # Without the lock: the controller's code may take long, or hang.
+        is_loaded = False
+        try:
+            self.manager.load_controller(name, timeout)
+            is_loaded = True
+        finally:
+            with self._change_lock:
+                self._loading.discard(name)
+                if is_loaded:
+                    self._revisions[name] = self._revisions.get(name, 0) + 1
+                else:
+                    self._restore(name, before)
+        return self.controller(name)
 
     def unload_controller(self, name: str) -> None:
-        """Unload a controller that is not running.
+        """Unload a controller that is not running, or cancel its loading.
 
         Raises:
-            ControllerNotFoundError: No controller of that name is loaded.
+            ControllerNotFoundError: There is no controller of that name.
             ControllerStateError: It is running.
         """
         with self._change_lock:

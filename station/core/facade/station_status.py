@@ -24,6 +24,8 @@ class StationStatus:
         loop: How the loop is doing.
         simulation: The simulation at a glance; None for a real robot.
         clamps: What limits have cut off.
+        command_violations: How often somebody wrote a command without a claim.
+        last_command_violation: Who wrote what last; None without one.
     """
 
     boot_id: str
@@ -37,3 +39,5 @@ class StationStatus:
     loop: LoopReport
     simulation: SimulationReport | None
     clamps: tuple[ClampReport, ...]
+    command_violations: int
+    last_command_violation: str | None

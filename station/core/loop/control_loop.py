@@ -51,6 +51,8 @@ class ControlLoop:
         clock: Wall time.
         period: Nominal period [s], > 0.
         real_time_factor: Station time over wall time of the thread, 0.01 to 100.
+        update_budget: How long an update of one controller may take in the thread
+            [s wall time], > 0; `period` when None, infinite for no budget.
         snapshots: Where every cycle leaves its snapshot.
         heartbeat: The page shared with a watchdog; one of this process alone when None.
 
@@ -73,6 +75,7 @@ class ControlLoop:
         clock: Clock,
         period: float = 0.001,
         real_time_factor: float = 1.0,
+        update_budget: float | None = None,
         snapshots: SnapshotRing | None = None,
         heartbeat: Heartbeat | None = None,
     ) -> None:
@@ -96,6 +99,7 @@ class ControlLoop:
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
         ]
+        self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
         self._thread: threading.Thread | None = None
@@ -134,6 +138,7 @@ class ControlLoop:
         self.heartbeat.beats[0] = self.clock.now()
         self.heartbeat.life = LoopLife.RUNNING
         self.manager.pump = None
+        self.manager.update_budget = self._update_budget
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
         self._thread.start()
 
@@ -155,6 +160,7 @@ class ControlLoop:
             )
         self._thread = None
         self.manager.pump = self.step
+        self.manager.update_budget = inf  # steps do not follow the wall clock
         if self._state is LoopState.RUNNING:
             self._state = LoopState.STOPPED
 

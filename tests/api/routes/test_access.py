@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.web.failed_logins import FailedLogins
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_errors import problem_of
 
@@ -70,4 +71,42 @@ def test_a_ticket_has_the_role_of_who_asked(client, authenticator):
     ticket = client.stream_ticket()
 
     assert ticket.expires_in > 0
-    assert authenticator.redeem_ticket(ticket.ticket).value == "operator"
+    assert authenticator.redeem_ticket(ticket.ticket).role.value == "operator"
+
+
+@pytest.mark.parametrize(
+    "guess",
+    [
+        lambda http: http.post("/api/v1/login", json={"token": "wrong"}),
+        lambda http: http.get("/login", params={"token": "wrong"}),
+        lambda http: http.get("/api/v1/status", headers={"Authorization": "Bearer no"}),
+    ],
+    ids=["login", "link", "bearer"],
+)
+def test_wrong_tokens_are_held_back_and_right_ones_are_not(app, http, guess):
+    slept = []
+
+    async def sleep(delay):
+        slept.append(delay)
+
+    app.state.failed_logins = FailedLogins(sleep=sleep)
+    for _ in range(6):
+        assert guess(http).status_code == 401
+    assert slept == [0.1, 0.2, 0.4]
+
+    assert http.post("/api/v1/login", json={"token": OPERATOR}).status_code == 200
+    bearer = {"Authorization": f"Bearer {VIEWER}"}
+    assert http.post("/api/v1/stop", headers=bearer).status_code == 200
+    assert slept == [0.1, 0.2, 0.4]
+
+
+def test_requests_without_a_token_are_no_failed_logins(app, http):
+    slept = []
+
+    async def sleep(delay):
+        slept.append(delay)
+
+    app.state.failed_logins = FailedLogins(sleep=sleep)
+    for _ in range(6):
+        assert http.get("/api/v1/status").status_code == 401
+    assert slept == []

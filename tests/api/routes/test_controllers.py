@@ -1,8 +1,17 @@
 """List, load, switch, unload."""
 
+import sys
+import threading
+
 import pytest
 
-from station.client import ApiError
+from station.client import ApiError, StationClient
+from station.core.control import loading as loading_of_core
+from station.core.control import switching
+from station.core.control.controller_loader import TableLoader
+from station.wire import controllers
+from tests.api.conftest import OPERATOR
+from tests.api.spring import Spring
 from tests.api.test_errors import problem_of
 
 SPRING = {"name": "spring", "type": "test/Spring", "params": {"joint": "j"}}
@@ -182,3 +191,121 @@ def test_types_are_listed(client):
 
     assert spring.type == "test/Spring"
     assert spring.base_class
+
+
+def test_a_module_outside_of_the_list_is_refused_with_the_line_that_allows_it(operator):
+    answer = operator.post(
+        "/api/v1/controllers", json={"name": "joke", "type": "antigravity:X"}
+    )
+
+    problem = problem_of(answer, 403, "controller_module_refused")
+    line = "under 'station': controller_modules: [tests.api.spring, antigravity]"
+    assert line in problem["remedy"]
+    assert "antigravity" not in sys.modules
+
+
+class SlowSpring(Spring):
+    """Its init waits until the test lets it go on."""
+
+    reached = threading.Event()
+    go_on = threading.Event()
+
+    def init(self, interface, params):
+        """Wait."""
+        SlowSpring.reached.set()
+        SlowSpring.go_on.wait(30.0)
+        super().init(interface, params)
+
+
+@pytest.fixture
+def loading(station, live):
+    """Load `slow` in a thread; return a client, and a list for the refusal."""
+    SlowSpring.reached.clear()
+    SlowSpring.go_on.clear()
+    station.manager.register_loader(TableLoader({"test/Slow": SlowSpring}))
+    refusals = []
+
+    def load():
+        try:
+            live.load_controller("slow", "test/Slow", {"joint": "j"}, timeout=30.0)
+        except ApiError as error:
+            refusals.append(error)
+
+    thread = threading.Thread(target=load)
+    thread.start()
+    assert SlowSpring.reached.wait(30.0)
+    yield refusals, thread
+    SlowSpring.go_on.set()
+    thread.join(30.0)
+    for each in threading.enumerate():
+        if each.name == "load slow":
+            each.join(30.0)
+
+
+def test_deleting_a_controller_that_is_loading_cancels_it(server, loading):
+    refusals, thread = loading
+    with StationClient(server.url, OPERATOR) as other:
+        assert other.controller("slow").state == "loading"
+        other.load_controller("quick", "test/Spring", {"joint": "j"})
+
+        assert other.unload_controller("slow").state == "loading"
+
+        thread.join(30.0)
+        assert [(e.status, e.code) for e in refusals] == [
+            (422, "controller_load_failed")
+        ]
+        assert "was cancelled" in refusals[0].detail
+        assert [c.name for c in other.controllers()] == ["quick"]
+
+
+@pytest.mark.usefixtures("loading")
+def test_a_controller_that_is_being_loaded_cannot_be_loaded_again(server):
+    with (
+        StationClient(server.url, OPERATOR) as other,
+        pytest.raises(ApiError, match="being loaded") as caught,
+    ):
+        other.load_controller("slow", "test/Slow", {"joint": "j"})
+
+    assert caught.value.status == 409
+
+
+def test_loading_that_takes_longer_than_its_timeout_is_refused(station, client):
+    station.manager.register_loader(TableLoader({"test/Slow": SlowSpring}))
+    SlowSpring.go_on.clear()
+
+    with pytest.raises(ApiError, match=r"not loaded within 0\.05 s"):
+        client.load_controller("slow", "test/Slow", {"joint": "j"}, timeout=0.05)
+
+    SlowSpring.go_on.set()
+    for each in threading.enumerate():
+        if each.name == "load slow":
+            each.join(30.0)
+    assert client.controllers() == []
+
+
+def test_the_default_limits_are_those_of_the_core():
+    assert controllers.LOAD_TIMEOUT == loading_of_core.LOAD_TIMEOUT
+    assert controllers.SWITCH_BOUND == switching.SWITCH_BOUND
+
+
+@pytest.mark.parametrize("bound", [0.5, None])
+def test_the_bound_and_the_outcome_of_a_switch_reach_the_core(
+    station, client, monkeypatch, bound
+):
+    client.load_controller("spring", "test/Spring", {"joint": "j"})
+    asked = []
+
+    def switch(request):
+        asked.append(request)
+        plan = switching.SwitchPlan((), (), (), (), (), ())
+        outcome = switching.SwitchOutcome.ROLLED_BACK
+        return switching.SwitchResult(
+            ok=False, started=(), stopped=(), cycle=3, plan=plan, outcome=outcome
+        )
+
+    monkeypatch.setattr(station.manager, "switch_controller", switch)
+
+    result = client.switch_controllers(start=["spring"], bound=bound)
+
+    assert asked[0].bound == bound
+    assert (result.ok, result.outcome) == (False, "rolled_back")

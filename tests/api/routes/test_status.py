@@ -1,6 +1,8 @@
 """The station at a glance."""
 
 from station.api.routes.status import versions
+from station.core.control.controller_manager import ControllerManager
+from station.wire import CommandViolations
 
 
 def test_status(client, station):
@@ -26,3 +28,15 @@ def test_a_package_that_is_missing_does_no_harm(monkeypatch):
     monkeypatch.setattr(status, "version", missing)
     assert versions()["mujoco"] == "not installed"
     versions.cache_clear()
+
+
+def test_commands_that_nobody_had_the_right_to_write_are_told(client, monkeypatch):
+    assert client.status().command_violations == CommandViolations(count=0, last="")
+    violations = (2, "'arm' wrote 5.0 to 'j', which it has not claimed")
+    monkeypatch.setattr(
+        ControllerManager, "command_violations", property(lambda _: violations)
+    )
+
+    told = client.status().command_violations
+
+    assert (told.count, told.last) == violations

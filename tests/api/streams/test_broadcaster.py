@@ -3,6 +3,7 @@
 import json
 import socket
 import time
+from contextlib import ExitStack
 
 import httpx
 import msgspec
@@ -11,9 +12,12 @@ from websockets.exceptions import ConnectionClosed
 from websockets.protocol import CLIENT, Protocol
 from websockets.sync.client import connect
 
+from station.api import auth
 from station.api.app import create_app
+from station.api.auth import SESSION_LIFETIME, Authenticator
 from station.api.server import ApiServer
-from tests.api.conftest import VIEWER
+from station.core.clock import ManualClock
+from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import BEARER, deaf_client, open_stream
 
 
@@ -200,3 +204,78 @@ def last_close_code(raw):
         protocol.receive_data(data)
     raw.close()
     return protocol.close_rcvd.code
+
+
+def log_in(server):
+    """Return the header that proves a new session."""
+    answer = httpx.post(f"{server.url}/api/v1/login", json={"token": OPERATOR})
+    (cookie,) = answer.cookies.items()
+    return {"Cookie": "=".join(cookie)}
+
+
+def code_at_the_end(stream):
+    with pytest.raises(ConnectionClosed) as caught:
+        read_to_the_end(stream)
+    return caught.value.rcvd.code
+
+
+def read_to_the_end(stream):
+    while True:
+        stream.recv(timeout=5.0)
+
+
+def test_logging_out_ends_the_streams_of_that_session_alone(server):
+    mine, other = log_in(server), log_in(server)
+    tickets = f"{server.url}/api/v1/stream-tickets"
+    ticket = httpx.post(tickets, headers=mine).json()["ticket"]
+    with (
+        open_stream(server, headers={}, query=f"?ticket={ticket}") as by_ticket,
+        open_stream(server, headers=mine) as by_cookie,
+        open_stream(server, headers=other) as of_another,
+        open_stream(server) as by_token,
+    ):
+        for stream in (by_ticket, by_cookie, of_another, by_token):
+            read(stream)
+
+        answer = httpx.post(f"{server.url}/api/v1/logout", headers=mine)
+
+        assert answer.status_code == 204
+        assert code_at_the_end(by_ticket) == 4401
+        assert code_at_the_end(by_cookie) == 4401
+        assert read(of_another)["topic"] == "joint_states"
+        assert read(by_token)["topic"] == "joint_states"
+
+
+def test_an_expired_session_ends_its_streams(station, monkeypatch):
+    monkeypatch.setattr(auth, "EXPIRY_PERIOD", 0.01)
+    clock = ManualClock()
+    app = create_app(station, Authenticator(OPERATOR, VIEWER, clock=clock))
+    with (
+        ApiServer(app, port=0) as server,
+        open_stream(server, headers=log_in(server)) as stream,
+    ):
+        read(stream)
+        clock.advance(SESSION_LIFETIME)
+        assert code_at_the_end(stream) == 4401
+
+
+def test_viewers_leave_streams_for_operators(station, authenticator):
+    app = create_app(station, authenticator, max_streams=4)
+    viewer = {"Authorization": f"Bearer {VIEWER}"}
+    with ApiServer(app, port=0) as server, ExitStack() as stack:
+        for _ in range(3):
+            read(stack.enter_context(open_stream(server, headers=viewer)))
+        assert close_code(open_stream(server, headers=viewer)) == 1013
+        with open_stream(server) as stream:
+            assert read(stream)["topic"] == "hello"
+
+
+def test_one_session_leaves_streams_for_others(station, authenticator):
+    app = create_app(station, authenticator, max_streams=8)
+    with ApiServer(app, port=0) as server, ExitStack() as stack:
+        headers = log_in(server)
+        for _ in range(2):
+            read(stack.enter_context(open_stream(server, headers=headers)))
+        assert close_code(open_stream(server, headers=headers)) == 1013
+        with open_stream(server) as stream:
+            assert read(stream)["topic"] == "hello"

@@ -71,6 +71,11 @@ def test_file_without_the_controller_is_refused(run, station, tmp_path):
     assert station.calls == []
 
 
+def test_loading_may_be_given_more_time(run, station):
+    assert run("load hand --load-timeout 120").code == 0
+    assert station.load_timeout == 120.0
+
+
 def test_controller_is_unloaded(run):
     assert run("unload leg").out == "Unloaded leg.\n"
     assert json.loads(run("unload leg --json").out)["name"] == "leg"

@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 
 def request(station) -> dict:
     (call,) = [call for call in station.calls if call[0] == "switch"]
@@ -38,6 +40,36 @@ def test_options_reach_the_station(run, station):
         2.5,
         True,
     )
+
+
+@pytest.mark.parametrize(
+    ("written", "asked"),
+    [
+        ("", {}),
+        ("--switch-bound 30", {"bound": 30.0}),
+        ("--switch-bound inf", {"bound": None}),
+    ],
+)
+def test_the_bound_of_a_switch_reaches_the_station(run, station, written, asked):
+    run(f"switch-controllers --activate leg {written}")
+
+    assert {k: v for k, v in request(station).items() if k == "bound"} == asked
+
+
+@pytest.mark.parametrize(
+    ("outcome", "told"),
+    [
+        ("rolled_back", "Rolled back: what ran before runs again."),
+        ("halted", "Halted: the hardware carried out neither the switch"),
+    ],
+)
+def test_a_switch_that_was_not_committed_says_how_it_ended(run, station, outcome, told):
+    station.outcome = outcome
+
+    answer = run("switch_controllers --activate leg")
+
+    assert answer.code == 1
+    assert told in answer.out
 
 
 def test_switch_of_nothing_is_wrong_usage(run, station):

@@ -41,8 +41,10 @@ def test_a_switch_waits_for_its_own_timeout_too():
     with StationClient(transport=httpx.MockTransport(answer), timeout=3.0) as client:
         client.switch_controllers(start=["a"], timeout=5.0)
         client.switch_controllers(start=["a"])
+        client.switch_controllers(start=["a"], bound=20.0)
+        client.switch_controllers(start=["a"], bound=None)
 
-    assert seen == [8.0, 3.0]
+    assert seen == [8.0, 8.0, 23.0, None]
 
 
 def test_keys_of_a_newer_station_are_ignored():

@@ -14,7 +14,11 @@ from station.core.control.controller_loader import (
     create_controller,
     default_loaders,
 )
-from station.core.errors import ControllerLoadError, ControllerTypeNotFoundError
+from station.core.errors import (
+    ControllerLoadError,
+    ControllerModuleRefusedError,
+    ControllerTypeNotFoundError,
+)
 
 
 class First(ControllerBase):
@@ -134,6 +138,46 @@ def test_any_class_can_be_named_by_its_module(plugin):
     plugin(1)
 
     assert create_controller(default_loaders({}), "hot_plugin:Plugin").version == 1
+
+
+def test_a_module_that_is_not_on_the_list_is_refused_and_not_imported(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "unlisted_plugin.py").write_text("raise SystemExit(4)")
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    with pytest.raises(ControllerModuleRefusedError, match="'unlisted_plugin'") as told:
+        create_controller(default_loaders({}, ["hot_plugin"]), "unlisted_plugin:Any")
+
+    assert told.value.details["allowed"] == ["hot_plugin"]
+    assert "unlisted_plugin" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("listed", "is_allowed"),
+    [
+        ("station.core.control.controller", True),
+        ("station.core", True),
+        ("station.cor", False),
+        ("station.core.control.controller.more", False),
+    ],
+)
+def test_a_listed_package_allows_the_modules_inside_of_it(listed, is_allowed):
+    loader = ClassLoader([listed])
+    target = "station.core.control.controller:ControllerBase"
+
+    if is_allowed:
+        assert type(loader.create(target)) is ControllerBase
+    else:
+        with pytest.raises(ControllerModuleRefusedError):
+            loader.create(target)
+
+
+def test_a_table_may_name_modules_that_the_list_does_not_allow(plugin):
+    plugin(1)
+    loaders = default_loaders({"hot/Plugin": "hot_plugin:Plugin"}, [])
+
+    assert create_controller(loaders, "hot/Plugin").version == 1
 
 
 @pytest.mark.parametrize("kind", ["class", "table"])

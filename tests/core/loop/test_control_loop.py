@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from math import inf
 
 import pytest
 
@@ -172,6 +173,18 @@ def test_a_switch_that_comes_after_a_stop_starts_nothing():
     assert gate is not None
     with pytest.raises(StoppedError):
         gate()
+
+
+@pytest.mark.parametrize(("given", "budget"), [(None, PERIOD), (inf, inf), (0.5, 0.5)])
+def test_updates_have_a_budget_of_wall_time_while_the_thread_runs(given, budget):
+    hw = OneJoint()
+    loop = make_loop(hw, update_budget=given)
+    assert loop.manager.update_budget == inf
+    loop.start()
+    while_running = loop.manager.update_budget
+    loop.stop()
+    assert while_running == budget
+    assert loop.manager.update_budget == inf
 
 
 def test_step_is_refused_while_the_thread_runs():

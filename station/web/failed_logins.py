@@ -1,0 +1,109 @@
+"""Wrong tokens are logged, and answered the later the more of them a source has sent.
+
+A right token is never held back, whatever was sent from the same address before:
+nobody can keep an operator from logging in or from stopping the robot by sending wrong
+tokens.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from ipaddress import IPv6Address, ip_address
+
+from starlette.requests import HTTPConnection
+
+FREE_FAILURES = 3
+"""So many failures of a source are answered at once: people mistype."""
+FIRST_DELAY = 0.1
+"""How long the answer to the next one is held back [s]; doubled with every failure."""
+LONGEST_DELAY = 1.0
+"""Longest delay of an answer [s]."""
+FORGET_AFTER = 60.0
+"""A source without a failure for so long has a clean record again [s]."""
+MOST_SOURCES = 1024
+"""Sources that are remembered; the one that was quiet longest is forgotten first."""
+MOST_HELD = 16
+"""Answers that are held back at a time; each keeps a connection."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class _Record:
+    count: int = 0
+    last: float = 0.0
+
+
+class FailedLogins:
+    """The failed logins of one server. For one event loop.
+
+    Args:
+        now: Monotonic clock [s].
+        sleep: Waits for a time [s].
+    """
+
+    def __init__(
+        self,
+        now: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    ) -> None:
+        self._now = now
+        self._sleep = sleep
+        self._records: dict[str, _Record] = {}
+        self._held = 0
+
+    async def slow_down(self, connection: HTTPConnection) -> None:
+        """Count a wrong token, and return when it may be answered.
+
+        Args:
+            connection: The request or the WebSocket that brought the token.
+        """
+        client = connection.client
+        delay = self.note(_network("" if client is None else client.host))
+        if not delay or self._held >= MOST_HELD:
+            return
+        self._held += 1
+        try:
+            await self._sleep(delay)
+        finally:
+            self._held -= 1
+
+    def note(self, source: str) -> float:
+        """Count and log a failure; return how long to hold its answer back [s].
+
+        Args:
+            source: The network that it came from.
+        """
+        now = self._now()
+        record = self._records.pop(source, _Record())
+        if now - record.last > FORGET_AFTER:
+            record.count = 0
+        record.count += 1
+        record.last = now
+        while len(self._records) >= MOST_SOURCES:
+            del self._records[next(iter(self._records))]
+        self._records[source] = record
+        # At 1, 2, 4, 8 …: an attacker must not fill the disk with its log.
+        if record.count & (record.count - 1) == 0:
+            _log.warning(
+                "%s has sent %d wrong token(s) within a minute of each other.",
+                source or "A client without an address",
+                record.count,
+            )
+        late = record.count - FREE_FAILURES
+        if late <= 0:
+            return 0.0
+        return min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** min(late - 1, 10))
+
+
+def _network(host: str) -> str:
+    """Return the network of an address: whoever has an IPv6 address has 2**64."""
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return host
+    if isinstance(address, IPv6Address) and address.ipv4_mapped is None:
+        return f"{IPv6Address(int(address) >> 64 << 64)}/64"
+    return str(getattr(address, "ipv4_mapped", None) or address)

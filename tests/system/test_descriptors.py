@@ -1,0 +1,90 @@
+"""Clients that eat the file descriptors of a station do not keep a stop out."""
+
+import resource
+import socket
+import time
+from contextlib import ExitStack
+from urllib.parse import urlsplit
+
+import httpx
+import pytest
+from websockets.sync.client import connect
+
+from tests.system.station_process import StationProcess
+
+pytestmark = pytest.mark.slow
+
+DESCRIPTORS = 128
+
+
+@pytest.fixture
+def station(tmp_path):
+    """A station whose process may open 128 files."""
+    station = StationProcess(tmp_path, "--no-ui")
+    limit = (DESCRIPTORS, DESCRIPTORS)
+    resource.prlimit(station.process.pid, resource.RLIMIT_NOFILE, limit)
+    yield station
+    station.clean_up()
+
+
+def stop(url, token):
+    """Stop the station over a new connection; return how long that took [s]."""
+    begin = time.monotonic()
+    headers = {"Authorization": f"Bearer {token}"}
+    answer = httpx.post(f"{url}/api/v1/stop", headers=headers, timeout=10.0)
+    assert answer.status_code == 200
+    assert answer.json()["state"] == "stopped"
+    return time.monotonic() - begin
+
+
+def test_the_stop_works_while_strangers_eat_descriptors(station):
+    access = station.access()
+    url, token = access["url"], access["token"]
+    address = (urlsplit(url).hostname, urlsplit(url).port)
+    beginnings = [b"", b"POST /api/v1/stop HTTP/1.1\r\nX: ", b"GET / HTTP/1.1\r\n"]
+
+    with ExitStack() as stack:
+        for number in range(3 * DESCRIPTORS):
+            raw = stack.enter_context(socket.create_connection(address))
+            raw.sendall(beginnings[number % len(beginnings)])
+            if number % DESCRIPTORS == DESCRIPTORS - 1:
+                assert stop(url, token) < 1.0
+
+    assert "out of system resource" not in station.errors
+
+
+def test_the_stop_works_while_viewers_open_all_the_streams_they_can(station):
+    access = station.access()
+    url, viewer = access["url"], access["viewer_token"]
+    address = url.replace("http", "ws") + "/api/v1/streams/joint_states"
+    headers = {"Authorization": f"Bearer {viewer}"}
+
+    with ExitStack() as stack:
+        for _ in range(64):
+            stack.enter_context(
+                connect(address, additional_headers=headers, proxy=None)
+            )
+        assert stop(url, access["token"]) < 1.0
+
+    assert "out of system resource" not in station.errors
+
+
+def test_the_stop_works_while_strangers_leave_refused_streams_half_closed(station):
+    access = station.access()
+    url = access["url"]
+    parts = urlsplit(url)
+    handshake = (
+        f"GET /api/v1/streams/joint_states HTTP/1.1\r\nHost: {parts.netloc}\r\n"
+        "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    ).encode()
+
+    with ExitStack() as stack:
+        for _ in range(2 * DESCRIPTORS):
+            raw = stack.enter_context(
+                socket.create_connection((parts.hostname, parts.port))
+            )
+            raw.sendall(handshake)
+        assert stop(url, access["token"]) < 1.0
+
+    assert "out of system resource" not in station.errors

@@ -1,0 +1,132 @@
+"""Clients that say nothing, send slowly, do not read, or come in crowds."""
+
+import socket
+import threading
+import time
+from contextlib import ExitStack
+
+import pytest
+import uvicorn
+
+from station.web import limited_server
+from station.web.limited_server import (
+    MOST_CONNECTIONS,
+    LimitedServer,
+    Phase,
+    connection_share,
+)
+
+LARGE = 32 * 1024 * 1024
+
+
+async def app(scope, receive, send):
+    """Read the body; answer shortly, or at length to `/large`."""
+    while (await receive()).get("more_body"):
+        pass
+    body = b"x" * (LARGE if scope["path"] == "/large" else 2)
+    headers = [(b"content-length", str(len(body)).encode())]
+    await send({"type": "http.response.start", "status": 200, "headers": headers})
+    await send({"type": "http.response.body", "body": body, "more_body": True})
+    await send({"type": "http.response.body", "body": b""})
+
+
+class Serving:
+    """A context in which the app is served with that many connections at most."""
+
+    def __init__(self, most):
+        config = uvicorn.Config(app, log_level="error", lifespan="off")
+        self._server = LimitedServer(config, most)
+        self._thread = threading.Thread(
+            target=lambda: self._server.run(sockets=[self._listener])
+        )
+        self._listener = socket.create_server(("127.0.0.1", 0))
+
+    def __enter__(self):
+        self._thread.start()
+        while not self._server.started:
+            time.sleep(0.002)
+        return self
+
+    def __exit__(self, *_):
+        self._server.should_exit = self._server.force_exit = True
+        self._thread.join(5.0)
+
+    def connect(self, sent=b""):
+        """Return a connection on which that was sent."""
+        raw = socket.create_connection(self._listener.getsockname())
+        raw.settimeout(5.0)
+        raw.sendall(sent)
+        return raw
+
+
+def answer(raw):
+    """Return everything until the server ends the connection."""
+    received = b""
+    try:
+        while data := raw.recv(65536):
+            received += data
+    except ConnectionResetError:
+        return received
+    return received
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    """Shorten all time limits."""
+    monkeypatch.setattr(limited_server, "LOOK_PERIOD", 0.01)
+    limits = dict.fromkeys((Phase.REQUEST, Phase.BODY, Phase.ANSWER), 0.1)
+    monkeypatch.setattr(limited_server, "TIME_LIMITS", limits)
+
+
+@pytest.mark.usefixtures("impatient")
+@pytest.mark.parametrize(
+    "beginning",
+    [
+        b"",
+        b"POST / HTTP/1.1\r\nHost: a\r\nX-Slow: ",
+        b"POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 100000\r\n\r\nx",
+        b"GET / HTTP/1.1\r\nHost: a\r\n\r\nGET / HTTP/1.1\r\nX-Slow: ",
+    ],
+    ids=["nothing", "header", "body", "second header"],
+)
+def test_a_request_that_arrives_drop_by_drop_is_given_up(beginning):
+    with Serving(8) as server, server.connect(beginning) as raw:
+        for _ in range(500):
+            try:
+                raw.sendall(b"x")
+            except (ConnectionResetError, BrokenPipeError):
+                break
+            time.sleep(0.01)
+        else:
+            pytest.fail("The server still takes drops after 5 s.")
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_client_that_does_not_read_its_answer_is_given_up():
+    request = b"GET /large HTTP/1.1\r\nHost: a\r\n\r\n"
+    with Serving(8) as server, server.connect(request) as raw:
+        time.sleep(1.0)
+        assert len(answer(raw)) < LARGE
+
+
+def test_a_newcomer_takes_the_place_of_who_has_waited_longest():
+    with Serving(4) as server, ExitStack() as stack:
+        silent = [stack.enter_context(server.connect()) for _ in range(4)]
+        for _ in range(20):
+            stack.enter_context(server.connect(b"POST / HTTP/1.1\r\n"))
+        with server.connect(
+            b"POST /stop HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n"
+        ) as stop:
+            assert b"200 OK" in answer(stop)
+        assert answer(silent[0]) == b""
+
+
+def test_connections_leave_descriptors_to_the_process(monkeypatch):
+    assert connection_share() <= MOST_CONNECTIONS
+    monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (128, 128))
+    assert 8 <= connection_share() <= 128 - 40
+    assert 8 <= connection_share(3) <= (128 - 40) // 3
+    monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (16, 16))
+    assert connection_share() == 8
+    monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (-1, -1))
+    assert connection_share() == MOST_CONNECTIONS
