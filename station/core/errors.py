@@ -16,6 +16,7 @@ StationError
 ├── InvalidCommandError           a set-point is malformed (ValueError)
 ├── ArmNotFoundError              there is no arm of that name (KeyError)
 ├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
+├── ServiceNotFoundError          the robot has no service of that name (KeyError)
 ├── GripperNotFoundError          there is no hand at that arm (KeyError)
 ├── GripperCommandError           a hand cannot carry out a request (RuntimeError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
