@@ -28,8 +28,7 @@ class ControllersPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
         self._start = gui.add_button("Start", color="green", disabled=True)
         self._stop = gui.add_button("Stop", color="orange", disabled=True)

@@ -11,7 +11,7 @@ from station.client import ApiError
 from station.ui.cartesian_model import TWIST, HeldButtons, choose_cartesian
 from station.ui.markup import good, hint, warning
 from station.ui.operate_model import Operated
-from station.ui.panels.panel import Panel
+from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.reporter import Event, Reporter
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
@@ -27,7 +27,7 @@ _COLOURS = ((201, 60, 60), (47, 140, 68), (34, 110, 196))
 _SIGNS = ((1, "+"), (-1, "−"))  # noqa: RUF001 - a minus that is as wide as the plus
 
 
-class JogPanel(Panel):
+class JogPanel(CommandingPanel):
     """Twelve hold-to-run buttons.
 
     Args:
@@ -39,11 +39,8 @@ class JogPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
-        self._operated = Operated()
+        super().__init__(link, reporter)
         self._buttons = HeldButtons()
-        self._epoch: int | None = None
         self._told = ""
         self._handles: list[viser.GuiButtonHandle] = []
         with gui.add_folder("End effector: hold to move"):
@@ -75,22 +72,16 @@ class JogPanel(Panel):
                     self._handles.append(button)
 
     @override
-    def watched(self) -> set[str]:
-        """Return the controller that the buttons command."""
-        return {self._operated.name} if self._operated.name else set()
+    def let_go(self) -> None:
+        self._buttons.let_go()
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Say why the buttons are greyed, or what is in the way."""
+        """Show whether the buttons can be used; if they cannot, show why."""
         operated = choose_cartesian(view, TWIST, KIND)
-        if operated.reason or operated.name != self._operated.name:
-            self._buttons.let_go()
-        if view.epoch != self._epoch:
-            self._buttons.let_go()
-            self._epoch = view.epoch
         if operated.elements and operated.elements != self._operated.elements:
             self._fit(operated)
-        self._operated = operated
+        self._operate(operated, view)
         for widget in (*self._handles, self._axes):
             widget.disabled = bool(operated.reason)
         # Fourteen greyed widgets would bury what can be used.
@@ -114,13 +105,9 @@ class JogPanel(Panel):
 
     async def _send(self, name: str, twist: list[float]) -> None:
         client = self._link.client
-        try:
+        with self._letting_go_when_refused():
             await client.command(name, twist, epoch=self._epoch)
             said = (await client.controller_state(name)).published.get("state", {})
-        except ApiError as error:
-            self._buttons.let_go()
-            self._reporter.refused(error, None)
-        else:
             self._told = str(said.get("message", "")) if any(twist) else ""
 
     async def _read_axes(self, name: str) -> None:

@@ -7,10 +7,9 @@ from typing import Any
 import viser
 from typing_extensions import override
 
-from station.client import ApiError
 from station.ui.markup import good, hint, warning
 from station.ui.operate_model import Operated, SetPointRamp, choose_operated
-from station.ui.panels.panel import Panel
+from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.reporter import Event, Reporter
 from station.ui.slider_scale import SliderScale, command_scale
 from station.ui.station_link import StationLink
@@ -21,7 +20,7 @@ from station.wire import CommandElement
 _SEND_PERIOD = 0.04
 
 
-class OperatePanel(Panel):
+class OperatePanel(CommandingPanel):
     """Sliders that follow the robot until one is touched.
 
     Args:
@@ -35,13 +34,10 @@ class OperatePanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter, limits: Limits
     ) -> None:
+        super().__init__(link, reporter)
         self._gui = gui
-        self._link = link
-        self._reporter = reporter
         self._limits = limits
-        self._operated = Operated()
         self._ramp = SetPointRamp(())
-        self._epoch: int | None = None
         self._state = gui.add_html(hint("Waiting for the station …"))
         self._speed = gui.add_slider(
             "Top speed [rad/s]", min=0.05, max=1.5, step=0.05, initial_value=0.5
@@ -52,22 +48,16 @@ class OperatePanel(Panel):
         self._shown: tuple[CommandElement, ...] = ()
 
     @override
-    def watched(self) -> set[str]:
-        """Return the controller that the sliders command."""
-        return {self._operated.name} if self._operated.name else set()
+    def let_go(self) -> None:
+        self._ramp.let_go()
 
     @override
     def refresh(self, view: StationView) -> None:
         """Follow the robot, or say why the sliders are greyed."""
         operated = choose_operated(view)
-        if operated.reason or operated.name != self._operated.name:
-            self._ramp.let_go()
         if operated.elements != self._operated.elements:
             self._ramp = SetPointRamp(operated.elements)
-        if view.epoch != self._epoch:
-            self._ramp.let_go()
-            self._epoch = view.epoch
-        self._operated = operated
+        self._operate(operated, view)
         elements = operated.elements or _joint_elements(view, self._limits)
         if elements != self._shown:
             self._build(elements)
@@ -81,13 +71,10 @@ class OperatePanel(Panel):
             command = self._ramp.step(_SEND_PERIOD, self._speed.value)
             if command is None:
                 continue
-            try:
+            with self._letting_go_when_refused():
                 await self._link.client.command(
                     self._operated.name, command, epoch=self._epoch
                 )
-            except ApiError as error:
-                self._ramp.let_go()
-                self._reporter.refused(error, None)
 
     def _follow(self, view: StationView) -> None:
         sample = view.samples.get(self._operated.name)

@@ -25,8 +25,7 @@ class RecoveryPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._trouble = gui.add_html("", visible=False)
         self._button = gui.add_button(
             Rescue().label, color="orange", disabled=True, visible=False

@@ -28,8 +28,7 @@ class SimulationPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._state = gui.add_html(hint("Waiting for the station …"))
         self._pause = gui.add_button("Pause", disabled=True)
         self._step = gui.add_button("Step one cycle", disabled=True)

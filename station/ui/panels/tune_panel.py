@@ -42,8 +42,7 @@ class TunePanel(Panel):
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
         self._gui = gui
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._gains: Gains | None = None
         self._gains_of = ""
         self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
