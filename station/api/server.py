@@ -1,6 +1,7 @@
 """The web server in a thread of its own, with an event loop of its own."""
 
 import asyncio
+import logging
 import socket
 import threading
 from types import TracebackType
@@ -104,9 +105,15 @@ class ApiServer:
         thread, loop = self._thread, self._loop
         if thread is None or loop is None:
             return
+        # Requests that do not end in time are cancelled. That is meant, so uvicorn must
+        # not log each one with its traceback as an error of the application.
+        log = logging.getLogger("uvicorn.error")
+        level = log.level
+        log.setLevel(logging.CRITICAL)
         if thread.is_alive():
             asyncio.run_coroutine_threadsafe(self._shut_down(), loop)
         thread.join(timeout)
+        log.setLevel(level)
         self._thread = None
 
     def _listen(self) -> socket.socket:

@@ -1,5 +1,6 @@
 """Build a station from its configuration: robot, parameters, manager, loop, facade."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from station.config import StationConfig
@@ -10,6 +11,7 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.control_loop import ControlLoop
+from station.core.loop.heartbeat import Heartbeat
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.robot_loader import create_robot
 
@@ -30,7 +32,13 @@ class Composition:
     not_loaded: dict[str, StationError]
 
 
-def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
+def compose(
+    config: StationConfig,
+    clock: Clock | None = None,
+    *,
+    heartbeat: Heartbeat | None = None,
+    announce: Callable[[str], None] = lambda _: None,
+) -> Composition:
     """Build everything up to the facade and load the controllers; nothing runs yet.
 
     A controller that cannot be loaded is an error if it is to be started, and is
@@ -39,6 +47,9 @@ def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
     Args:
         config: The configuration.
         clock: Wall time; the system's when None.
+        heartbeat: The page that the loop shares with a watchdog, if there is one.
+        announce: Takes what is done next, before it is done: a robot or a controller
+            may take long, or hang.
 
     Raises:
         StationError: The robot, or a controller to be started, cannot be used.
@@ -51,6 +62,7 @@ def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
         **config.controller_parameters(),
     })
     root = Parameters(tree)
+    announce(f"Building the robot {config.robot.type}")
     robot = create_robot(config.robot.type)
     robot.init(root, root.namespace(ROBOT_NAMESPACE))
     robot.check_period(1.0 / config.station.rate)
@@ -61,17 +73,19 @@ def compose(config: StationConfig, clock: Clock | None = None) -> Composition:
         clock=clock,
         period=1.0 / config.station.rate,
         real_time_factor=config.station.real_time_factor,
+        heartbeat=heartbeat,
     )
     reserved = frozenset({ROBOT_NAMESPACE})
     station = Station(loop, manager, root, config.robot.type, reserved)
-    return Composition(station, _load_controllers(station, config))
+    return Composition(station, _load_controllers(station, config, announce))
 
 
 def _load_controllers(
-    station: Station, config: StationConfig
+    station: Station, config: StationConfig, announce: Callable[[str], None]
 ) -> dict[str, StationError]:
     failed: dict[str, StationError] = {}
     for name in config.controllers:
+        announce(f"Loading the controller '{name}'")
         try:
             station.load_controller(name)
         except StationError as error:

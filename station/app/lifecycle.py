@@ -1,7 +1,7 @@
 """Start a station in order, watch it, stop it in reverse order.
 
 Stopping: the robot is held, the dashboard is told to end, streams close, the
-dashboard is gone, the control thread ends.
+dashboard is gone, the control thread ends, the watchdog ends.
 """
 
 import contextlib
@@ -16,15 +16,14 @@ from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import compose
-from station.app.runtime_file import (
-    RunningStation,
-    process_start,
-    write_runtime_file,
-)
+from station.app.private_files import process_start
+from station.app.runtime_file import RunningStation, write_runtime_file
 from station.app.shutdown_signals import ShutdownSignals
-from station.app.ui_process import UiOptions, UiProcess, free_port
+from station.app.station_watchdog import StationWatchdog
+from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
 from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
+from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.loop_report import LoopState
 from station.core.loop.scheduling import realtime_interpreter
@@ -34,12 +33,12 @@ READY_TIMEOUT = 2.0
 """Longest wait for the first cycles [s]."""
 HOLD_TIMEOUT = 0.3
 """Longest wait for the cycle that stops the controllers [s]."""
-SERVER_TIMEOUT = 1.5
+SERVER_TIMEOUT = 1.2
 """Longest wait for streams to close and requests to end [s]."""
 UI_TIMEOUT = 0.5
 """Longest wait for the dashboard after the server has stopped [s]."""
 LOOP_TIMEOUT = 0.4
-"""Longest wait for the control thread [s]; the sum of the four is below 3."""
+"""Longest wait for the control thread [s]; all waits together are below 3 s."""
 WATCH_PERIOD = 0.2
 """How often the station looks whether its parts live [s]."""
 
@@ -67,29 +66,47 @@ class StationRun:
         self._tell_dashboard = tell_dashboard
         self._warn = warn
         self._ui: UiProcess | None = None
+        self._watchdog = StationWatchdog(config, warn)
 
     def run(self) -> None:
         """Run until SIGINT, SIGTERM or SIGHUP.
 
         Raises:
             StationError: It cannot start as configured, or not stop in time.
+            EndedByWatchdogError: The watchdog has ended it.
         """
+        try:
+            self._run()
+        except StationError as error:
+            self._watchdog.check_end(error)
+            raise
+        self._watchdog.check_end()
+
+    def _run(self) -> None:
         with (
             ShutdownSignals(self._end_at_once) as signals,
             contextlib.suppress(KeyboardInterrupt),
             ExitStack() as stack,
         ):
+            stack.callback(self._watchdog.finish)
             check_exposure(self._config.api.host, self._config.api.token)
+            authenticator = Authenticator(self._config.api.token)
+            self._watchdog.start(authenticator)
             station = self._start_loop(stack)
-            announcement = self._start_network(stack, station)
+            announcement = self._start_network(stack, station, authenticator)
             # Once more, although it is on the stack: it comes before all else.
             stack.callback(_hold, station)
             # Starting the server holds the interpreter; that says nothing of the loop.
             station.reset_loop_statistics()
+            stack.callback(self._watchdog.expect_end)
+            self._watchdog.guard(station)
             self._watch(station, announcement, signals)
 
     def _start_loop(self, stack: ExitStack) -> Station:
-        composition = compose(self._config)
+        announce = self._watchdog.announce
+        composition = compose(
+            self._config, heartbeat=self._watchdog.heartbeat, announce=announce
+        )
         station = composition.station
         for name, error in composition.not_loaded.items():
             self._warn(f"Controller '{name}' is not loaded: {error} {error.remedy}")
@@ -98,37 +115,51 @@ class StationRun:
         stack.callback(_hold, station)
         station.loop.start()
         if self._config.start:
+            announce(f"Starting the controllers {', '.join(self._config.start)}")
             station.switch_controllers(SwitchRequest(start=self._config.start))
+        announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT
         while station.ready() and clock.now() < deadline:
             clock.sleep_until(clock.now() + 0.005)
         return station
 
-    def _start_network(self, stack: ExitStack, station: Station) -> Announcement:
+    def _start_network(
+        self, stack: ExitStack, station: Station, authenticator: Authenticator
+    ) -> Announcement:
+        self._watchdog.announce("Starting the server and the dashboard")
         api, ui = self._config.api, self._config.ui
-        ui_port = free_port(api.host, ui.port) if ui.enabled else 0
-        authenticator = Authenticator(api.token)
-        policy = HostPolicy(host_names(api.host))
-        app = create_app(station, authenticator, policy)
+        options = self._ui_options("", "", ui.port)
+        orphan = find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
+        ui_port = orphan.port if orphan else 0
+        if ui.enabled and not orphan:
+            ui_port = free_port(api.host, ui.port)
+        app = create_app(
+            station,
+            authenticator,
+            HostPolicy(host_names(api.host)),
+            dashboard_url=lambda: _dashboard_url(server.url, ui_port),
+        )
         server = ApiServer(app, api.host, api.port)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
         token = authenticator.operator_token
         if ui.enabled:
-            self._ui = UiProcess(self._ui_options(server.url, token, ui_port))
-            stack.callback(self._ui.terminate)
+            options = self._ui_options(server.url, token, ui_port)
+            self._ui = UiProcess(options, adopted=orphan)
+            stack.callback(self._terminate_ui)
             self._ui.start()
         pid = os.getpid()
         running = RunningStation(
             url=server.url,
             token=token,
             viewer_token=authenticator.viewer_token,
-            ui_url=f"{server.url.rpartition(':')[0]}:{ui_port}" if ui_port else "",
+            ui_url=_dashboard_url(server.url, ui_port) or "",
             boot_id=station.boot_id,
             pid=pid,
             started=process_start(pid),
+            watchdog_url=self._watchdog.url,
         )
         path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
@@ -145,6 +176,8 @@ class StationRun:
             robot_description=str(robot.get("robot_description", "")),
             arm_id=str(robot.get("arm_id", "panda")),
             base=_floats(robot.get("base_xyz")) + _floats(robot.get("base_rpy")),
+            watchdog_url=self._watchdog.url,
+            reconnect_window=self._config.ui.reconnect_window,
         )
 
     def _watch(
@@ -160,6 +193,7 @@ class StationRun:
             )
         watches = [self._watch_loop(station), self._watch_ui(announcement)]
         while not signals.wait(WATCH_PERIOD):
+            self._watchdog.look(station)
             watches = [watch for watch in watches if not watch()]
 
     def _watch_loop(self, station: Station) -> Callable[[], bool]:
@@ -193,8 +227,14 @@ class StationRun:
 
         return watch
 
+    def _terminate_ui(self) -> None:
+        if self._ui is not None and not self._watchdog.heartbeat.is_ended_by_watchdog:
+            self._ui.terminate()
+
     def _finish_ui(self) -> None:
-        if self._ui is not None:
+        # A dashboard whose station is ended by the watchdog waits for the next one, as
+        # after a crash.
+        if self._ui is not None and not self._watchdog.heartbeat.is_ended_by_watchdog:
             self._ui.finish(UI_TIMEOUT)
 
     def _end_at_once(self) -> None:
@@ -214,6 +254,11 @@ def _hold(station: Station) -> None:
         and loop.clock.now() < deadline
     ):
         loop.clock.sleep_until(loop.clock.now() + 0.002)
+
+
+def _dashboard_url(api_url: str, port: int) -> str | None:
+    """Return the address of a dashboard at the API's host; None if there is none."""
+    return f"{api_url.rpartition(':')[0]}:{port}" if port else None
 
 
 def _floats(value: object) -> tuple[float, ...]:

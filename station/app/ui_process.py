@@ -1,14 +1,24 @@
-"""The dashboard's process: started with the station, gone with it."""
+"""The dashboard's process: started by a station, or adopted after a crash."""
 
 import os
+import select
 import signal
 import socket
 import subprocess
 import sys
 from dataclasses import dataclass
 from http.client import HTTPConnection, HTTPException
+from typing import Protocol
 
+import station
+from station.app.dashboard_file import DashboardRecord, claim_orphan, dashboard_path
+from station.app.private_files import process_start
 from station.core.errors import StationError
+
+ORPHAN_TIME = 1.0
+"""How long a dashboard that does not fit may take to end before it is killed [s]."""
+UNKNOWN_CODE = -1
+"""Exit code of an adopted process: the system tells it to the parent alone."""
 
 
 class PortTakenError(StationError, OSError):
@@ -59,6 +69,8 @@ class UiOptions:
         robot_description: The robot to draw; empty draws none.
         arm_id: Prefix of the robot's joints.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        watchdog_url: The listener of the station's watchdog; empty when there is none.
+        reconnect_window: How long it waits for another station after a crash [s].
     """
 
     api_url: str
@@ -68,6 +80,13 @@ class UiOptions:
     robot_description: str = ""
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    watchdog_url: str = ""
+    reconnect_window: float = 60.0
+
+    def shown(self) -> str:
+        """Return what the dashboard draws, and with which version of the program."""
+        drawn = (self.robot_description, self.arm_id, self.base, self.reconnect_window)
+        return f"{station.__version__} {drawn}"
 
     def command(self) -> list[str]:
         """Return the command line; the token is not in it, others could read it."""
@@ -77,34 +96,141 @@ class UiOptions:
             *("--robot-description", self.robot_description),
             *("--base", *(f"{value:.6f}" for value in self.base)),
             *("--arm-id", self.arm_id, "--parent-pid", str(os.getpid())),
+            *("--watchdog", self.watchdog_url),
+            *("--reconnect-window", str(self.reconnect_window)),
         ]
+
+
+class _Process(Protocol):
+    """What is needed of `subprocess.Popen`, of a process that somebody else started."""
+
+    @property
+    def pid(self) -> int: ...
+    def poll(self) -> int | None: ...
+    def wait(self, timeout: float | None = None) -> int: ...
+
+
+class AdoptedProcess:
+    """A process that another program started; safe against reuse of its number.
+
+    Args:
+        pid: Its number.
+        port: The port of the dashboard in it.
+
+    Raises:
+        ProcessLookupError: It has ended.
+    """
+
+    def __init__(self, pid: int, port: int) -> None:
+        self.pid = pid
+        self.port = port
+        self._descriptor = os.pidfd_open(pid)
+
+    def poll(self) -> int | None:
+        """Return None while the process runs, `UNKNOWN_CODE` afterwards."""
+        ended, _, _ = select.select([self._descriptor], [], [], 0.0)
+        return UNKNOWN_CODE if ended else None
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for the end; return `UNKNOWN_CODE`.
+
+        Raises:
+            TimeoutExpired: The process still runs after `timeout` [s].
+        """
+        ended, _, _ = select.select([self._descriptor], [], [], timeout)
+        if not ended:
+            raise subprocess.TimeoutExpired(str(self.pid), timeout or 0.0)
+        return UNKNOWN_CODE
+
+
+def find_orphan(host: str, port: int, shown: str) -> AdoptedProcess | None:
+    """Return a dashboard that a crashed station has left and that fits the next one.
+
+    One that listens at the wanted port and does not fit is ended.
+
+    Args:
+        host: Where the dashboard must listen.
+        port: Its port; 0: any.
+        shown: What it must draw.
+
+    Raises:
+        RuntimeDirectoryError: The runtime directory belongs to somebody else.
+    """
+    record = claim_orphan(host, port)
+    if record is None:
+        return None
+    try:
+        process = AdoptedProcess(record.pid, record.port)
+    except ProcessLookupError:
+        return None  # its time was up
+    if record.shown == shown:
+        return process
+    os.kill(process.pid, signal.SIGTERM)
+    try:
+        process.wait(ORPHAN_TIME)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait(ORPHAN_TIME)
+    return None
 
 
 class UiProcess:
     """Runs `station ui` in a session of its own, so that Ctrl-C does not reach it.
 
-    The dashboard ends by itself when this process ends, however it ends.
+    A dashboard that serves outlives a crash of this process for a while, and is adopted
+    by the station that is started next. It ends by itself when nobody does that.
 
     Args:
         options: What the dashboard is told. The token goes by the environment.
         command: The command line; the options' own when None.
+        adopted: A dashboard that runs already; None starts one.
     """
 
-    def __init__(self, options: UiOptions, command: list[str] | None = None) -> None:
+    def __init__(
+        self,
+        options: UiOptions,
+        command: list[str] | None = None,
+        adopted: AdoptedProcess | None = None,
+    ) -> None:
         self._options = options
         self._command = options.command() if command is None else command
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: _Process | None = adopted
 
     def start(self) -> None:
-        """Start the process; does not wait until the dashboard answers."""
-        self._process = subprocess.Popen(
+        """Start the process, or tell a running one its new station; does not wait.
+
+        Raises:
+            RuntimeDirectoryError: The runtime directory cannot be used.
+        """
+        if self._process is None:
+            self._process = self._start_process()
+        self._record(self._process.pid).write()
+
+    def _record(self, pid: int) -> DashboardRecord:
+        options = self._options
+        return DashboardRecord(
+            pid=pid,
+            started=process_start(pid),
+            host=options.host,
+            port=options.port,
+            shown=options.shown(),
+            station_pid=os.getpid(),
+            station_started=process_start(os.getpid()),
+            api_url=options.api_url,
+            token=options.token,
+            watchdog_url=options.watchdog_url,
+        )
+
+    def _start_process(self) -> subprocess.Popen[bytes]:
+        process = subprocess.Popen(
             self._command,
             stdin=subprocess.DEVNULL,
             env={**os.environ, "STATION_TOKEN": self._options.token},
             start_new_session=True,
         )
         # The dashboard must not share the favour that the station's threads enjoy.
-        os.setpriority(os.PRIO_PROCESS, self._process.pid, 0)
+        os.setpriority(os.PRIO_PROCESS, process.pid, 0)
+        return process
 
     def answers(self) -> bool:
         """Say whether the dashboard answers requests already."""
@@ -121,7 +247,10 @@ class UiProcess:
             connection.close()
 
     def exit_code(self) -> int | None:
-        """Return the exit code; None while it runs or when it was never started."""
+        """Return the exit code; None while it runs or when it was never started.
+
+        It is `UNKNOWN_CODE` for a dashboard that was adopted.
+        """
         return None if self._process is None else self._process.poll()
 
     def terminate(self) -> None:
@@ -142,6 +271,7 @@ class UiProcess:
         except subprocess.TimeoutExpired:
             self.kill()
             process.wait()
+        dashboard_path(process.pid).unlink(missing_ok=True)
 
     def _signal(self, number: signal.Signals) -> None:
         process = self._process

@@ -99,7 +99,10 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         "read it in the list of processes: STATION_API__TOKEN is more private",
     )
     run.add_argument(
-        "--real-time-factor", type=float, metavar="X", help="station over wall time"
+        "--real-time-factor",
+        type=float,
+        metavar="X",
+        help="station over wall time, 0.01 to 100",
     )
     ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
     ui.add_argument("--connect", metavar="URL", help="the same as --url")
@@ -119,8 +122,12 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"),
         help="where the robot stands [m], [rad]",
     )
-    # Given by `station run`: the dashboard ends when that process does.
+    # Given by `station run`: whom the dashboard follows, and how long without one.
     ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
+    ui.add_argument("--watchdog", default="", help=argparse.SUPPRESS)
+    ui.add_argument(
+        "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
+    )
     verbs.add(
         "doctor",
         "doctor:doctor",

@@ -54,6 +54,13 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
     return url, token
 
 
+def watchdog_of(url: str) -> str:
+    """Return where the watchdog of a station on this machine answers; empty if none."""
+    wanted = urlsplit(url).netloc.replace("localhost", "127.0.0.1")
+    found = {urlsplit(s.url).netloc: s.watchdog_url for s in find_running()}
+    return found.get(wanted, "")
+
+
 def _only(stations: list[RunningStation]) -> RunningStation:
     """Return the one station.
 

@@ -4,9 +4,13 @@
 is not 1.
 """
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+from station.core.loop.pace import FASTEST, SLOWEST
 
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
@@ -24,16 +28,31 @@ class _Section(BaseModel):
     )
 
 
+def _within(lower: float, upper: float) -> Callable[[float], float]:
+    """Return a check of a number that names both ends of its range when it refuses."""
+
+    def check(value: float) -> float:
+        if not lower <= value <= upper:
+            raise PydanticCustomError(
+                "outside_of_range",
+                "Input should be {lower} to {upper}",
+                {"lower": f"{lower:g}", "upper": f"{upper:g}"},
+            )
+        return value
+
+    return check
+
+
 class LoopSection(_Section):
     """The control loop.
 
     Attributes:
         rate: Cycles per second of station time [Hz].
-        real_time_factor: Station time over wall time.
+        real_time_factor: Station time over wall time, 0.01 to 100.
     """
 
     rate: float = Field(ge=1.0, le=10_000.0)
-    real_time_factor: float = Field(gt=0.0, le=100.0)
+    real_time_factor: Annotated[float, AfterValidator(_within(SLOWEST, FASTEST))]
 
 
 class RobotSection(_Section):
@@ -91,10 +110,29 @@ class UiSection(_Section):
     Attributes:
         enabled: Whether to start it.
         port: TCP port at the API's host; 0 for any free one.
+        reconnect_window: How long the dashboard waits, with everybody's login, for
+            another station when its own has crashed [s]; then it ends.
     """
 
     enabled: bool
     port: Port
+    reconnect_window: float = Field(ge=0.0, le=3600.0)
+
+
+class WatchdogSection(_Section):
+    """The process beside the station that sees whether the control loop lives.
+
+    Attributes:
+        enabled: Whether to start it.
+        notice_after: Age of the loop's last wake-up that counts as a standstill [s];
+            two periods of the loop if that is more.
+        end_after: Duration of a standstill after which the station is ended [s]; null:
+            never, e.g. for a debugger.
+    """
+
+    enabled: bool
+    notice_after: float = Field(ge=0.02, le=10.0)
+    end_after: float | None = Field(ge=1.0, le=3600.0)
 
 
 class StationConfig(_Section):
@@ -110,6 +148,7 @@ class StationConfig(_Section):
             controllers and robots may read.
         api: The server.
         ui: The dashboard.
+        watchdog: The process beside the station.
     """
 
     station: LoopSection
@@ -119,6 +158,7 @@ class StationConfig(_Section):
     start: list[str]
     api: ApiSection
     ui: UiSection
+    watchdog: WatchdogSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
 
     def robot_parameters(self) -> dict[str, object]:

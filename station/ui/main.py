@@ -1,9 +1,8 @@
-"""Run the dashboard as a process of its own, until a signal or its parent's end."""
+"""Run the dashboard as a process of its own, until a signal or its station's end."""
 
 import asyncio
 import contextlib
 import logging
-import os
 import signal
 import socket
 from collections.abc import Callable, Iterator
@@ -19,11 +18,13 @@ from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
 from station.ui.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.sessions import Role, Sessions
+from station.ui.station_follower import StationAccess, StationFollower
+from station.ui.stop_button import StopButton
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
 
 _logger = logging.getLogger(__name__)
-_PARENT_PERIOD = 0.2
+_LOOK_PERIOD = 0.2
 _CLOSING_TIME = 1
 _REQUEST_TIMEOUT = 2.0
 
@@ -42,7 +43,9 @@ class DashboardConfig:
         arm_id: Takes the place of `panda` in a Panda's joint names.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
         host_names: Further names under which users reach the dashboard.
-        ends_with_parent: Stop when the process that started this one has ended.
+        watchdog_url: The listener of the station's watchdog; empty when there is none.
+        follower: Tells which station takes the place of one that has crashed, and when
+            to end; None stays with the station at `url` until a signal comes.
     """
 
     url: str
@@ -53,13 +56,14 @@ class DashboardConfig:
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
     host_names: tuple[str, ...] = ()
-    ends_with_parent: bool = False
+    watchdog_url: str = ""
+    follower: StationFollower | None = None
 
 
 def run_dashboard(
     config: DashboardConfig, on_ready: Callable[[str], None] = lambda _: None
 ) -> int:
-    """Run the dashboard until SIGINT, SIGTERM or, when asked to, its parent's end.
+    """Run the dashboard until SIGINT, SIGTERM, or the word of its follower.
 
     A robot that cannot be drawn leaves a dashboard that says so.
 
@@ -73,9 +77,8 @@ def run_dashboard(
     Raises:
         OSError: The port cannot be had.
     """
-    parent = os.getppid()
     with _listen(config) as listener:
-        asyncio.run(_serve(config, listener, on_ready, parent))
+        asyncio.run(_serve(config, listener, on_ready))
     return 0
 
 
@@ -94,7 +97,6 @@ async def _serve(
     config: DashboardConfig,
     listener: socket.socket,
     on_ready: Callable[[str], None],
-    parent: int,
 ) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -104,18 +106,23 @@ async def _serve(
     guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)
-    dashboard = Dashboard(
-        guarded.server,
-        AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT),
-        robot,
-        not_drawn,
-    )
-    server = _Server(_gateway(config, api, dashboard, relay))
+    shown = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
+    dashboard = Dashboard(guarded.server, shown, robot, not_drawn)
+    button = StopButton(api, config.token, config.watchdog_url)
+    server = _Server(_gateway(config, api, button, dashboard, relay))
+
+    def move_to(access: StationAccess) -> None:
+        api.move_to(access.url, access.token)
+        button.move_to(access.token, access.watchdog_url)
+        # That client belongs to Viser's event loop.
+        viser_loop = guarded.server.get_event_loop()
+        viser_loop.call_soon_threadsafe(shown.move_to, access.url, access.token)
+
     dashboard.start()
     try:
         serving = asyncio.create_task(server.serve(sockets=[listener]))
         on_ready(dashboard_url(config.host, listener.getsockname()[1]))
-        await _wait_for_end(ended, serving, parent if config.ends_with_parent else None)
+        await _wait_for_end(ended, serving, config.follower, move_to)
         server.should_exit = True
         await serving
     finally:
@@ -137,29 +144,40 @@ def _load(config: DashboardConfig) -> tuple[RobotModel | None, str]:
 
 
 async def _wait_for_end(
-    ended: asyncio.Event, serving: asyncio.Task[None], parent: int | None
+    ended: asyncio.Event,
+    serving: asyncio.Task[None],
+    follower: StationFollower | None,
+    move_to: Callable[[StationAccess], None],
 ) -> None:
-    """Wait for a signal, the server's end, or until `parent` is the parent no more."""
+    """Wait for a signal, the server's end or the follower's word."""
+    access = None if follower is None else follower.access
+    if follower is not None:
+        follower.is_serving = True
     while not ended.is_set() and not serving.done():
-        if parent is not None and os.getppid() != parent:
-            return
+        if follower is not None:
+            if follower.is_over:
+                return
+            if follower.access is not access:
+                access = follower.access
+                move_to(access)
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(ended.wait(), _PARENT_PERIOD)
+            await asyncio.wait_for(ended.wait(), _LOOK_PERIOD)
 
 
 def _gateway(
     config: DashboardConfig,
     api: AsyncStationClient,
+    button: StopButton,
     dashboard: Dashboard,
     relay: ViserRelay,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
-        return await ask_role(config.url, token)
+        return await ask_role(api.url, token)
 
     return build_gateway(
         GatewayParts(
             role_of=role_of,
-            stop=lambda: api.stop("stop button of the dashboard"),
+            stop=button.press,
             release=lambda arm: api.release_stop(arm=arm),
             bar=dashboard.bar,
             relay=relay,

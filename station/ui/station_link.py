@@ -194,10 +194,15 @@ class StationLink:
                 self.histories[name].append(sample)
 
     async def _frames(self, topic: str, rate: float) -> AsyncIterator[StreamFrame]:
-        """Yield a stream's frames; begin again when the station refuses it."""
+        """Yield a stream's frames; begin again when it ends or is refused.
+
+        The client does not reconnect by itself, since it may talk to another station
+        when it begins again.
+        """
         while True:
             with contextlib.suppress(ApiError):  # Polling says what is wrong.
-                async for frame in self.client.stream(topic, rate=rate):
+                stream = self.client.stream(topic, rate=rate, reconnect=False)
+                async for frame in stream:
                     yield frame
             await asyncio.sleep(_RETRY)
 

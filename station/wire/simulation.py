@@ -26,7 +26,7 @@ class SimulationPatch(RequestModel):
 
     Attributes:
         paused: Whether station time is to stand still.
-        real_time_factor: Station time over wall time, more than 0, at most 100.
+        real_time_factor: Station time over wall time, 0.01 to 100.
     """
 
     paused: bool | None = None

@@ -6,6 +6,7 @@ from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
 from station.core.errors import HardwareInterfaceError, ParameterError, StationError
+from station.core.loop.heartbeat import Heartbeat
 from tests.app.mass_hw import TYPE
 
 GROUP = "position_controllers/JointGroupPositionController"
@@ -89,3 +90,28 @@ def test_the_default_configuration_has_trajectory_controllers_ready():
     states = {c.type: c.state.value for c in station.controllers()}
     assert states["effort_controllers/JointTrajectoryController"] == "initialized"
     assert states["position_controllers/JointTrajectoryController"] == "initialized"
+
+
+def test_every_step_is_announced_before_it_is_done(tmp_path):
+    config = configure(
+        tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}, odd: {{type: no/Such}}"
+    )
+    steps = []
+
+    compose(config, ManualClock(), announce=steps.append)
+
+    assert steps == [
+        f"Building the robot {TYPE}",
+        "Loading the controller 'arm'",
+        "Loading the controller 'odd'",
+    ]
+
+
+def test_the_loop_shares_the_heartbeat_it_is_given(tmp_path):
+    heartbeat = Heartbeat()
+
+    station = compose(
+        configure(tmp_path, ""), ManualClock(), heartbeat=heartbeat
+    ).station
+
+    assert station.loop.heartbeat is heartbeat

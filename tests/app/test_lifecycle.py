@@ -138,7 +138,7 @@ def test_exposed_host_without_token_is_refused(config):
 
 
 def test_signal_during_the_start_ends_it(config, monkeypatch):
-    def interrupted(_):
+    def interrupted(_, **__):
         os.kill(os.getpid(), signal.SIGINT)
 
     monkeypatch.setattr("station.app.lifecycle.compose", interrupted)
@@ -152,8 +152,8 @@ def test_signal_during_the_start_ends_it(config, monkeypatch):
 def test_robot_is_held_before_streams_close(config, monkeypatch):
     stations, states = [], []
 
-    def compose(given):
-        composition = lifecycle_compose(given)
+    def compose(given, **options):
+        composition = lifecycle_compose(given, **options)
         stations.append(composition.station)
         return composition
 

@@ -9,14 +9,12 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from station.app.runtime_file import (
-    RunningStation,
+from station.app.private_files import (
     RuntimeDirectoryError,
-    find_running,
     process_start,
     runtime_directory,
-    write_runtime_file,
 )
+from station.app.runtime_file import RunningStation, find_running, write_runtime_file
 
 ME = RunningStation(
     url="http://127.0.0.1:8000",
@@ -75,6 +73,39 @@ def test_what_is_no_runtime_file_is_ignored(directory):
     (directory / "broken.json").write_text("{")
     (directory / "other.json").write_text(json.dumps({**asdict(ME), "more": 1}))
     (directory / "list.json").write_text("[]")
+
+    assert find_running() == [ME]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"pid": -1},
+        {"pid": 0},
+        {"pid": "1"},
+        {"pid": 10**400},
+        {"pid": 1.5},
+        {"pid": True},
+        {"url": 3},
+        {"token": None},
+        {"watchdog_url": ["http://127.0.0.1:1"]},
+        {"started": {}},
+    ],
+)
+def test_fields_of_the_wrong_kind_are_ignored(directory, change):
+    write_runtime_file(ME)
+    (directory / "nonsense.json").write_text(json.dumps({**asdict(ME), **change}))
+
+    assert find_running() == [ME]
+
+
+def test_what_is_no_plain_file_is_ignored(directory):
+    write_runtime_file(ME)
+    os.mkfifo(directory / "pipe.json")
+    (directory / "folder.json").mkdir()
+    (directory / "link.json").symlink_to(directory / f"{ME.pid}.json")
+    (directory / "deep.json").write_text("[" * 60_000)
+    (directory / "bytes.json").write_bytes(b"\xff\x00" * 100)
 
     assert find_running() == [ME]
 

@@ -3,12 +3,22 @@
 import os
 import signal
 import socket
+import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 
-from station.app.ui_process import PortTakenError, UiOptions, UiProcess, free_port
+from station.app.dashboard_file import read_dashboard
+from station.app.ui_process import (
+    UNKNOWN_CODE,
+    PortTakenError,
+    UiOptions,
+    UiProcess,
+    find_orphan,
+    free_port,
+)
 
 OPTIONS = UiOptions("http://127.0.0.1:8000", "secret", "127.0.0.1", 8080)
 STUCK = (
@@ -109,3 +119,77 @@ def test_it_answers_when_its_page_does():
         ui.finish(20.0)
 
     assert not ui.answers()
+
+
+SLEEP = [sys.executable, "-c", "import time; time.sleep(600)"]
+IGNORE = [sys.executable, "-c", STUCK]
+
+
+@pytest.fixture
+def leave(tmp_path, monkeypatch):
+    """Return a function that starts a dashboard whose station has ended."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    left = []
+
+    def start(options, command=SLEEP):
+        child = subprocess.Popen(
+            command, start_new_session=True, stdout=subprocess.PIPE
+        )
+        left.append(child)
+        record = UiProcess(options, command)._record(child.pid)
+        replace(record, station_pid=os.getppid(), station_started="1").write()
+        return child
+
+    yield start
+    for child in left:
+        child.kill()
+        child.wait()
+        child.stdout.close()
+
+
+def test_an_orphan_that_shows_the_same_is_adopted(leave):
+    child = leave(OPTIONS)
+
+    orphan = find_orphan("127.0.0.1", 0, OPTIONS.shown())
+    ui = UiProcess(replace(OPTIONS, api_url="http://new"), adopted=orphan)
+    ui.start()
+
+    assert (orphan.pid, orphan.port) == (child.pid, 8080)
+    assert read_dashboard(child.pid).api_url == "http://new"
+    assert ui.exit_code() is None
+    ui.terminate()
+    ui.finish(20.0)
+    assert ui.exit_code() == UNKNOWN_CODE
+    assert child.wait() == -signal.SIGTERM
+    assert read_dashboard(child.pid) is None
+
+
+@pytest.mark.parametrize(
+    ("command", "code"), [(SLEEP, -signal.SIGTERM), (IGNORE, -signal.SIGKILL)]
+)
+def test_an_orphan_that_shows_something_else_is_ended(
+    leave, monkeypatch, command, code
+):
+    monkeypatch.setattr("station.app.ui_process.ORPHAN_TIME", 0.2)
+    child = leave(replace(OPTIONS, arm_id="left"), command)
+    if command is IGNORE:
+        assert child.stdout.readline() == b"up\n"
+
+    assert find_orphan("127.0.0.1", 8080, OPTIONS.shown()) is None
+    assert child.wait(20.0) == code
+
+
+def test_an_adopted_dashboard_that_does_not_end_is_killed(leave):
+    child = leave(OPTIONS, IGNORE)
+    assert child.stdout.readline() == b"up\n"
+    ui = UiProcess(OPTIONS, adopted=find_orphan("127.0.0.1", 0, OPTIONS.shown()))
+
+    ui.terminate()
+    ui.finish(0.05)
+
+    assert child.wait(20.0) == -signal.SIGKILL
+
+
+@pytest.mark.usefixtures("leave")
+def test_without_an_orphan_there_is_nothing_to_adopt():
+    assert find_orphan("127.0.0.1", 0, OPTIONS.shown()) is None

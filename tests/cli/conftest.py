@@ -60,6 +60,7 @@ class FakeStation:
     """What `StationClient` is to the command line; keeps every call."""
 
     def __init__(self) -> None:
+        self.timeout = 10.0
         self.calls: list[tuple[object, ...]] = []
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from station.app.runtime_file import RunningStation, process_start, write_runtime_file
-from station.cli.connection import locate, open_client
+from station.app.private_files import process_start
+from station.app.runtime_file import RunningStation, write_runtime_file
+from station.cli.connection import locate, open_client, watchdog_of
 from station.cli.errors import NoStationError, UsageError
 
 ME = os.getpid()
@@ -78,3 +79,10 @@ def test_what_is_no_url_is_refused(url):
 def test_client_talks_to_the_station():
     with open_client(Namespace(url="http://robot:8000/", token="t")) as client:
         assert client.url == "http://robot:8000"
+
+
+def test_the_watchdog_of_a_local_station_is_found():
+    write_runtime_file(replace(LOCAL, watchdog_url="http://127.0.0.1:9"))
+
+    assert watchdog_of("http://localhost:8000") == "http://127.0.0.1:9"
+    assert watchdog_of("http://127.0.0.1:8001") == ""

@@ -13,7 +13,8 @@ MINIMAL = {
     "controllers": {},
     "start": [],
     "api": {"host": "127.0.0.1", "port": 0, "token": None},
-    "ui": {"enabled": True, "port": 0},
+    "ui": {"enabled": True, "port": 0, "reconnect_window": 60.0},
+    "watchdog": {"enabled": True, "notice_after": 0.08, "end_after": None},
 }
 
 
@@ -48,8 +49,22 @@ def test_minimal_configuration_is_valid():
             {"rate": 1e6, "real_time_factor": 1.0},
             "station.rate is 1000000.0; it must be less than or equal to 10000.",
         ),
-        ("ui", {"enabled": 1, "port": 0}, "ui.enabled is 1; it must be true or false."),
-        ("ui", {"port": 0}, "ui.enabled is missing."),
+        (
+            "station",
+            {"rate": 1000, "real_time_factor": 1e-6},
+            "station.real_time_factor is 1e-06; it must be 0.01 to 100.",
+        ),
+        (
+            "station",
+            {"rate": 1000, "real_time_factor": 101.0},
+            "station.real_time_factor is 101.0; it must be 0.01 to 100.",
+        ),
+        (
+            "ui",
+            {"enabled": 1, "port": 0, "reconnect_window": 0.0},
+            "ui.enabled is 1; it must be true or false.",
+        ),
+        ("ui", {"port": 0, "reconnect_window": 0.0}, "ui.enabled is missing."),
         ("ui", 3, "ui is 3; it must be a mapping."),
         ("start", "arm", "start is 'arm'; it must be a list."),
         ("start", ["arm"], "<start/0>: start[0] is 'arm'; allowed are the names"),
@@ -71,7 +86,11 @@ def test_problem_is_named(section, value, message):
 
 
 def test_every_problem_is_named_at_once():
-    values = {**MINIMAL, "ui": {"enabled": 1, "port": -1}, "start": [3]}
+    values = {
+        **MINIMAL,
+        "ui": {**MINIMAL["ui"], "enabled": 1, "port": -1},
+        "start": [3],
+    }
 
     with pytest.raises(ConfigError) as caught:
         validate(values, place)

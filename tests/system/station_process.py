@@ -39,6 +39,11 @@ class StationProcess:
             )
 
     @property
+    def runtime_folder(self) -> Path:
+        """Where its runtime files are."""
+        return Path(self.environment["XDG_RUNTIME_DIR"]) / "station"
+
+    @property
     def errors(self) -> str:
         """Return what it has written to stderr."""
         return self._err.read_text()
@@ -62,6 +67,22 @@ class StationProcess:
         pid = self.process.pid
         text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
         return [int(child) for child in text.split()]
+
+    def child(self, part: str) -> int:
+        """Wait for the child whose command line has the argument or module `part`.
+
+        Args:
+            part: `ui` for the dashboard, `watchdog` for the watchdog.
+        """
+        deadline = time.monotonic() + PATIENCE
+        while True:
+            for pid in self.children():
+                words = Path(f"/proc/{pid}/cmdline").read_text().split("\0")
+                if part in words or f"station.app.{part}" in words:
+                    return pid
+            assert self.process.poll() is None, self.errors
+            assert time.monotonic() < deadline, f"there is no {part}"
+            time.sleep(0.005)
 
     def end(self, number: signal.Signals) -> float:
         """Send a signal and wait; return how long the process took to end [s]."""

@@ -1,16 +1,20 @@
 """Ctrl-C ends everything that `station run` started, quickly and quietly."""
 
+import contextlib
 import os
 import signal
 import socket
 import threading
+import time
 from pathlib import Path
 
 import pytest
 
 from station.client import ApiError, StationClient
-from tests.system.station_process import StationProcess, is_alive, wait_for_end
+from tests.system import hung_controllers
+from tests.system.station_process import StationProcess, is_alive
 
+SLOW = f"{hung_controllers.__name__}:NeverLoadedController"
 SOON = 3.0
 """What the station promises for its end [s]."""
 
@@ -61,7 +65,7 @@ def test_ctrl_c_ends_everything_with_open_streams(start, watch):
     station = start()
     access = station.access()
     station.told(1)
-    (dashboard,) = station.children()
+    dashboard = station.child("ui")
     for rate in (50.0, 100.0, "full"):
         watch(access, rate)
 
@@ -88,7 +92,7 @@ def test_termination_ends_it_likewise(start, watch):
 def test_stuck_dashboard_does_not_hold_it_up(start):
     station = start()
     station.told(1)
-    (dashboard,) = station.children()
+    dashboard = station.child("ui")
     os.kill(dashboard, signal.SIGSTOP)
 
     duration = station.end(signal.SIGINT)
@@ -98,14 +102,24 @@ def test_stuck_dashboard_does_not_hold_it_up(start):
     assert not is_alive(dashboard)
 
 
-def test_dashboard_ends_with_a_station_that_was_killed(start):
-    station = start()
-    station.told(1)
-    (dashboard,) = station.children()
+def test_request_that_never_comes_back_does_not_hold_the_end_up(start):
+    station = start("--no-ui")
+    access = station.access()
 
-    station.end(signal.SIGKILL)
+    def load():
+        client = StationClient(access["url"], access["token"], timeout=60.0)
+        with client, contextlib.suppress(ApiError):
+            client.load_controller("slow", SLOW, {})
 
-    assert wait_for_end(dashboard, 20.0)
+    thread = threading.Thread(target=load)
+    thread.start()
+    time.sleep(1.0)
+    duration = station.end(signal.SIGINT)
+    thread.join(60.0)
+
+    assert station.process.returncode == 0, station.errors
+    assert duration < SOON
+    assert "Traceback" not in station.errors
 
 
 def test_second_signal_ends_it_at_once(start):

@@ -3,14 +3,19 @@
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from station.cli.connection import open_client
-from station.cli.output import say, say_model
+from station.app.watchdog_client import stop_through_watchdog
+from station.cli.connection import locate, open_client, watchdog_of
+from station.cli.output import say, say_json, say_model
 from station.cli.verbs.switching import stop_running
 
 if TYPE_CHECKING:
     from station.client import StationClient
     from station.client.routes import Restart
     from station.wire import ArmReport, Recoveries, Recovery, StopState
+
+
+STOP_TIME = 0.5
+"""How long the station may take to answer a stop before its watchdog is asked [s]."""
 
 
 def command(options: Namespace) -> int:
@@ -28,14 +33,43 @@ def stop(options: Namespace) -> int:
     """Stop the robot; with names of loaded controllers, these alone.
 
     A word that is no controller may be a mistake or a cry for help. The robot stops,
-    because that is the safe interpretation.
+    because that is the safe interpretation. A station that does not answer, or whose
+    loop makes no cycles, is stopped through its watchdog.
+
+    Raises:
+        StationUnreachableError: Neither the station nor a watchdog of it is there.
+        WatchdogError: The watchdog does not confirm the stop either.
     """
+    from station.client import StationUnreachableError
+
+    url, token = locate(options.url, options.token)
+    watchdog_url = watchdog_of(url)
+    reason = options.reason or " ".join(options.names) or "station stop"
     with open_client(options) as client:
+        patience = client.timeout
+        if watchdog_url and token:
+            client.timeout = STOP_TIME
         if options.names and _are_loaded(client, options.names):
+            client.timeout = patience
             return stop_running(client, options.names, as_json=options.json)
-        reason = options.reason or " ".join(options.names) or "station stop"
-        state = client.stop(reason)
-    return _tell(state, as_json=options.json)
+        try:
+            state = client.stop(reason)
+        except StationUnreachableError:
+            if not (watchdog_url and token):
+                raise
+        else:
+            if not (state.pending and watchdog_url and token):
+                return _tell(state, as_json=options.json)
+    return _stop_through_watchdog(watchdog_url, token, reason, as_json=options.json)
+
+
+def _stop_through_watchdog(url: str, token: str, reason: str, *, as_json: bool) -> int:
+    stopped = stop_through_watchdog(url, token, reason)
+    if as_json:
+        say_json({"state": "stopped", "pending": not stopped.carried_out})
+    else:
+        say(f"The robot is stopped, through the watchdog. {stopped.detail}")
+    return 0
 
 
 def _are_loaded(client: "StationClient", names: list[str]) -> bool:

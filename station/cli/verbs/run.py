@@ -1,7 +1,9 @@
 """Verb `run`: a station until Ctrl-C."""
 
 import logging
+import os
 import sys
+import threading
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
@@ -21,9 +23,14 @@ _FLAGS = {
 }
 
 
+ENDED_BY_WATCHDOG = 3
+"""Exit code of a station that the watchdog has ended; 137 when it had to be killed."""
+
+
 def run(options: Namespace) -> int:
-    """Run a station until Ctrl-C."""
+    """Run a station until Ctrl-C; return 3 when the watchdog has ended it."""
     from station.app.lifecycle import StationRun
+    from station.app.station_watchdog import EndedByWatchdogError
     from station.config import load_config
 
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s: %(message)s")
@@ -44,8 +51,25 @@ def run(options: Namespace) -> int:
         tell_dashboard=_tell_dashboard_json if options.json else _tell_dashboard,
         warn=_warn,
     )
-    station.run()
-    return 0
+    try:
+        station.run()
+    except EndedByWatchdogError as error:
+        sys.stderr.write(f"error: {error}\n{error.remedy}\n")
+        return _leave(ENDED_BY_WATCHDOG)
+    return _leave(0)
+
+
+def _leave(code: int) -> int:
+    """Return the exit code, or end at once when a thread would hold the end up.
+
+    A request that never comes back has a thread which Python waits for at its exit.
+    """
+    main = threading.main_thread()
+    if any(not t.daemon and t is not main for t in threading.enumerate()):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    return code
 
 
 def _tell(announcement: "Announcement") -> None:

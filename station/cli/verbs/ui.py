@@ -1,14 +1,15 @@
 """Verb `ui`: the dashboard alone, for any station."""
 
-import os
 import sys
 from argparse import Namespace
 
 from station.app.access import host_names
+from station.app.station_watch import StationWatch
 from station.app.ui_process import PortTakenError
-from station.cli.connection import locate
+from station.cli.connection import locate, watchdog_of
 from station.cli.errors import NoStationError
 from station.cli.output import say, say_json
+from station.ui.station_follower import StationAccess
 
 
 def ui(options: Namespace) -> int:
@@ -24,9 +25,15 @@ def ui(options: Namespace) -> int:
             f"No token is known for the station at {url}.",
             remedy="Set STATION_TOKEN, or give --token.",
         )
-    if options.parent_pid is not None and os.getppid() != options.parent_pid:
-        return 0  # the station that wanted a dashboard is gone already
-    # Imported late: Viser and the meshes take seconds.
+    watchdog_url = options.watchdog or watchdog_of(url)
+    follower = None
+    if options.parent_pid is not None:
+        access = StationAccess(url, token, watchdog_url)
+        follower = StationWatch(options.parent_pid, access, options.reconnect_window)
+        if not follower.start():
+            return 0  # the station that wanted a dashboard is gone already
+    # Imported late, and after the watch began: Viser and the meshes take seconds, in
+    # which the station may be killed.
     from station.ui.main import DashboardConfig, run_dashboard
 
     config = DashboardConfig(
@@ -38,7 +45,8 @@ def ui(options: Namespace) -> int:
         arm_id=options.arm_id,
         base=tuple(options.base),
         host_names=tuple(host_names(options.host)),
-        ends_with_parent=options.parent_pid is not None,
+        watchdog_url=watchdog_url,
+        follower=follower,
     )
     tell = _quiet if options.parent_pid else _say_json if options.json else _say
     try:

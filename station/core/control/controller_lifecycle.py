@@ -154,7 +154,7 @@ class ControllerLifecycle:
             one.commands.write_rest()
 
     def wait(self, one: LoadedController, time: float) -> str | None:
-        """Tell one controller that the hardware is switching; return what failed."""
+        """Call `waiting` while the hardware switches; return what failed."""
         self.gate.is_stale = True
         before, trace = one.commands.values(), None
         try:
@@ -277,7 +277,7 @@ class ControllerLifecycle:
         start: Sequence[ControllerInfo],
         stop: Sequence[ControllerInfo],
     ) -> str | None:
-        """Tell the hardware; return what went wrong."""
+        """Tell the hardware of a switch; return what went wrong."""
         # The robot may seed its command buffers, and owners change.
         self.gate.is_stale = True
         try:

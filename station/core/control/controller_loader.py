@@ -46,7 +46,7 @@ class ControllerLoader(ABC):
         """
 
     def knows(self, controller_type: str) -> bool:
-        """Say whether `create` should be tried for that type."""
+        """Return whether `create` should be tried for that type."""
         return controller_type in self.declared_types()
 
     def reload(self) -> None:

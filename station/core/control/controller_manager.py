@@ -175,6 +175,10 @@ class ControllerManager:
         """Return what each running controller did last, by name."""
         return self._runner.samples()
 
+    def running_names(self) -> list[str]:
+        """Return the names of the running controllers; takes no lock."""
+        return self._runner.running_names()
+
     # Loading
 
     def load_controller(self, name: str, timeout: float = LOAD_TIMEOUT) -> None:

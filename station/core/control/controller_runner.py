@@ -274,6 +274,10 @@ class ControllerRunner:
             if one.controller.sample is not None and one.controller.state is _RUNNING
         }
 
+    def running_names(self) -> list[str]:
+        """Return the names of the running controllers. Any thread."""
+        return [one.info.name for one in self.lifecycle.loaded if _is_running(one)]
+
     def _carry_on(self, pending: PendingSwitch, time: float, period: float) -> None:
         transaction = self._transaction
         if pending.progress is SwitchProgress.POSTED or transaction is None:

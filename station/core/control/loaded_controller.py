@@ -82,7 +82,7 @@ class LoadedController:
         self._last_goal = self._newest_goal()
 
     def got_set_point(self) -> bool:
-        """Say whether it has got a set-point or a goal since it was started."""
+        """Return whether a set-point or a goal has arrived since the start."""
         port = self.controller.set_points
         if port is not None and port.last is not self._last_set_point:
             return True

@@ -78,7 +78,7 @@ class PendingSwitch:
         self.done.acquire()
 
     def finish(self, cycle: int) -> None:
-        """Say that nothing more will happen (control thread)."""
+        """Mark the switch as finished and wake its caller. Control thread."""
         self.cycle = cycle
         self.progress = SwitchProgress.FINISHED
         self.done.release()
@@ -136,7 +136,7 @@ class PendingSwitch:
         )
 
     def _with_outcome(self, error: StationError) -> StationError:
-        """Say in the refusal which controllers do not run again."""
+        """Return the refusal with the controllers that do not run again."""
         for name, problem in self.not_restored.items():
             error.message += (
                 f" '{name}' could not be started again: {problem.rstrip('.')}."

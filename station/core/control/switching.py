@@ -267,7 +267,7 @@ def conflict_error(
 
 
 def _summary(conflicts: Sequence[ResourceConflict]) -> str:
-    """Say the reason of each group of holders once, with what else it holds for."""
+    """Return the reason of each group of holders, with all resources it is about."""
     groups: dict[tuple[tuple[str, str], ...], list[ResourceConflict]] = {}
     for conflict in conflicts:
         groups.setdefault(conflict.holders, []).append(conflict)

@@ -50,6 +50,8 @@ class Station(MotionCommands):
         boot_id: Random name of this run.
         robots: The robots, their services and recovery.
         simulation: Pause, step and reset of a simulated robot.
+        watchdog_failure: Why no watchdog looks after the station at the moment; None
+            when one does, or when none is wanted.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Station(MotionCommands):
         self.robots = Robots(loop, manager)
         self.simulation = SimulationControl(loop)
         self.boot_id = uuid.uuid4().hex
+        self.watchdog_failure: str | None = None
         self.parameters = parameters
         self._robot_type = robot_type
         self._reserved = reserved
@@ -143,7 +146,7 @@ class Station(MotionCommands):
         age = self.loop.age()
         if age > FRESH:
             return f"The last cycle is {age:.2f} s old; the loop hangs."
-        return None
+        return self.watchdog_failure
 
     def loop_report(self) -> LoopReport:
         """Return state and statistics of the loop."""

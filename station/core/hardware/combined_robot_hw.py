@@ -129,6 +129,11 @@ class CombinedRobotHW(RobotHW):
         return list(conflicts)
 
     @override
+    def hold_commands(self) -> list[Sequence[str]]:
+        """Return the command lines of all robots."""
+        return [c for robot in self.robots.values() for c in robot.hold_commands()]
+
+    @override
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:

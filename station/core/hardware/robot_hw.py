@@ -162,6 +162,16 @@ class RobotHW(InterfaceManager):
             HardwareInterfaceError: The loop is too fast or too slow for the robot.
         """
 
+    def hold_commands(self) -> Sequence[Sequence[str]]:
+        """Return command lines that make the drivers of a real robot hold it.
+
+        A process beside the station runs them, without a shell, when the control loop
+        stands still; so each must work without the station, must be harmless when it is
+        repeated, and must end within 1 s. A simulated robot needs none: its world
+        stands still with the loop.
+        """
+        return ()
+
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:

@@ -6,7 +6,8 @@ since the last cycle and so a multiple of the nominal period, up to what the rob
 waits for.
 
 While it is paused the thread goes on waking: posted operations, the stop and switches
-are carried out, the robot is not written to and no controller is updated.
+are carried out, the robot is not written to and no controller is updated. A long wait
+for the next deadline is slept in slices, so that none of these has to wait for it.
 """
 
 import threading
@@ -20,6 +21,7 @@ from station.core.faults import CONTAINED, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.services import InterruptibleServices, find_services
+from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations
 from station.core.loop.pace import Pace
@@ -28,6 +30,12 @@ from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopLatch
 
 T = TypeVar("T")
+
+SLICE = 0.005
+"""Longest sleep of the control thread [s wall time].
+
+It decides how long a stop, a switch or an operation waits at a small real-time factor.
+Sleeping in slices needs no lock; an event or a condition to wake the thread has one."""
 
 
 class ControlLoop:
@@ -41,13 +49,19 @@ class ControlLoop:
         manager: Its controllers.
         clock: Wall time.
         period: Nominal period [s], > 0.
-        real_time_factor: Station time over wall time of the thread, > 0.
+        real_time_factor: Station time over wall time of the thread, 0.01 to 100.
         snapshots: Where every cycle leaves its snapshot.
+        heartbeat: The page shared with a watchdog; one of this process alone when None.
 
     Attributes:
         epoch: Number that commands must not be older than.
         stop_latch: The latched stop; the loop carries it out.
         pace: Whether time passes in the thread, and how fast.
+        heartbeat: Where the thread leaves the time of every wake-up, and where a
+            watchdog asks for a stop.
+
+    Raises:
+        ParameterError: The real-time factor is out of range.
     """
 
     def __init__(
@@ -59,6 +73,7 @@ class ControlLoop:
         period: float = 0.001,
         real_time_factor: float = 1.0,
         snapshots: SnapshotRing | None = None,
+        heartbeat: Heartbeat | None = None,
     ) -> None:
         self.hw = hw
         self.manager = manager
@@ -67,6 +82,8 @@ class ControlLoop:
         self.pace = Pace(real_time_factor)
         self.snapshots = snapshots or SnapshotRing()
         self.stop_latch = StopLatch()
+        self.heartbeat = heartbeat or Heartbeat()
+        self._watchdog_flags = self.heartbeat.flags
         self.epoch = 1
         self.time = 0.0
         self.cycle = 0
@@ -111,6 +128,8 @@ class ControlLoop:
         self._failure = ""
         self._meter.reset()
         self._state = LoopState.RUNNING
+        self.heartbeat.beats[0] = self.clock.now()
+        self.heartbeat.life = LoopLife.RUNNING
         self.manager.pump = None
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
         self._thread.start()
@@ -250,8 +269,8 @@ class ControlLoop:
             self.stop_latch.carried_out(self.cycle)
 
     def age(self) -> float:
-        """Return how long ago the last cycle ended [s wall time]."""
-        return self._meter.age()
+        """Return how long ago the control thread woke up last [s wall time]."""
+        return self.clock.now() - self.heartbeat.beats[0]
 
     def failure_summary(self) -> str:
         """Return the last line of what ended the thread; empty if nothing did."""
@@ -264,7 +283,10 @@ class ControlLoop:
         except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
             self._failure = trace_of_fault()
             self._state = LoopState.FAILED
+            self.heartbeat.life = LoopLife.DIED
             self._end_what_ran()
+        else:
+            self.heartbeat.life = LoopLife.STOPPED
 
     def _end_what_ran(self) -> None:
         """Stop the controllers of a loop that died and tell who waits for it."""
@@ -282,13 +304,24 @@ class ControlLoop:
         )
 
     def _run_until_stopped(self) -> None:
-        pace = self.pace
+        pace, beats = self.pace, self.heartbeat.beats
         deadline = self.clock.now() + self.period / pace.real_time_factor
         while not self._stopping:
-            wall_period = self.period / pace.real_time_factor
+            factor = pace.real_time_factor
+            wall_period = self.period / factor
             late = 0 if pace.paused else self._take_late_cycles()
-            self.clock.sleep_until(deadline + late * wall_period)
-            lateness = self.clock.now() - deadline
+            wake = deadline + late * wall_period
+            if (1 + late) * wall_period > SLICE:
+                self._sleep_in_slices(wake)
+                if self._stopping or pace.real_time_factor != factor:
+                    # The deadline was computed with a factor that no longer holds.
+                    deadline = self.clock.now() + self.period / pace.real_time_factor
+                    continue
+            else:
+                self.clock.sleep_until(wake)
+            now = self.clock.now()
+            beats[0] = now
+            lateness = now - deadline
             skipped = int(lateness / wall_period)
             if not pace.passes():
                 self._idle()
@@ -298,6 +331,22 @@ class ControlLoop:
                 self._meter.woke(lateness, skipped)
                 self._cycle((1 + skipped) * self.period)
             deadline += (1 + skipped) * wall_period
+
+    def _sleep_in_slices(self, deadline: float) -> None:
+        """Sleep until `deadline`, the end of the loop, or a change of the pace."""
+        clock, pace = self.clock, self.pace
+        factor = pace.real_time_factor
+        now = clock.now()
+        while now < deadline and not self._stopping:
+            clock.sleep_until(min(deadline, now + SLICE))
+            now = clock.now()
+            self.heartbeat.beats[0] = now
+            if factor < 1.0:
+                # Only a simulated world is slowed down, and stands still between its
+                # cycles. A real robot is read once per cycle, at whatever rate.
+                self._look_around()
+            if pace.real_time_factor != factor:
+                return
 
     def _cycle(self, period: float) -> None:
         if self._world is not None:
@@ -311,6 +360,10 @@ class ControlLoop:
         meter.read_done()
         self.manager.update(self.time, period, reset_controllers=self._restart)
         self._restart = False
+        if self._watchdog_flags[0]:
+            # A controller that held the thread up has just returned. What it wrote must
+            # not reach the robot, so the stop is carried out before the write.
+            self._carry_out_watchdog_stop()
         meter.update_done()
         self.hw.write(self.time, period)
         meter.write_done()
@@ -323,14 +376,27 @@ class ControlLoop:
             changed = True
         return changed
 
+    def _carry_out_watchdog_stop(self) -> None:
+        self.stop_latch.engage(self.heartbeat.stop_reason())
+        self.carry_out_stop()
+        self.heartbeat.confirm_stop()
+
     def _idle(self) -> None:
-        """Let time stand still, and show what was done meanwhile."""
-        changed = self._between_cycles()
+        """Let time stand still for a period."""
+        self._look_around()
+        self._meter.idled()
+
+    def _look_around(self) -> None:
+        """Carry out what waits for the loop while time stands still, and show it."""
+        if self._watchdog_flags[0]:
+            self._carry_out_watchdog_stop()
+            changed = True
+        else:
+            changed = self._between_cycles()
         if self.manager.carry_on_switch(self.time) or changed:
             self.cycle += 1
             self.hw.read(self.time, 0.0)
             self._push_snapshot(0.0)
-        self._meter.idled()
 
     def _push_snapshot(self, period: float) -> None:
         self.snapshots.push(

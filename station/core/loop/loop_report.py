@@ -121,10 +121,6 @@ class LoopMeter:
         self._since += now - self._last
         self._last = now
 
-    def age(self) -> float:
-        """Return how long ago the last cycle ended, or the thread idled [s]."""
-        return self._clock.now() - self._last
-
     def report(
         self,
         *,

@@ -42,7 +42,7 @@ class Operation:
         self.done.release()
 
     def give_up(self, error: LoopError) -> None:
-        """Tell who waits that nobody will run it."""
+        """End the wait of the caller with an error: nobody will run the operation."""
         self.error = error
         self.done.release()
 
@@ -69,6 +69,6 @@ class Operations:
         return True
 
     def give_up(self, error: LoopError) -> None:
-        """Tell everybody who waits that nobody will run theirs."""
+        """End the wait of all callers with an error: nobody will run operations."""
         while self._waiting:
             self._waiting.popleft().give_up(error)

@@ -1,25 +1,36 @@
 """Whether station time passes, and how fast."""
 
+from station.core.errors import ParameterError
+
+SLOWEST = 0.01
+"""Smallest real-time factor: a cycle of 1 ms then takes 0.1 s of wall time."""
+FASTEST = 100.0
+"""Largest real-time factor."""
+
 
 class Pace:
     """The pace of a loop's thread. Changed between two cycles.
 
     Args:
-        real_time_factor: Station time over wall time, > 0.
+        real_time_factor: Station time over wall time, `SLOWEST` to `FASTEST`.
 
     Attributes:
-        real_time_factor: The same.
-        paused: Time stands still, but for the steps asked for.
+        real_time_factor: Station time over wall time.
+        paused: Whether time stands still, except for the steps asked for.
         steps_due: Cycles still to be run while paused.
+
+    Raises:
+        ParameterError: The factor is out of range.
     """
 
     def __init__(self, real_time_factor: float = 1.0) -> None:
+        check_real_time_factor(real_time_factor)
         self.real_time_factor = real_time_factor
         self.paused = False
         self.steps_due = 0
 
     def passes(self) -> bool:
-        """Tell whether the cycle that is due is to be run; counts a step down."""
+        """Return whether the cycle that is due is to be run; counts a step down."""
         if not self.paused:
             return True
         if self.steps_due == 0:
@@ -31,3 +42,23 @@ class Pace:
         """Let time pass; steps that were asked for are part of it."""
         self.paused = False
         self.steps_due = 0
+
+
+def check_real_time_factor(factor: float) -> None:
+    """Refuse a real-time factor that is out of range.
+
+    Outside of the range a wall period overflows or lasts for minutes.
+
+    Args:
+        factor: Station time over wall time.
+
+    Raises:
+        ParameterError: The factor is not within `SLOWEST` and `FASTEST`.
+    """
+    if not SLOWEST <= factor <= FASTEST:
+        raise ParameterError(
+            f"The real-time factor is {factor:g}; allowed are {SLOWEST:g} to "
+            f"{FASTEST:g}.",
+            remedy="1 is real time; to let time stand still, pause the simulation.",
+            details={"real_time_factor": factor},
+        )

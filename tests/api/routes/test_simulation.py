@@ -61,6 +61,9 @@ def test_the_status_says_that_time_stands_still(client):
     ("path", "method", "body", "status", "code"),
     [
         ("", "PATCH", {"real_time_factor": 0.0}, 422, "invalid_parameter"),
+        ("", "PATCH", {"real_time_factor": 1e-6}, 422, "invalid_parameter"),
+        ("", "PATCH", {"real_time_factor": 1e-308}, 422, "invalid_parameter"),
+        ("", "PATCH", {"real_time_factor": 101.0}, 422, "invalid_parameter"),
         ("", "PATCH", {"paused": "yes"}, 422, "invalid_request"),
         ("/step", "POST", {"n": 0}, 422, "invalid_parameter"),
         ("/step", "POST", {"n": 3}, 409, "simulation_refused"),

@@ -4,7 +4,9 @@ import json
 
 import pytest
 
+from station.app.watchdog_client import WatchdogStop
 from station.client import StationUnreachableError
+from station.wire import StopState
 
 
 def test_command_sends_the_set_point(run, station):
@@ -82,3 +84,55 @@ def test_recover_can_start_controllers_again(run, station):
 
     assert station.calls == [("recover", "right", "previous")]
     assert "Started again: arm." in outcome.out
+
+
+@pytest.fixture
+def watchdog(monkeypatch):
+    """Return the list of what the watchdog of the station was asked for."""
+    asked = []
+
+    def stop_through_watchdog(url, token, reason):
+        asked.append((url, token, reason))
+        return WatchdogStop(carried_out=False, detail="It is latched.")
+
+    motion = "station.cli.verbs.motion"
+    monkeypatch.setattr(f"{motion}.stop_through_watchdog", stop_through_watchdog)
+    monkeypatch.setattr(f"{motion}.watchdog_of", lambda _: "http://127.0.0.1:9")
+    return asked
+
+
+def test_a_station_that_does_not_answer_is_stopped_through_its_watchdog(
+    run, station, watchdog
+):
+    station.refusal = StationUnreachableError("http://x", OSError("timed out"))
+
+    outcome = run("stop --reason smoke")
+
+    assert outcome.code == 0
+    assert watchdog == [("http://127.0.0.1:9", "secret", "smoke")]
+    assert "through the watchdog. It is latched." in outcome.out
+    assert station.timeout == 0.5
+
+
+def test_a_stop_that_no_cycle_carries_out_goes_through_the_watchdog(
+    run, station, watchdog
+):
+    station.stop = lambda _: StopState(
+        state="stopped", reason="", epoch=1, pending=True
+    )
+
+    outcome = run("stop --json")
+
+    assert json.loads(outcome.out) == {"state": "stopped", "pending": True}
+    assert len(watchdog) == 1
+
+
+def test_a_station_that_stops_needs_no_watchdog(run, watchdog):
+    assert run("stop").code == 0
+    assert watchdog == []
+
+
+def test_without_a_watchdog_an_unconfirmed_stop_is_an_error(run, station):
+    station.refusal = StationUnreachableError("http://x", OSError("timed out"))
+
+    assert run("stop").code == 1

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from station.app.announcement import Announcement
+from station.app.station_watchdog import EndedByWatchdogError
 
 ANNOUNCEMENT = Announcement("http://a", "http://u", "secret", "/run/x", "SCHED_FIFO 50")
 
@@ -79,4 +80,31 @@ def test_wrong_configuration_is_refused(run, started, line):
 
     assert outcome.code == 1
     assert outcome.err.startswith("error: ")
+    assert started == []
+
+
+def test_a_station_that_the_watchdog_ended_has_an_exit_code_of_its_own(
+    run, monkeypatch
+):
+    class EndedRun:
+        def __init__(self, *_, **__):
+            """Take what a run takes."""
+
+        def run(self):
+            raise EndedByWatchdogError("The watchdog ended it.", remedy="Look.")
+
+    monkeypatch.setattr("station.app.lifecycle.StationRun", EndedRun)
+
+    outcome = run("run")
+
+    assert outcome.code == 3
+    assert outcome.err == "error: The watchdog ended it.\nLook.\n"
+
+
+@pytest.mark.parametrize("factor", ["1e-6", "1e-308", "101"])
+def test_a_factor_out_of_range_is_refused_with_the_range(run, started, factor):
+    outcome = run(f"run --real-time-factor {factor}")
+
+    assert outcome.code == 1
+    assert "0.01 to 100" in outcome.err
     assert started == []

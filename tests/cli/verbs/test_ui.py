@@ -4,6 +4,8 @@ import os
 
 import pytest
 
+from station.app.station_watch import StationWatch
+
 pytest.importorskip("station.ui.main")
 
 
@@ -29,14 +31,18 @@ def test_dashboard_is_run_for_the_station(run, dashboards):
     assert outcome.code == 0
     assert "http://127.0.0.1:8080" in outcome.out
     assert (config.url, config.token) == ("http://robot:8000", "secret")
-    assert (config.port, config.arm_id, config.ends_with_parent) == (0, "left", False)
+    assert (config.port, config.arm_id, config.follower) == (0, "left", None)
 
 
-def test_child_of_a_station_is_quiet_and_ends_with_it(run, dashboards):
-    outcome = run(f"ui --connect http://robot:8000 --parent-pid {os.getppid()}")
+def test_child_of_a_station_is_quiet_and_follows_it(run, dashboards, monkeypatch):
+    monkeypatch.setattr(StationWatch, "start", lambda _: True)
+    parent = f"--parent-pid {os.getppid()} --watchdog http://127.0.0.1:9"
+    outcome = run(f"ui --connect http://robot:8000 {parent}")
 
+    (config,) = dashboards
     assert outcome.out == ""
-    assert dashboards[0].ends_with_parent
+    assert config.watchdog_url == "http://127.0.0.1:9"
+    assert config.follower.access.token == "secret"
 
 
 def test_child_of_a_station_that_is_gone_does_not_start(run, dashboards):

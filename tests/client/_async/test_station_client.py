@@ -81,3 +81,14 @@ def test_nobody_there_is_said_plainly():
 
     with pytest.raises(StationUnreachableError, match=r"127\.0\.0\.1:9"):
         asyncio.run(run())
+
+
+def test_a_client_can_move_to_another_station(served):
+    async def run():
+        async with AsyncStationClient("http://127.0.0.1:9", "old") as client:
+            with pytest.raises(StationUnreachableError):
+                await client.session()
+            client.move_to(served.url, VIEWER)
+            return (await client.session()).role
+
+    assert asyncio.run(run()) == "viewer"

@@ -131,6 +131,14 @@ def test_robot_of_which_a_part_is_real_has_no_simulated_world(combined, monkeypa
     assert CombinedRobotHW(None).simulated_world() is None
 
 
+def test_every_arm_is_told_to_hold(combined, monkeypatch):
+    assert list(combined.hold_commands()) == []
+    for name, robot in combined.robots.items():
+        monkeypatch.setattr(robot, "hold_commands", lambda name=name: [["hold", name]])
+
+    assert list(combined.hold_commands()) == [["hold", "left"], ["hold", "right"]]
+
+
 def test_every_robot_sees_its_part_of_the_lists(combined):
     seen_by = {"left": [], "right": []}
     for name, robot in combined.robots.items():

@@ -5,66 +5,17 @@ import threading
 
 import pytest
 
-from station.core.clock import Clock, ManualClock, SystemClock
-from station.core.control.controller_manager import ControllerManager
+from station.core.clock import ManualClock, SystemClock
 from station.core.errors import LoopError, StoppedError
-from station.core.hardware.interfaces import JointStateHandle, JointStateInterface
-from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.simulated_world import SimulatedWorld
-from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
-from station.core.parameters import Parameters
-
-PERIOD = 0.001
-
-
-class OneJoint(RobotHW):
-    """A joint that counts reads and can be told to fail or to be slow."""
-
-    def __init__(self, clock: ManualClock | None = None) -> None:
-        super().__init__()
-        self.position = [0.0]
-        joints = JointStateInterface()
-        joints.register_handle(JointStateHandle("j", self.position, [0.0], [0.0]))
-        self.register_interface(joints)
-        self.clock = clock
-        self.durations: list[float] = []
-        self.periods: list[float] = []
-        self.fail_in_cycle = 0
-        self.error: BaseException = RuntimeError("the cable is out")
-        self.cycles_done = threading.Event()
-        self.cycles_wanted = 0
-
-    def read(self, time: float, period: float) -> None:
-        self.position[0] = time
-        self.periods.append(period)
-        if len(self.periods) == self.fail_in_cycle:
-            raise self.error
-        if self.clock is not None and self.durations:
-            self.clock.advance(self.durations.pop(0))
-
-    def write(self, time: float, period: float) -> None:
-        if len(self.periods) == self.cycles_wanted:
-            self.cycles_done.set()
-
-
-def _loop(hw: OneJoint, clock: Clock | None = None, **options: float) -> ControlLoop:
-    clock = clock or ManualClock()
-    manager = ControllerManager(hw, Parameters(), [], clock)
-    return ControlLoop(hw, manager, clock=clock, period=PERIOD, **options)
-
-
-def _run_thread(hw: OneJoint, loop: ControlLoop, cycles: int) -> None:
-    hw.cycles_wanted = cycles
-    loop.start()
-    assert hw.cycles_done.wait(5.0)
-    loop.stop()
+from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
 
 
 def test_step_runs_exactly_that_many_cycles_with_the_nominal_period():
     hw = OneJoint()
-    loop = _loop(hw)
+    loop = make_loop(hw)
     loop.step(5)
     assert hw.periods == [PERIOD] * 5
     assert loop.time == pytest.approx(5 * PERIOD)
@@ -88,7 +39,7 @@ def test_time_stands_still_while_the_robot_waits(monkeypatch):
     hw = OneJoint()
     world = SlowWorld()
     monkeypatch.setattr(hw, "simulated_world", lambda: world)
-    loop = _loop(hw)
+    loop = make_loop(hw)
     for late in (19, 300):
         loop.delay_next_cycle(late)
         loop.step()
@@ -98,7 +49,7 @@ def test_time_stands_still_while_the_robot_waits(monkeypatch):
 
 
 def test_every_cycle_leaves_a_snapshot():
-    loop = _loop(OneJoint())
+    loop = make_loop(OneJoint())
     loop.step(3)
     snapshots, lost = loop.snapshots.read_since(0)
     assert [s.cycle for s in snapshots] == [1, 2, 3]
@@ -108,8 +59,8 @@ def test_every_cycle_leaves_a_snapshot():
 
 def test_the_thread_runs_the_same_cycles_as_step():
     hw = OneJoint()
-    loop = _loop(hw)
-    _run_thread(hw, loop, 20)
+    loop = make_loop(hw)
+    run_thread(hw, loop, 20)
     assert hw.periods[:20] == [PERIOD] * 20
     assert loop.report().skipped == 0
     assert loop.state is LoopState.STOPPED
@@ -120,8 +71,8 @@ def test_a_slow_cycle_is_skipped_over_and_the_period_tells(slow, skipped):
     clock = ManualClock()
     hw = OneJoint(clock)
     hw.durations = [0.0, (slow + 0.5) * PERIOD]
-    loop = _loop(hw, clock)
-    _run_thread(hw, loop, 10)
+    loop = make_loop(hw, clock)
+    run_thread(hw, loop, 10)
     assert hw.periods[:2] == [PERIOD, PERIOD]
     assert hw.periods[2] == pytest.approx((1 + skipped) * PERIOD)
     assert hw.periods[3:10] == [PERIOD] * 7
@@ -131,9 +82,9 @@ def test_a_slow_cycle_is_skipped_over_and_the_period_tells(slow, skipped):
 def test_real_time_factor_changes_the_wall_rate_only():
     hw = OneJoint()
     clock = ManualClock()
-    loop = _loop(hw, clock, real_time_factor=0.5)
+    loop = make_loop(hw, clock, real_time_factor=0.5)
     start = clock.now()
-    _run_thread(hw, loop, 100)
+    run_thread(hw, loop, 100)
     elapsed = clock.now() - start
     assert hw.periods[:100] == [PERIOD] * 100
     assert elapsed == pytest.approx(len(hw.periods) * PERIOD / 0.5, rel=1e-5)
@@ -142,7 +93,7 @@ def test_real_time_factor_changes_the_wall_rate_only():
 def test_an_exception_ends_the_thread_and_is_kept():
     hw = OneJoint()
     hw.fail_in_cycle = 3
-    loop = _loop(hw)
+    loop = make_loop(hw)
     loop.start()
     loop._thread.join(5.0)
     assert loop.state is LoopState.FAILED
@@ -157,7 +108,7 @@ def test_an_exception_ends_the_thread_and_is_kept():
 def test_no_exception_at_all_leaves_a_dead_loop_that_looks_alive(error):
     hw = OneJoint()
     hw.fail_in_cycle, hw.error = 3, error
-    loop = _loop(hw)
+    loop = make_loop(hw)
     loop.start()
     loop._thread.join(5.0)
     assert loop.state is LoopState.FAILED
@@ -166,7 +117,7 @@ def test_no_exception_at_all_leaves_a_dead_loop_that_looks_alive(error):
 
 
 def test_an_operation_may_raise_anything_and_the_loop_runs_on():
-    loop = _loop(OneJoint(), SystemClock())
+    loop = make_loop(OneJoint(), SystemClock())
     loop.start()
     try:
         with pytest.raises(SystemExit):
@@ -178,7 +129,7 @@ def test_an_operation_may_raise_anything_and_the_loop_runs_on():
 
 def test_whoever_waits_when_the_loop_dies_is_told_at_once():
     hw = OneJoint()
-    loop = _loop(hw)
+    loop = make_loop(hw)
     begun = threading.Event()
 
     def fail_once_somebody_waits(*_: float) -> None:
@@ -197,7 +148,7 @@ def test_whoever_waits_when_the_loop_dies_is_told_at_once():
 
 def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
     hw = OneJoint()
-    loop = _loop(hw)
+    loop = make_loop(hw)
     stopped: list[float] = []
     loop.manager.stop_all = stopped.append
 
@@ -215,7 +166,7 @@ def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
 
 
 def test_a_switch_that_comes_after_a_stop_starts_nothing():
-    loop = _loop(OneJoint())
+    loop = make_loop(OneJoint())
     loop.stop_latch.engage("test")
     gate = loop.manager.start_gate
     assert gate is not None
@@ -225,7 +176,7 @@ def test_a_switch_that_comes_after_a_stop_starts_nothing():
 
 def test_step_is_refused_while_the_thread_runs():
     hw = OneJoint()
-    loop = _loop(hw)
+    loop = make_loop(hw)
     loop.start()
     with pytest.raises(LoopError, match="runs in its thread"):
         loop.step()
@@ -235,7 +186,7 @@ def test_step_is_refused_while_the_thread_runs():
 
 
 def test_an_operation_runs_in_the_control_thread_and_gives_its_result():
-    loop = _loop(OneJoint(), SystemClock())
+    loop = make_loop(OneJoint(), SystemClock())
     loop.start()
     try:
         name = loop.run_in_cycle(lambda: threading.current_thread().name)
@@ -247,11 +198,11 @@ def test_an_operation_runs_in_the_control_thread_and_gives_its_result():
 
 
 def test_an_operation_runs_at_once_when_no_thread_runs():
-    assert _loop(OneJoint()).run_in_cycle(lambda: 42) == 42
+    assert make_loop(OneJoint()).run_in_cycle(lambda: 42) == 42
 
 
 def test_a_stop_is_carried_out_in_the_next_cycle_and_bumps_the_epoch():
-    loop = _loop(OneJoint())
+    loop = make_loop(OneJoint())
     loop.step()
     loop.stop_latch.engage("test")
     loop.step()

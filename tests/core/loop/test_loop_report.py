@@ -58,11 +58,3 @@ def test_reset_starts_anew():
     meter.reset()
     report = _report(meter)
     assert (report.cycles, report.skipped, report.achieved_rate) == (0, 0, 0.0)
-
-
-def test_age_is_the_time_since_the_last_cycle_ended():
-    clock = ManualClock()
-    meter = LoopMeter(clock)
-    _run_cycle(meter, clock)
-    clock.advance(0.5)
-    assert meter.age() == pytest.approx(0.5)

@@ -1,5 +1,8 @@
 """Whether station time passes."""
 
+import pytest
+
+from station.core.errors import ParameterError
 from station.core.loop.pace import Pace
 
 
@@ -27,3 +30,9 @@ def test_resuming_forgets_the_steps():
     pace.resume()
 
     assert (pace.passes(), pace.steps_due) == (True, 0)
+
+
+@pytest.mark.parametrize("factor", [0.0, 1e-308, 0.0099, 100.1, float("nan")])
+def test_factor_out_of_range_is_refused_with_the_range(factor):
+    with pytest.raises(ParameterError, match=r"0\.01 to 100"):
+        Pace(factor)

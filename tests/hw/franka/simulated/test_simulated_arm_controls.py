@@ -1,8 +1,8 @@
 """Pushes and collisions of a simulated arm stay within the configured range."""
 
 import pytest
-from station.hw.robot_description import load_robot_description
 
+from station.core.description.robot_files import load_robot_files
 from station.core.errors import InvalidCommandError
 from station.core.franka import FaultKind, SimulatedFault
 from station.hw.franka.arm.service_limits import ServiceLimits
@@ -14,7 +14,7 @@ HAND = "panda_hand"
 
 @pytest.fixture
 def world():
-    description = load_robot_description("example-robot-data:panda")
+    description = load_robot_files("example-robot-data:panda")
     limits = ServiceLimits(push_force=50.0, push_duration=2.0)
     return simulate([ArmPlacement("panda", description, service_limits=limits)])
 

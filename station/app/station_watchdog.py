@@ -1,0 +1,144 @@
+"""What a station tells its watchdog, and what it does when the watchdog ends."""
+
+import math
+import os
+from collections.abc import Callable
+
+from station.api.auth import Authenticator
+from station.app.private_files import runtime_directory
+from station.app.watchdog.settings import WatchdogSettings
+from station.app.watchdog_process import STACK_SIGNAL, WatchdogProcess
+from station.config import StationConfig
+from station.core.errors import StationError
+from station.core.facade.station import Station
+from station.core.loop.heartbeat import Heartbeat, Phase
+
+FINISH_TIMEOUT = 0.2
+"""Longest wait for the watchdog to end [s]."""
+RESTART_PERIOD = 1.0
+"""Shortest time between two starts of the watchdog, the first restart excepted [s]."""
+_INCIDENTS = "incidents"
+
+
+class EndedByWatchdogError(StationError, RuntimeError):
+    """The watchdog ended the station, since the control loop did not come back."""
+
+    code = "ended_by_watchdog"
+
+
+class StationWatchdog:
+    """The watchdog of one station, from its start to its end. Main thread.
+
+    Args:
+        config: Whether there is one, and its limits.
+        warn: Takes a line about something that is not as it should be.
+    """
+
+    def __init__(self, config: StationConfig, warn: Callable[[str], None]) -> None:
+        self._config = config
+        self._warn = warn
+        self._process = WatchdogProcess() if config.watchdog.enabled else None
+        self._settings: WatchdogSettings | None = None
+        self._may_start_at = 0.0
+        self.heartbeat = self._process.heartbeat if self._process else Heartbeat()
+
+    @property
+    def url(self) -> str:
+        """Where the watchdog answers; empty when there is none."""
+        return self._process.url if self._process else ""
+
+    def start(self, authenticator: Authenticator) -> None:
+        """Start the process; until `guard` it only tells which step takes long."""
+        if self._process is None:
+            return
+        limits = self._config.watchdog
+        self._settings = WatchdogSettings(
+            pid=os.getpid(),
+            operator_token=authenticator.operator_token,
+            viewer_token=authenticator.viewer_token,
+            incident_directory=str(runtime_directory() / _INCIDENTS),
+            stack_signal=STACK_SIGNAL,
+            # A cycle may use its whole period, and the one after it may come late.
+            notice_after=max(limits.notice_after, 2.0 / self._config.station.rate),
+            end_after=limits.end_after,
+        )
+        self._process.start(self._settings)
+
+    def announce(self, step: str) -> None:
+        """Tell which step of the start-up begins; the watchdog says when it is long.
+
+        Args:
+            step: What is done, e.g. `Loading the controller 'arm'`.
+        """
+        if self._process is not None:
+            self._process.tell({"step": step})
+
+    def guard(self, station: Station) -> None:
+        """Let the watchdog act from now on when the loop stands still."""
+        commands = tuple(map(tuple, station.loop.hw.hold_commands()))
+        if self._process is not None and self._settings is not None:
+            self._settings = self._settings._replace(hold_commands=commands)
+            self._process.change(self._settings)
+            self._process.tell(_status(station))
+        self.heartbeat.phase = Phase.RUNNING
+
+    def look(self, station: Station) -> None:
+        """Publish what the station does, and start a watchdog that has ended again."""
+        if self._process is None:
+            return
+        self._process.tell(_status(station))
+        now = station.loop.clock.now()
+        if now < self._may_start_at:
+            return
+        code = self._process.start_again_if_ended()
+        if code is None:
+            station.watchdog_failure = None
+            return
+        self._may_start_at = now + RESTART_PERIOD
+        station.watchdog_failure = f"The watchdog ended (exit code {code})."
+        self._warn(f"{station.watchdog_failure} It is started again.")
+
+    def expect_end(self) -> None:
+        """Tell the watchdog that the station ends in order from now on."""
+        self.heartbeat.phase = Phase.ENDING
+
+    def finish(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.finish(FINISH_TIMEOUT)
+
+    def check_end(self, cause: StationError | None = None) -> None:
+        """Refuse to call the end of the station an orderly one when it was not.
+
+        Args:
+            cause: What went wrong while the station ended, if anything did.
+
+        Raises:
+            EndedByWatchdogError: The watchdog has ended the station.
+        """
+        if self.heartbeat.is_ended_by_watchdog:
+            raise EndedByWatchdogError(
+                "The watchdog ended the station: the control loop stood still for "
+                f"more than {self._config.watchdog.end_after:g} s.",
+                remedy=f"The newest file in {runtime_directory() / _INCIDENTS} says "
+                "which controllers ran and where each thread was.",
+            ) from cause
+
+
+def _status(station: Station) -> dict[str, object]:
+    """Return what an incident tells of the station; takes no lock."""
+    snapshot = station.snapshots.latest()
+    if snapshot is None:
+        return {}
+    positions = zip(station.joint_names, snapshot.position, strict=True)
+    return {
+        "cycle": snapshot.cycle,
+        "epoch": snapshot.epoch,
+        "station_time": round(snapshot.stamp, 3),
+        "robot_mode": snapshot.mode,
+        "stop_state": station.loop.stop_latch.state.value,
+        "running": ", ".join(station.manager.running_names()),
+        "positions": {
+            n: round(q, 4) if math.isfinite(q) else None for n, q in positions
+        },
+    }

@@ -1,0 +1,124 @@
+"""The watchdog's process: `python -m station.app.watchdog PAGE LISTENER STACKS`.
+
+The arguments are inherited file descriptors: the shared page, the listening socket, and
+the file that the station writes its stacks to. Standard input brings lines of JSON with
+settings, which come first, or a status of the station. The end of the input means that
+the station has ended.
+"""
+
+import fcntl
+import json
+import mmap
+import os
+import signal
+import socket
+import sys
+import time
+from contextlib import suppress
+from typing import Any
+
+from station.app.watchdog.door import Door
+from station.app.watchdog.settings import LOOK_PERIOD, WatchdogSettings
+from station.app.watchdog.watch import Watch
+from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
+
+PRIORITY = 51
+"""SCHED_FIFO priority asked for: one above the control thread's, which may hang."""
+_STACK_BYTES = 65_536
+
+
+def main(page: int, listener: int, stacks: int) -> int:
+    """Watch until the station ends; return the exit code."""
+    for descriptor in (page, listener, stacks):
+        fcntl.fcntl(
+            descriptor, fcntl.F_SETFD, fcntl.FD_CLOEXEC
+        )  # not for hold commands
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    station = _StationPipe(sys.stdin.fileno())
+    lines = station.first_lines()
+    if not lines:
+        return 0
+    settings = _settings(json.loads(lines.pop(0))["settings"])
+
+    def read_stacks() -> str:
+        return os.pread(stacks, _STACK_BYTES, 0).decode(errors="replace")
+
+    watch = Watch(
+        Heartbeat(mmap.mmap(page, PAGE_BYTES)),
+        settings,
+        tell=_tell,
+        send=_Sender(settings.pid),
+        forget_stacks=lambda: os.ftruncate(stacks, 0),
+        read_stacks=read_stacks,
+    )
+    door = Door(socket.socket(fileno=listener), settings, watch)
+    # Somebody may have forked the station and so keep its end of the pipe open.
+    while os.getppid() == settings.pid and not station.has_ended:
+        for line in lines:
+            _take(watch, json.loads(line))
+        ready = door.wait(LOOK_PERIOD, [station.descriptor])
+        lines = station.lines() if ready else []
+        now = time.monotonic()
+        watch.look(now)
+        door.serve(now)
+    door.close()
+    return 0
+
+
+class _Sender:
+    """Sends the station signals; a station that has ended gets none."""
+
+    def __init__(self, pid: int) -> None:
+        self._descriptor = os.pidfd_open(pid)
+
+    def __call__(self, number: int) -> None:
+        """Send the signal `number`."""
+        with suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self._descriptor, number)
+
+
+class _StationPipe:
+    """The lines that the station writes to the watchdog."""
+
+    def __init__(self, descriptor: int) -> None:
+        self.descriptor = descriptor
+        self.has_ended = False
+        self._rest = b""
+
+    def first_lines(self) -> list[bytes]:
+        """Wait for the first lines; none when the station ended before it sent any."""
+        lines: list[bytes] = []
+        while not (lines or self.has_ended):
+            lines = self.lines()
+        return lines
+
+    def lines(self) -> list[bytes]:
+        """Read what there is, at least a byte or the end; return the complete lines."""
+        data = os.read(self.descriptor, 65_536)
+        self.has_ended = not data
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        return lines
+
+
+def _take(watch: Watch, message: dict[str, dict[str, Any]]) -> None:
+    if "settings" in message:
+        watch.take_settings(_settings(message["settings"]))
+    else:
+        watch.take_status(message["status"])
+
+
+def _settings(values: dict[str, Any]) -> WatchdogSettings:
+    values["hold_commands"] = tuple(tuple(one) for one in values["hold_commands"])
+    return WatchdogSettings(**values)
+
+
+def _tell(line: str) -> None:
+    # Nobody may read the station's stderr any more; that must not end the watchdog.
+    with suppress(OSError):
+        os.write(2, f"watchdog: {line}\n".encode())
+
+
+if __name__ == "__main__":
+    sys.exit(main(*map(int, sys.argv[1:])))

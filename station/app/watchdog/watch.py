@@ -1,0 +1,217 @@
+"""What the watchdog does: notice a standstill, tell, hold, and end the station."""
+
+import signal
+from collections.abc import Callable, Mapping
+
+from station.app.watchdog.hold_commands import HoldCommands
+from station.app.watchdog.incident import Incident
+from station.app.watchdog.settings import WatchdogSettings
+from station.core.loop.heartbeat import Heartbeat, LoopLife, Phase
+
+STACKS_AFTER = 1.0
+"""Duration of a stall after which the station's stacks are asked for [s].
+
+Walking the stacks of running threads has its risk, so a short stall is spared it."""
+WRITING_TIME = 0.3
+"""How long the station has for writing its stacks [s]."""
+KILL_AFTER = 2.0
+"""Time from SIGTERM to SIGKILL for a station that is being ended [s]."""
+ENDING_TIME = 5.0
+"""Longest orderly end of a station before it is killed [s]; 3 s are promised."""
+SLOW_STEP = 3.0
+"""A step of the start-up that lasts longer is told, and again at twice the time [s]."""
+
+
+class Watch:
+    """Looks at the heartbeat and acts. One thread; every method returns at once.
+
+    Args:
+        heartbeat: The page shared with the station.
+        settings: Whom to watch, and the limits.
+        tell: Takes a line for the station's user.
+        send: Sends the station a signal.
+        forget_stacks: Removes what the station has written on earlier stack signals.
+        read_stacks: Returns what the station has written on `stack_signal`.
+    """
+
+    def __init__(
+        self,
+        heartbeat: Heartbeat,
+        settings: WatchdogSettings,
+        *,
+        tell: Callable[[str], None],
+        send: Callable[[int], None],
+        forget_stacks: Callable[[], None] = lambda: None,
+        read_stacks: Callable[[], str] = lambda: "",
+    ) -> None:
+        self.heartbeat = heartbeat
+        self.settings = settings
+        self.status: Mapping[str, object] = {}
+        self.incident: Incident | None = None
+        self._tell = tell
+        self._send = send
+        self._forget_stacks = forget_stacks
+        self._read_stacks = read_stacks
+        self._holds = HoldCommands(settings.hold_commands)
+        self._trouble_since: float | None = None
+        self._ended_at: float | None = None
+        self._is_killed = False
+        self._are_stacks_asked = self._are_stacks_read = False
+        self._ending_since: float | None = None
+        self._step: tuple[str, float, float] = ("", 0.0, SLOW_STEP)
+
+    def age(self, now: float) -> float:
+        """Return how long ago the loop woke up last [s]."""
+        return now - self.heartbeat.beats[0]
+
+    def trouble(self, now: float) -> str | None:
+        """Return why the station is not ready, as one sentence; None when it is."""
+        if self.heartbeat.phase is Phase.STARTING:
+            step = self._step[0]
+            return f"The station still starts{f': {step}' if step else ''}."
+        if self.heartbeat.phase is Phase.ENDING:
+            return "The station ends."
+        if self.heartbeat.life is LoopLife.DIED:
+            return "The control loop died."
+        if self.heartbeat.life is LoopLife.STOPPED:
+            return "The control loop is not running."
+        if self.age(now) > self.settings.notice_after:
+            return f"The control loop has stood still for {self.age(now):.2f} s."
+        return None
+
+    def look(self, now: float) -> None:
+        """Look at the heartbeat once, and do what is due.
+
+        Args:
+            now: Monotonic time [s].
+        """
+        if self._holds.look(now) and self.incident is not None:
+            self.incident.add(hold_commands=self._holds.outcomes)
+        phase = self.heartbeat.phase
+        if phase is Phase.STARTING:
+            self._look_at_start(now)
+        elif phase is Phase.ENDING:
+            self._look_at_end(now)
+        else:
+            self._look_at_loop(now)
+
+    def take_settings(self, settings: WatchdogSettings) -> None:
+        """Replace the settings; the arms are known once the robot has been built."""
+        self.settings = settings
+        self._holds.commands = settings.hold_commands
+
+    def take_status(self, status: Mapping[str, object]) -> None:
+        """Keep what the station has published last about itself."""
+        self.status = status
+
+    def hold(self, now: float) -> None:
+        """Tell the drivers of real arms to hold."""
+        self._holds.start(now)
+
+    def _look_at_start(self, now: float) -> None:
+        step = str(self.status.get("step", ""))
+        known, since, limit = self._step
+        if step != known:
+            self._step = (step, now, SLOW_STEP)
+        elif step and now - since > limit:
+            self._tell(f"The station still starts: {step} ({now - since:.0f} s).")
+            self._step = (step, since, 2.0 * limit)
+
+    def _look_at_end(self, now: float) -> None:
+        if self._ending_since is None:
+            self._ending_since = now
+        elif now - self._ending_since > ENDING_TIME and not self._is_killed:
+            self._tell(
+                f"The station has not ended within {ENDING_TIME:g} s; it is killed."
+            )
+            self._kill()
+        self._kill_when_due(now)
+
+    def _look_at_loop(self, now: float) -> None:
+        trouble = self.trouble(now)
+        if self._trouble_since is None:
+            if trouble is not None:
+                self._begin(trouble, now)
+            return
+        duration = now - self._trouble_since
+        if trouble is None:
+            self._recovered(duration)
+        elif self.heartbeat.life is LoopLife.RUNNING:
+            self._look_at_stall(now, duration)
+        self._kill_when_due(now)
+
+    def _begin(self, trouble: str, now: float) -> None:
+        self._trouble_since = now
+        self._are_stacks_asked = self._are_stacks_read = False
+        if self.settings.hold_commands:
+            # The arm was told to hold: a loop that comes back must not take it on from
+            # there as if nothing had happened.
+            self.heartbeat.ask_stop(f"{trouble} The watchdog told the arms to hold.")
+        self._holds.outcomes = []
+        self.hold(now)
+        self.incident = Incident(
+            self.settings.incident_directory,
+            self.settings.pid,
+            {
+                "what": trouble,
+                "last_wake_up_age": round(self.age(now), 4),
+                "last_published": dict(self.status),
+                "hold_commands": self._holds.outcomes,
+                "recovered_after": None,
+                "ended_by": None,
+                "stacks": None,
+            },
+        )
+        running = self.status.get("running") or "none"
+        where = self.incident.path
+        if self.incident.failure is not None:
+            where = f"{where} cannot be written: {self.incident.failure}"
+        self._tell(
+            f"{trouble} Running controllers, as told last: {running}. "
+            f"Incident: {where}."
+        )
+
+    def _recovered(self, duration: float) -> None:
+        self._trouble_since = None
+        self._tell(f"The control loop runs again after {duration:.2f} s.")
+        if self.incident is not None:
+            self.incident.add(recovered_after=round(duration, 3))
+
+    def _look_at_stall(self, now: float, duration: float) -> None:
+        if duration > STACKS_AFTER and self.settings.stack_signal:
+            self._collect_stacks(duration)
+        end_after = self.settings.end_after
+        if end_after is not None and duration > end_after and self._ended_at is None:
+            self._tell(
+                f"The control loop has not come back within {end_after:g} s: the "
+                "watchdog ends the station."
+            )
+            self._ended_at = now
+            self.heartbeat.note_end_by_watchdog()
+            self._send(signal.SIGTERM)
+            if self.incident is not None:
+                self.incident.add(ended_by="SIGTERM")
+
+    def _collect_stacks(self, duration: float) -> None:
+        if not self._are_stacks_asked:
+            self._are_stacks_asked = True
+            self._forget_stacks()
+            self._send(self.settings.stack_signal)
+            return
+        is_written = duration > STACKS_AFTER + WRITING_TIME
+        if is_written and not self._are_stacks_read and self.incident is not None:
+            self._are_stacks_read = True
+            self.incident.add(stacks=self._read_stacks().splitlines())
+
+    def _kill_when_due(self, now: float) -> None:
+        if self._ended_at is None or self._is_killed:
+            return
+        if now - self._ended_at > KILL_AFTER:
+            self._tell("The station does not end when asked to; it is killed.")
+            self._kill()
+
+    def _kill(self) -> None:
+        self._is_killed = True
+        if self.incident is not None:
+            self.incident.add(ended_by="SIGKILL")
+        self._send(signal.SIGKILL)

@@ -1,0 +1,66 @@
+"""Ask a watchdog for a stop, with the standard library alone: it must not fail."""
+
+import json
+from dataclasses import dataclass
+from http.client import HTTPConnection, HTTPException
+from urllib.parse import urlsplit
+
+from station.core.errors import StationError
+
+TIMEOUT = 2.0
+"""Longest wait for the watchdog [s]."""
+
+
+class WatchdogError(StationError, ConnectionError):
+    """The watchdog does not answer, or refuses."""
+
+    code = "watchdog"
+
+
+@dataclass(frozen=True, slots=True)
+class WatchdogStop:
+    """A stop that the watchdog has latched.
+
+    Attributes:
+        carried_out: The control loop has carried the stop out already.
+        detail: What the watchdog says about it.
+    """
+
+    carried_out: bool
+    detail: str
+
+
+def stop_through_watchdog(url: str, token: str, reason: str) -> WatchdogStop:
+    """Latch a stop for the control loop and let real arms hold.
+
+    Args:
+        url: The watchdog's listener.
+        token: A token of the station, whichever role it has.
+        reason: Why, for people.
+
+    Raises:
+        WatchdogError: The watchdog does not answer, or refuses the token.
+    """
+    connection = HTTPConnection(urlsplit(url).netloc, timeout=TIMEOUT)
+    try:
+        connection.request(
+            "POST",
+            "/stop",
+            body=json.dumps({"reason": reason}),
+            headers={"Authorization": f"Bearer {token}"},
+        )
+        answer = connection.getresponse()
+        told = json.loads(answer.read())
+    except (OSError, HTTPException, ValueError) as error:
+        raise WatchdogError(
+            f"The watchdog at {url} does not answer: {error}.",
+            remedy="Use the emergency stop of the robot.",
+        ) from error
+    finally:
+        connection.close()
+    if answer.status != 200:
+        raise WatchdogError(
+            f"The watchdog at {url} refuses: {told.get('detail')}",
+            remedy="Give a token of the station: --token, or STATION_TOKEN.",
+        )
+    return WatchdogStop(told["carried_out"], told["detail"])

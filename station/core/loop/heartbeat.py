@@ -1,0 +1,116 @@
+"""The page of memory that a control loop shares with a watchdog in another process.
+
+The loop stores the time of every wake-up and reads one byte per cycle. Nothing here
+takes a lock, so neither side can make the other one wait, and the page remains readable
+when the interpreter of the station no longer runs.
+
+This module is imported by the watchdog, whose process must stay small: standard library
+only, and little of it.
+"""
+
+import mmap
+from enum import IntEnum
+
+PAGE_BYTES = mmap.PAGESIZE
+"""Size of the shared memory [bytes]."""
+_REASON_AT = 64
+_REASON_BYTES = 512
+
+
+class Phase(IntEnum):
+    """What the station does, as its main thread tells the watchdog."""
+
+    STARTING = 0
+    """Parts are being built: imports hold the interpreter, and cycles may be late."""
+    RUNNING = 1
+    """The station is in service: a loop that does not wake up is a fault."""
+    ENDING = 2
+    """The station shuts its parts down in order."""
+
+
+class LoopLife(IntEnum):
+    """What the control thread does, as it tells the watchdog itself."""
+
+    STOPPED = 0
+    """There is no control thread."""
+    RUNNING = 1
+    """The thread wakes up in every period, or more often, paused or not."""
+    DIED = 2
+    """An exception ended the thread."""
+
+
+class Heartbeat:
+    """The shared page: one time, four bytes, and the reason of a stop.
+
+    Args:
+        memory: At least `PAGE_BYTES` writable bytes. Without a watchdog a page of the
+            process's own takes their place, so that the loop has one code path.
+
+    Attributes:
+        beats: One number, the monotonic time of the loop's last wake-up [s]. Storing it
+            is the only thing that a cycle does for the watchdog.
+        flags: Four bytes; `flags[0]` is 1 while a stop asked for by the watchdog waits
+            for the loop. The others are read and written by the properties.
+    """
+
+    STOP = 0
+    _LIFE = 1
+    _PHASE = 2
+    _ENDED = 3
+
+    def __init__(self, memory: mmap.mmap | bytearray | None = None) -> None:
+        view = memoryview(bytearray(PAGE_BYTES) if memory is None else memory)
+        self.beats = view[0:8].cast("d")
+        self.flags = view[8:12]
+        self._reason = view[_REASON_AT : _REASON_AT + _REASON_BYTES]
+
+    @property
+    def life(self) -> LoopLife:
+        """What the control thread does."""
+        return LoopLife(self.flags[self._LIFE])
+
+    @life.setter
+    def life(self, life: LoopLife) -> None:
+        self.flags[self._LIFE] = life
+
+    @property
+    def phase(self) -> Phase:
+        """What the station does."""
+        return Phase(self.flags[self._PHASE])
+
+    @phase.setter
+    def phase(self, phase: Phase) -> None:
+        self.flags[self._PHASE] = phase
+
+    @property
+    def is_ended_by_watchdog(self) -> bool:
+        """Whether the watchdog has told the station to end."""
+        return bool(self.flags[self._ENDED])
+
+    def note_end_by_watchdog(self) -> None:
+        """Record that the watchdog ends the station; the watchdog's side."""
+        self.flags[self._ENDED] = 1
+
+    @property
+    def is_stop_asked(self) -> bool:
+        """Whether a stop of the watchdog waits for the loop."""
+        return bool(self.flags[self.STOP])
+
+    def ask_stop(self, reason: str) -> None:
+        """Latch a stop for the loop; the watchdog's side.
+
+        Args:
+            reason: Why, for people; at most 511 bytes of UTF-8 are kept.
+        """
+        text = reason.encode()[: _REASON_BYTES - 1]
+        # The flag comes last: the loop reads the reason once it sees the flag.
+        self._reason[:] = text.ljust(_REASON_BYTES, b"\0")
+        self.flags[self.STOP] = 1
+
+    def stop_reason(self) -> str:
+        """Return why the watchdog asked for the last stop."""
+        return bytes(self._reason).rstrip(b"\0").decode(errors="replace")
+
+    def confirm_stop(self) -> None:
+        """Tell the watchdog that its stop was carried out; the loop's side."""
+        self.flags[self.STOP] = 0

@@ -1,0 +1,33 @@
+"""How a dashboard learns which station it belongs to. Imports nothing heavy."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class StationAccess:
+    """How to reach a station.
+
+    Attributes:
+        url: The API.
+        token: The operator's token.
+        watchdog_url: The listener of its watchdog; empty when there is none.
+    """
+
+    url: str
+    token: str
+    watchdog_url: str
+
+
+class StationFollower(Protocol):
+    """Tells a dashboard which station it belongs to, and when it has to end.
+
+    Attributes:
+        access: How to reach the station; replaced when another station takes over.
+        is_over: The dashboard has to end.
+        is_serving: Set by the dashboard once it answers.
+    """
+
+    access: StationAccess
+    is_over: bool
+    is_serving: bool

@@ -1,0 +1,116 @@
+"""The dashboard's eye on its station, in processes of their own."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from station.app.dashboard_file import DashboardRecord
+from station.app.private_files import process_start
+from station.app.station_watch import StationWatch
+from station.ui.station_follower import StationAccess
+
+ACCESS = StationAccess("http://127.0.0.1:8000", "secret", "")
+PROGRAM = """
+import sys, time
+from station.app.station_watch import StationWatch
+from station.ui.station_follower import StationAccess
+import os
+watch = StationWatch(os.getppid(), StationAccess("http://old", "secret", ""), WINDOW)
+assert watch.start()
+watch.is_serving = SERVING
+print(os.getpid(), flush=True)
+while not watch.is_over:
+    if watch.access.url != "http://old":
+        print(watch.access.url, watch.access.token, flush=True)
+        break
+    time.sleep(0.02)
+"""
+STATION = """
+import subprocess, sys
+child = subprocess.Popen([sys.executable, "-c", sys.argv[1]])
+sys.stdin.read()
+"""
+
+
+@pytest.fixture(autouse=True)
+def directory(tmp_path, monkeypatch):
+    """Let the runtime files be in a directory of the test."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+
+
+@pytest.fixture
+def start():
+    """Return a function that starts a station with its dashboard."""
+    stations = []
+
+    def start_both(*, window=60.0, serving=True):
+        program = PROGRAM.replace("WINDOW", str(window))
+        station = subprocess.Popen(
+            [sys.executable, "-c", STATION, program.replace("SERVING", str(serving))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        stations.append(station)
+        return station, int(station.stdout.readline())
+
+    yield start_both
+    for station in stations:
+        station.stdin.close()
+        station.wait(20.0)
+        station.stdout.close()
+
+
+def ends(pid):
+    deadline = time.monotonic() + 20.0
+    while process_start(pid):
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def test_a_dashboard_that_starts_ends_with_its_station(start):
+    station, dashboard = start(serving=False)
+
+    station.kill()
+
+    assert ends(dashboard)
+
+
+def test_a_dashboard_that_serves_ends_when_its_time_is_up(start):
+    station, dashboard = start(window=0.3)
+
+    station.kill()
+    station.wait()
+    assert process_start(dashboard)
+
+    assert ends(dashboard)
+
+
+def test_a_dashboard_that_serves_learns_of_the_station_that_adopts_it(start):
+    station, dashboard = start()
+    station.kill()
+    station.wait()
+
+    DashboardRecord(
+        pid=dashboard,
+        started=process_start(dashboard),
+        host="127.0.0.1",
+        port=8080,
+        shown="",
+        station_pid=os.getpid(),
+        station_started=process_start(os.getpid()),
+        api_url="http://new",
+        token="fresh",
+        watchdog_url="",
+    ).write()
+
+    assert station.stdout.readline().split() == ["http://new", "fresh"]
+
+
+def test_a_watch_is_not_begun_for_a_station_that_has_ended():
+    assert not StationWatch(os.getpid(), ACCESS, 1.0).start()

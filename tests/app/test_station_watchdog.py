@@ -1,0 +1,139 @@
+"""What a station tells its watchdog, and what it makes of the watchdog's end."""
+
+import os
+
+import pytest
+
+from station.api.auth import Authenticator
+from station.app.station_watchdog import EndedByWatchdogError, StationWatchdog
+from station.config import load_config
+from station.core.errors import LoopError
+from station.core.loop.heartbeat import Phase
+from tests.two_joint_station import make_station
+
+
+@pytest.fixture(autouse=True)
+def directory(tmp_path, monkeypatch):
+    """Let the runtime files be in a directory of the test."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+
+
+class FakeProcess:
+    """A watchdog's process that keeps what it is told, and ends when it is told to."""
+
+    def __init__(self):
+        self.settings, self.statuses, self.codes = [], [], []
+
+    def start(self, settings):
+        self.settings.append(settings)
+
+    change = start
+
+    def tell(self, status):
+        self.statuses.append(status)
+
+    def start_again_if_ended(self):
+        return self.codes.pop(0) if self.codes else None
+
+
+@pytest.fixture
+def warnings():
+    """Return the list of what was warned of."""
+    return []
+
+
+@pytest.fixture
+def watchdog(warnings):
+    """Return the watchdog of a station, with a process of the test."""
+    made = StationWatchdog(load_config(), warnings.append)
+    made.finish()
+    made._process = FakeProcess()
+    return made
+
+
+def test_settings_name_the_process_and_its_tokens(watchdog):
+    authenticator = Authenticator("operator-token")
+    watchdog.start(authenticator)
+
+    (settings,) = watchdog._process.settings
+    assert settings.pid == os.getpid()
+    assert settings.operator_token == "operator-token"
+    assert settings.viewer_token == authenticator.viewer_token
+    assert (settings.notice_after, settings.end_after) == (0.08, 10.0)
+
+
+def test_a_slow_loop_may_use_its_period(warnings):
+    config = load_config(flags={"station.rate": 5.0})
+    watchdog = StationWatchdog(config, warnings.append)
+    watchdog.finish()
+    watchdog._process = FakeProcess()
+
+    watchdog.start(Authenticator(None))
+
+    assert watchdog._process.settings[0].notice_after == 0.4
+
+
+def test_steps_of_the_start_are_announced(watchdog):
+    watchdog.announce("Loading the controller 'arm'")
+
+    assert watchdog._process.statuses == [{"step": "Loading the controller 'arm'"}]
+
+
+def test_guarding_begins_with_the_hold_commands_of_the_robot(watchdog, monkeypatch):
+    station = make_station()
+    monkeypatch.setattr(station.loop.hw, "hold_commands", lambda: [["hold", "left"]])
+    station.loop.step()
+    watchdog.start(Authenticator(None))
+    assert watchdog.heartbeat.phase is Phase.STARTING
+
+    watchdog.guard(station)
+
+    assert watchdog._process.settings[-1].hold_commands == (("hold", "left"),)
+    assert watchdog.heartbeat.phase is Phase.RUNNING
+    (status,) = watchdog._process.statuses
+    assert (status["cycle"], status["running"]) == (1, "")
+    assert status["positions"] == {"j1": 0.0, "j2": 0.0}
+
+
+def test_an_ended_watchdog_makes_the_station_not_ready_until_it_runs_again(
+    watchdog, warnings
+):
+    station = make_station()
+    station.loop.step()
+    watchdog._process.codes = [-9, None]
+
+    watchdog.look(station)
+    assert station.watchdog_failure == "The watchdog ended (exit code -9)."
+    watchdog.look(station)  # too soon for another start
+    assert station.watchdog_failure is not None
+    station.loop.clock.advance(1.1)
+    watchdog.look(station)
+
+    assert station.watchdog_failure is None
+    assert warnings == ["The watchdog ended (exit code -9). It is started again."]
+
+
+def test_a_station_that_the_watchdog_ended_says_so(watchdog):
+    watchdog.check_end()
+    watchdog.heartbeat.note_end_by_watchdog()
+
+    with pytest.raises(EndedByWatchdogError, match="more than 10 s") as caught:
+        watchdog.check_end(LoopError("hangs"))
+
+    assert isinstance(caught.value.__cause__, LoopError)
+
+
+def test_a_station_can_run_without_a_watchdog(warnings):
+    watchdog = StationWatchdog(
+        load_config(flags={"watchdog.enabled": False}), warnings.append
+    )
+    station = make_station()
+
+    watchdog.start(Authenticator(None))
+    watchdog.announce("x")
+    watchdog.guard(station)
+    watchdog.look(station)
+    watchdog.expect_end()
+    watchdog.finish()
+
+    assert (watchdog.url, warnings) == ("", [])

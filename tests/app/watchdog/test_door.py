@@ -1,0 +1,157 @@
+"""The watchdog's listener, over real sockets and a clock of the test."""
+
+import json
+import socket
+
+import pytest
+
+from station.app.watchdog.door import CONNECTIONS, Door
+from tests.app.watchdog.bench import NOW, OPERATOR, VIEWER, Bench
+
+
+class Visit:
+    """A door, and clients that connect to it."""
+
+    def __init__(self, folder):
+        self.bench = Bench(folder)
+        listener = socket.create_server(("127.0.0.1", 0))
+        self._address = listener.getsockname()
+        self.door = Door(listener, self.bench.settings, self.bench.watch)
+        self.clients = []
+
+    def connect(self):
+        """Return a new client."""
+        client = socket.create_connection(self._address)
+        client.settimeout(0.0)
+        self.clients.append(client)
+        return client
+
+    def ask(self, line, token=None, body="", at=0.0):
+        """Send a request and return status and body of its answer."""
+        client = self.connect()
+        head = f"{line} HTTP/1.1\r\nHost: x\r\nContent-Length: {len(body)}\r\n"
+        if token is not None:
+            head += f"Authorization: Bearer {token}\r\n"
+        client.send(f"{head}\r\n{body}".encode())
+        return self.answer(client, at)
+
+    def answer(self, client, at=0.0):
+        """Serve until a client has its answer; return status and body."""
+        received = b""
+        for turn in range(10_000):
+            self.door.wait(0.01, [])
+            self.door.serve(NOW + at + turn * 0.01)
+            try:
+                data = client.recv(65_536)
+            except BlockingIOError:
+                continue
+            if not data:
+                break
+            received += data
+        if not received:
+            return None, None
+        head, _, content = received.partition(b"\r\n\r\n")
+        return int(head.split()[1]), json.loads(content)
+
+    def close(self):
+        for client in self.clients:
+            client.close()
+        self.door.close()
+
+
+@pytest.fixture
+def visit(tmp_path):
+    """Return a door with its visitors."""
+    made = Visit(tmp_path)
+    yield made
+    made.close()
+
+
+def test_ready_needs_no_token(visit):
+    status, body = visit.ask("GET /ready")
+
+    assert (status, body["ready"]) == (200, True)
+
+
+def test_not_ready_says_why(visit):
+    status, body = visit.ask("GET /ready", at=1.0)
+
+    assert (status, body["code"]) == (503, "not_ready")
+    assert "stood still" in body["detail"]
+
+
+@pytest.mark.parametrize("token", [None, "", "wrong", OPERATOR[:-1], "ü"])
+@pytest.mark.parametrize("line", ["POST /stop", "GET /incident", "GET /anything"])
+def test_everything_else_needs_a_token(visit, line, token):
+    assert visit.ask(line, token)[0] == 401
+    assert not visit.bench.heartbeat.is_stop_asked
+
+
+@pytest.mark.parametrize("token", [OPERATOR, VIEWER])
+def test_every_role_can_stop(visit, token):
+    status, body = visit.ask("POST /stop", token)
+
+    assert (status, body["carried_out"]) == (200, False)
+    assert "latched" in body["detail"]
+    assert visit.bench.heartbeat.is_stop_asked
+
+
+def test_a_stop_that_the_loop_carries_out_is_said_to_be(visit):
+    client = visit.connect()
+    head = f"POST /stop HTTP/1.1\r\nAuthorization: Bearer {VIEWER}\r\n\r\n"
+    client.send(head.encode())
+    while not visit.bench.heartbeat.is_stop_asked:
+        visit.door.wait(0.01, [])
+        visit.door.serve(NOW)
+    visit.bench.heartbeat.confirm_stop()
+
+    assert visit.answer(client)[1]["carried_out"] is True
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ('{"reason": "smoke"}', "smoke (the operator"),
+        ("", "no reason given (the operator"),
+        ("[1", "no reason given"),
+        ('{"reason": 3}', "no reason given"),
+    ],
+)
+def test_the_reason_is_kept_and_never_in_the_way(visit, body, reason):
+    assert visit.ask("POST /stop", OPERATOR, body)[0] == 200
+    assert visit.bench.heartbeat.stop_reason().startswith(reason)
+
+
+def test_an_incident_is_shown(visit):
+    assert visit.ask("GET /incident", VIEWER)[0] == 404
+
+    visit.bench.look(0.1)
+    status, body = visit.ask("GET /incident", VIEWER)
+
+    assert (status, body["station_pid"]) == (200, 4711)
+
+
+def test_unknown_paths_are_not_found(visit):
+    assert visit.ask("GET /other", OPERATOR)[0] == 404
+
+
+@pytest.mark.parametrize("sent", [b"x" * 9000, b"\r\n\r\n", b"\xff\xfe \r\n\r\n"])
+def test_nonsense_is_answered_and_does_no_harm(visit, sent):
+    client = visit.connect()
+    client.send(sent)
+
+    assert visit.answer(client)[0] in {401, 413}
+    assert visit.ask("GET /ready")[0] == 200
+
+
+def test_a_silent_client_is_dropped_after_a_second(visit):
+    client = visit.connect()
+
+    assert visit.answer(client) == (None, None)
+
+
+def test_idle_clients_do_not_keep_a_stop_out(visit):
+    for _ in range(CONNECTIONS + 5):
+        visit.connect()
+
+    assert visit.ask("POST /stop", VIEWER)[0] == 200

@@ -1,0 +1,140 @@
+"""The dashboard outlives a crash of its station, for a while and for one user alone."""
+
+import signal
+import time
+
+import httpx
+import pytest
+
+from tests.system.station_process import StationProcess, is_alive, wait_for_end
+
+RECONNECTED = 3.0
+"""What is promised, from the answer of the new station's API on [s]."""
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Return a function that starts a station with a dashboard."""
+    stations = []
+
+    def start_station(*arguments, window=60.0):
+        path = tmp_path / "station.yaml"
+        path.write_text(f"ui: {{reconnect_window: {window}}}\n")
+        station = StationProcess(tmp_path, str(path), *arguments)
+        stations.append(station)
+        return station
+
+    yield start_station
+    for station in stations:
+        station.clean_up()
+
+
+@pytest.fixture
+def browser():
+    """Return a browser without a session."""
+    with httpx.Client(follow_redirects=True, timeout=5.0) as client:
+        yield client
+
+
+def log_in(browser, station):
+    """Log in to the dashboard of a station; return its address."""
+    url = station.told(1)["ui_ready"]
+    token = station.access()["token"]
+    assert browser.get(f"{url}/login", params={"token": token}).status_code == 200
+    assert browser.get(f"{url}/session").json() == {"role": "operator"}
+    return url
+
+
+def wait_until_live(browser, url, timeout):
+    """Wait until the dashboard shows live data; return how long that took [s]."""
+    began = time.monotonic()
+    while browser.get(f"{url}/state").json().get("link") != "live":
+        assert time.monotonic() - began < timeout
+        time.sleep(0.02)
+    return time.monotonic() - began
+
+
+@pytest.mark.slow
+def test_sessions_outlive_a_crash_and_the_dashboard_follows_the_next_station(
+    start, browser
+):
+    first = start()
+    url = log_in(browser, first)
+    dashboard = first.child("ui")
+    wait_until_live(browser, url, 30.0)
+    first.end(signal.SIGKILL)
+    assert browser.get(f"{url}/session").json() == {"role": "operator"}
+
+    second = start()
+    access = second.access()
+    duration = wait_until_live(browser, url, 30.0)
+
+    assert access["ui_url"] == url
+    assert is_alive(dashboard)
+    assert duration < RECONNECTED + 2.0  # a busy machine gets a little more
+    assert browser.get(f"{url}/session").json() == {"role": "operator"}
+    answer = browser.post(f"{url}/stop", headers={"Origin": url})
+    assert answer.json()["state"] == "stopped"
+
+    second.end(signal.SIGINT)
+    assert second.process.returncode == 0, second.errors
+    assert not is_alive(dashboard)
+
+
+@pytest.mark.slow
+def test_stop_button_works_while_the_interpreter_of_the_station_is_stopped(
+    start, browser
+):
+    station = start()
+    url = log_in(browser, station)
+    station.process.send_signal(signal.SIGSTOP)
+
+    answer = browser.post(f"{url}/stop", headers={"Origin": url})
+    station.process.send_signal(signal.SIGCONT)
+
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["state"] == "stopped"
+    deadline = time.monotonic() + 30.0
+    while browser.get(f"{url}/state").json()["stop_state"] != "stopped":
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_dashboard_that_nobody_adopts_ends(start):
+    station = start(window=1.0)
+    station.told(1)
+    dashboard = station.child("ui")
+    folder = station.runtime_folder
+
+    station.end(signal.SIGKILL)
+
+    assert wait_for_end(dashboard, 20.0)
+    assert list(folder.glob("*.dashboard")) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("delay", [0.0, 0.3, 0.8])
+def test_dashboard_that_still_imports_ends_with_a_killed_station(start, delay):
+    station = start()
+    dashboard = station.child("ui")
+    time.sleep(delay)
+
+    station.end(signal.SIGKILL)
+
+    assert wait_for_end(dashboard, 5.0)
+
+
+@pytest.mark.slow
+def test_dashboard_that_draws_something_else_is_not_adopted(start):
+    first = start()
+    first.told(1)
+    dashboard = first.child("ui")
+    port = first.access()["ui_url"].rpartition(":")[2]
+    first.end(signal.SIGKILL)
+
+    second = start("--ui-port", port, window=61.0)
+    second.told(1)
+
+    assert not is_alive(dashboard)
+    assert second.child("ui") != dashboard
