@@ -19,7 +19,7 @@ from station.ui.widgets import set_value
 
 KIND = "CartesianJogController"
 AXES = ("Base", "End effector")
-"""What the dropdown offers; the index is the controller's run-time parameter."""
+"""Choices of the dropdown; the index is the controller's run-time parameter `frame`."""
 HEARTBEAT_HZ = 20.0
 _SEND_PERIOD = 0.04
 _LABELS = ("x", "y", "z", "about x", "about y", "about z")
@@ -65,7 +65,7 @@ class JogPanel(CommandingPanel):
                     )
                     held = partial(self._on_hold, axis, sign)
                     button.on_hold(reporter.guarded(held), callback_hz=HEARTBEAT_HZ)
-                    # A click is a button that was let go.
+                    # Viser reports a released button as a click.
                     button.on_click(
                         reporter.guarded(partial(self._on_release, axis, sign))
                     )
@@ -84,7 +84,7 @@ class JogPanel(CommandingPanel):
         self._operate(operated, view)
         for widget in (*self._handles, self._axes):
             widget.disabled = bool(operated.reason)
-        # Fourteen greyed widgets would bury what can be used.
+        # Fourteen disabled widgets would hide the widgets that can be used.
         for widget in (*self._handles, self._axes, self._speed, self._turn):
             widget.visible = not operated.reason
         self._state.content = self._markup()
@@ -124,7 +124,7 @@ class JogPanel(CommandingPanel):
 
     async def _on_hold(self, axis: int, sign: int, event: Event[Any]) -> None:
         if self._operated.reason or not self._operated.name:
-            # A greyed button held all the same: Viser does not enforce `disabled`.
+            # Viser does not enforce `disabled`, so a disabled button can be held.
             self._reporter.say("Not sent", self._operated.reason, event.client)
         else:
             self._buttons.hold(axis, sign, self._link.now())
@@ -133,7 +133,7 @@ class JogPanel(CommandingPanel):
         self._buttons.release(axis, sign)
 
     def _fit(self, operated: Operated) -> None:
-        """Let the speeds end at what the controller takes."""
+        """Let the sliders of the speeds end at the limits of the controller."""
         for slider, element in (
             (self._speed, operated.elements[0]),
             (self._turn, operated.elements[3]),

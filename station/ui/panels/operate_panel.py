@@ -21,14 +21,14 @@ _SEND_PERIOD = 0.04
 
 
 class OperatePanel(CommandingPanel):
-    """Sliders that follow the robot until one is touched.
+    """Sliders that follow the robot until a person moves one of them.
 
     Args:
         gui: Where the tab is built.
         link: The station.
         reporter: Says what went wrong.
-        limits: Position limits of the robot's joints, for the greyed sliders that only
-            show the robot; those that the station names itself come first.
+        limits: Position limits of the robot's joints, for disabled sliders that only
+            show the robot; limits that the station reports take precedence.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class OperatePanel(CommandingPanel):
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Follow the robot, or say why the sliders are greyed."""
+        """Follow the robot, or show why the sliders are disabled."""
         operated = choose_operated(view)
         if operated.elements != self._operated.elements:
             self._ramp = SetPointRamp(operated.elements)
@@ -65,7 +65,7 @@ class OperatePanel(CommandingPanel):
         self._show(view)
 
     async def run(self) -> None:
-        """Send set-points on their way to where the sliders are, until cancelled."""
+        """Send set-points that approach the values of the sliders, until cancelled."""
         while True:
             await asyncio.sleep(_SEND_PERIOD)
             command = self._ramp.step(_SEND_PERIOD, self._speed.value)
@@ -122,7 +122,7 @@ class OperatePanel(CommandingPanel):
         value = event.target.value
         self._sliders[index].taken()
         if self._operated.reason or not self._operated.name:
-            # A greyed slider moved all the same: Viser does not enforce `disabled`.
+            # Viser does not enforce `disabled`, so a disabled slider can be moved.
             self._reporter.say("Not sent", self._operated.reason, event.client)
         elif not self._ramp.touch(index, value, self._link.now()):
             text = "It is not known yet where the robot was told to be. Try again."
@@ -130,7 +130,7 @@ class OperatePanel(CommandingPanel):
 
 
 def _joint_elements(view: StationView, limits: Limits) -> tuple[CommandElement, ...]:
-    """Return elements that only show where the robot's joints are."""
+    """Return elements for sliders that only show the positions of the joints."""
     elements = []
     known = {**limits, **view.limits}
     for name in view.positions:
@@ -144,7 +144,7 @@ def _joint_elements(view: StationView, limits: Limits) -> tuple[CommandElement, 
 
 
 def _short_name(name: str, elements: tuple[CommandElement, ...]) -> str:
-    """Return a name without the prefix that all share, e.g. `joint1`."""
+    """Return a name without the prefix of all elements, e.g. `joint1`."""
     prefix = name.partition("_")[0] + "_"
     shared = all(element.name.startswith(prefix) for element in elements)
     return name.removeprefix(prefix) if shared and len(elements) > 1 else name

@@ -20,7 +20,7 @@ _HELD_FOR = 1.0
 
 
 class TargetPanel(CommandingPanel):
-    """A draggable frame at the end effector, and what becomes of it.
+    """A draggable frame at the end effector, and a text about the motion to it.
 
     Args:
         server: Where the frame and the text are shown.
@@ -54,7 +54,7 @@ class TargetPanel(CommandingPanel):
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Let the target follow the arm until it is dragged; say why it is hidden."""
+        """Let the target follow the arm until a person drags the target."""
         operated = choose_cartesian(view, POSE, KIND)
         if operated.reason or operated.name != self._operated.name:
             self._desired = []
@@ -67,7 +67,7 @@ class TargetPanel(CommandingPanel):
         self._show()
 
     async def run(self) -> None:
-        """Send the target, for as long as it is pursued, until cancelled."""
+        """Send the target while the arm approaches it, until cancelled."""
         while True:
             await asyncio.sleep(_SEND_PERIOD)
             if not self._desired or self._operated.reason:
@@ -103,7 +103,7 @@ class TargetPanel(CommandingPanel):
         return good(f"Drag the target at the gripper; {self._operated.name} follows.")
 
     async def _on_drag(self, event: viser.TransformControlsEvent) -> None:
-        """Take over where a person dragged the target."""
+        """Take the pose to which a person dragged the target."""
         if event.client is None or self._operated.reason or not self._desired:
             return
         self._dragged_at = self._link.now()

@@ -1,4 +1,4 @@
-"""The Tune tab: gains of the chosen joint, and what they do, in a live plot."""
+"""The Tune tab: the gains of a joint, and a live plot of the joint's response."""
 
 import asyncio
 from functools import partial
@@ -101,7 +101,7 @@ class TunePanel(Panel):
         try:
             self._gains = await self._link.client.gains(name)
         except ApiError:
-            self._gains = None  # It has none, or is gone; the note says so.
+            self._gains = None  # No gains, or no such controller; the note says so.
         self._gains_of = name
 
     def _show_gains(self, gains: Gains, names: list[str], view: StationView) -> None:

@@ -149,7 +149,7 @@ class FingerJoints:
         for owner, kind, name in started:
             self._claimed[name] = kind
             self._owners[name] = owner
-        self.hand.give_to(next(iter(self._owners.values()), ""))
+        self.hand.give_to(next(iter(self._owners.values()), None))
 
     def begin_anew(self) -> None:
         """Forget the commands: the world was reset."""

@@ -56,10 +56,10 @@ class GripperOutcome:
     """How a motion ended.
 
     Attributes:
-        message: Why the motion did not reach its aim; empty when it did.
+        message: Why the motion did not reach its aim; None if it did.
     """
 
-    message: str = ""
+    message: str | None = None
 
 
 _DONE = GripperOutcome()

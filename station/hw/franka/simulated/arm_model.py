@@ -13,13 +13,13 @@ from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 
 
 class ArmModel(FrankaModel):
-    """Model of an arm, from its URDF. Control thread only.
+    """The model of one arm, built from the URDF of the arm. Control thread only.
 
     Args:
         description: The URDF of a Franka arm.
 
     Raises:
-        RobotDescriptionError: It is no Franka arm.
+        RobotDescriptionError: The URDF does not describe a Franka arm.
     """
 
     def __init__(self, description: RobotFiles) -> None:

@@ -90,7 +90,7 @@ class ContactEstimate:
         return self._update_levels()
 
     def recover(self) -> None:
-        """Forget the collisions; those that last are no new ones until they end."""
+        """Forget the collisions; a lasting collision is not counted a second time."""
         state = self._state
         self._known = self._collisions()
         state.joint_collision[:] = _ZEROS

@@ -71,7 +71,7 @@ def test_a_move_ends_when_the_width_is_reached(motor, motion):
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motion.activity is GripperActivity.IDLE
     assert motion.width() == pytest.approx(0.02, abs=1.1e-3)
 
@@ -94,7 +94,7 @@ def test_a_grasp_presses_inwards_and_goes_on_doing_so(motor, motion):
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motion.activity is GripperActivity.HOLDING
     assert motion.is_grasped()
     assert motor.pressed == [-20.0]
@@ -107,7 +107,7 @@ def test_a_grasp_from_within_presses_outwards(motor, motion):
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motor.pressed == [20.0]
 
 
@@ -128,7 +128,7 @@ def test_homing_closes_then_opens(motor, motion):
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motion.max_width == pytest.approx(0.0795)
 
 
