@@ -12,8 +12,8 @@ to just that by impulses p between their two links, against the motion:
     M (dq' - dq) = p,    |dq'_i| <= OVERSPEED * limit_i,    p_i = 0 or against dq'_i
 
 with the inertia M of that step; the positions of the step are corrected accordingly.
-The brakes only take energy out. Within the limits they do nothing, so the motion that a
-controller commands there is not changed. Mimic joints have brakes of their own.
+The brakes only remove energy. Within the limits the brakes do nothing, so they never
+change a motion that respects the limits. Mimic joints have brakes of their own.
 """
 
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ class OverspeedBrakes:
 
     Args:
         model: The world's model.
-        data: The world's data; changed by `act`.
+        data: The world's data; `act` changes them.
 
     Attributes:
         forces: Mean force of the brakes in the last step [Nm or N], one per degree of
@@ -57,7 +57,7 @@ class OverspeedBrakes:
         self.braked_steps = 0
 
     def set_limits(self, limits: Mapping[int, float]) -> None:
-        """Brake some joints from now on.
+        """Set the velocity limits of some joints.
 
         Args:
             limits: Joint with one degree of freedom, by its number in the model, to its
@@ -69,14 +69,14 @@ class OverspeedBrakes:
             self._shares[dof] = 1.0 / self._bounds[dof]
 
     def act(self) -> None:
-        """Slow the joints down that were too fast at the end of the last step."""
+        """Slow down the joints that were too fast at the end of the last step."""
         if self._has_acted:
             self.forces[:] = 0.0
             self._has_acted = False
         relative = self._relative
         np.multiply(self._qvel, self._shares, out=relative)
-        # The sum is a cheap test that mostly suffices. It also leaves out a NaN, which
-        # the world reports as a divergence.
+        # The sum is a quick test that mostly suffices. Written so that a NaN ends here,
+        # too: the world reports a NaN as a divergence.
         if not relative.dot(relative) > 1.0 or not np.abs(relative).max() > 1.0:
             return
         braked = np.flatnonzero(self._shares)
@@ -95,7 +95,7 @@ class OverspeedBrakes:
         self.braked_steps += 1
 
     def _response(self, dofs: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Return the velocities that unit impulses make, shape (len(dofs), nv)."""
+        """Return the velocities that unit impulses cause, shape (len(dofs), nv)."""
         rows = np.zeros((len(dofs), self._model.nv))
         rows[np.arange(len(dofs)), dofs] = 1.0
         solved = np.empty_like(rows)
@@ -110,13 +110,13 @@ def _find_impulses(
 ) -> NDArray[np.float64]:
     """Return the impulses that bring velocities within their bounds, shape (n,).
 
-    Joint by joint, each as if the others' impulses were right, until nothing changes
-    (coordinate descent on a convex function).
+    Computed joint by joint with the impulses of the other joints fixed, until no
+    impulse changes (coordinate descent on a convex function).
 
     Args:
-        velocities: Shape (n,).
+        velocities: Velocities without impulses [rad/s or m/s], shape (n,).
         bounds: Largest speeds, > 0, shape (n,).
-        response: Velocities that unit impulses make, symmetric, shape (n, n).
+        response: Velocities that unit impulses cause, symmetric, shape (n, n).
     """
     velocity = velocities.copy()
     impulses = np.zeros_like(velocity)

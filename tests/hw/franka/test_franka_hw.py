@@ -196,7 +196,7 @@ def test_commands_far_outside_are_kept_within_the_limits(
     # Full speed up to the limit: the arm springs beyond it, as its stiffness lets it.
     assert degrees(farthest - 2.8973) < 1.0
     assert fastest < 2.175 * 1.02
-    assert sum(limits.clamp_count for limits in hw.commands.limit_interfaces()) > 0
+    assert sum(clamp.count for clamp in hw.clamps()) > 0
 
 
 def test_torques_are_limited_and_filtered(hw: FrankaHW) -> None:
