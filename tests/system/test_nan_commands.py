@@ -135,7 +135,7 @@ def test_command_that_is_no_number_ends_its_controller(name):
     # An elbow is looked at by the robot, the rest by the manager already.
     if name == "ElbowBreaker":
         assert status.state is ControllerState.STOPPED
-        assert "a command is no finite number" in status.fault
+        assert "a command is not finite" in status.fault
     else:
         assert status.state is ControllerState.ABORTED
         assert "nan" in status.fault

@@ -77,7 +77,7 @@ def run_into_table_and_recover(station: Station) -> int:
     """Return how many cycles after the crossing the arm stopped."""
     crossed, stopped = drive_into_table(station)
     report = Arms(station.robots).report("panda")
-    assert report.mode is RobotMode.REFLEX
+    assert report.robot_mode is RobotMode.REFLEX
     assert "cartesian_reflex" in {error.name for error in report.errors}
     assert "recover" in report.remedy
     assert station.controller("speed").state is ControllerState.STOPPED

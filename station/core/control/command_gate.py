@@ -1,22 +1,23 @@
 """The gate between whatever wrote a command and the robot.
 
 Before every `write` each command of the robot is a real finite float that its one owner
-has written, or the rest command of a resource that nobody owns. Three looks make sure
-of it:
+has written, or the rest command of a resource that nobody owns:
 
-1. After every call of a controller its own commands are checked
+1. After every call of a controller its own commands are checked and copied
    (`ControllerCommands.refused`), so that a bad value is charged to that call.
-2. After all updates `check_owned` compares the commands of the running controllers with
-   what they wrote: a difference means that somebody else wrote them.
-3. At the end of the cycle `close` compares the commands of resources without an owner
-   with their rest.
+2. At the end of the cycle `close` writes all of them anew: the rest of what nobody
+   owns, and what each owner wrote if others ran beside it. So nothing else reaches the
+   robot.
+3. Before it writes, `close` compares one group of commands with what is there, another
+   one in every cycle. After a difference the gate traces: it compares all of them after
+   every call, and the controller that writes what it does not own is stopped.
 
 The ranges of the commands are the robot's business: `RobotHW.write` enforces the joint
 limits, which depend on the measured state and on the period.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from station.core.control.command_guard import all_guards, as_pieces
 from station.core.control.controller import ControllerState
@@ -54,9 +55,10 @@ class CommandGate:
         self.violations = 0
         self.last_violation: str | None = None
         self._guards = all_guards(hw)
-        # Commands that nobody owns, with their rest: whole storages, and parts of some.
-        self._whole: list[tuple[list[float], list[float]]] = []
-        self._parts: list[tuple[list[float], slice, list[float]]] = []
+        # Commands that nobody owns, with their rest; and all that are written anew.
+        self._resting: list[tuple[list[float], slice, list[float]]] = []
+        self._rows: list[tuple[list[float], slice, list[float]]] = []
+        self._turn = 0
         self._names: dict[Slot, str] = {
             (id(storage), index): guard.name
             for guard in self._guards
@@ -68,51 +70,52 @@ class CommandGate:
 
         For a world that was put somewhere else.
         """
-        self._whole.clear()
-        self._parts.clear()
+        self._resting = []
+        self._rows = []
         self.is_stale = True
 
-    def check_owned(self, loaded: Iterable[LoadedController]) -> None:
-        """Put back what others have written over the commands of running controllers.
-
-        Args:
-            loaded: All controllers; those that run have been updated in this cycle.
-        """
-        for one in loaded:
-            if one.controller.state is _RUNNING and not one.commands.is_as_written():
-                one.commands.write_again()
-                self._note(f"the commands of '{one.info.name}'")
-
     def close(self, loaded: Iterable[LoadedController]) -> None:
-        """Let every resource without an owner hold its rest command.
+        """Write every command anew: that of its owner, or the rest.
 
         Args:
             loaded: All controllers; those that run own what they claim.
         """
+        rows = self._rows
+        if self.is_stale or self.traced_cycles or not rows:
+            self._close_with_care(loaded)
+            return
+        self._turn = turn = self._turn + 1 if self._turn + 1 < len(rows) else 0
+        storage, piece, values = rows[turn]
+        if _differs(storage[piece], values):
+            self._note(f"the command of '{self._changed(storage, piece, values)}'")
+        # Also what equals the right value: it may still be no float, e.g. 0j.
+        for storage, piece, values in rows:
+            storage[piece] = values
+
+    def _close_with_care(self, loaded: Iterable[LoadedController]) -> None:
+        """Do the same in a cycle in which owners have changed, or that is traced."""
         if self.traced_cycles:
             self.traced_cycles -= 1
         if self.is_stale:
             self._note_owners(loaded)
             self.is_stale = False
         else:
-            self.put_to_rest()
+            self.put_back()
 
-    def put_to_rest(self) -> None:
-        """Write the rest of every resource without an owner.
+    def put_back(self) -> None:
+        """Compare all commands with what they ought to be, and write them anew.
 
-        Also at the beginning of a traced cycle, so that what was written between two
-        cycles is not charged to the controller that is called next.
+        Also before a switch, after which the owners are others, and at the beginning of
+        a traced cycle, so that what was written between two cycles is not charged to
+        the controller that is called next. Nothing happens when owners have changed in
+        this cycle already: `close` looks at all of them then.
         """
-        # Written in any case: what equals the rest may still be no float, e.g. 0j.
-        for storage, rest in self._whole:
-            if _differs(storage, rest):
-                self._note(f"the command of '{self._changed(storage, 0, rest)}'")
-            storage[:] = rest
-        for storage, piece, rest in self._parts:
-            if _differs(storage[piece], rest):
-                name = self._changed(storage, piece.start, rest)
-                self._note(f"the command of '{name}'")
-            storage[piece] = rest
+        if self.is_stale:
+            return
+        for storage, piece, values in self._rows:
+            if _differs(storage[piece], values):
+                self._note(f"the command of '{self._changed(storage, piece, values)}'")
+            storage[piece] = values
 
     def find_intrusion(
         self, one: LoadedController, loaded: Iterable[LoadedController]
@@ -134,18 +137,12 @@ class CommandGate:
             ):
                 other.commands.write_again()
                 return f"the commands of '{other.info.name}'"
-        for storage, piece, rest in self._resting():
+        for storage, piece, rest in self._resting:
             if _differs(storage[piece], rest):
-                name = self._changed(storage, piece.start, rest)
+                name = self._changed(storage, piece, rest)
                 storage[piece] = rest
                 return f"the command of '{name}'"
         return None
-
-    def _resting(self) -> Iterator[tuple[list[float], slice, list[float]]]:
-        """Yield the commands without an owner as (storage, slice, rest)."""
-        for storage, rest in self._whole:
-            yield storage, slice(0, len(rest)), rest
-        yield from self._parts
 
     def _note_owners(self, loaded: Iterable[LoadedController]) -> None:
         """Find out which commands nobody owns, and let them rest.
@@ -156,7 +153,7 @@ class CommandGate:
         owned = _count_owners(loaded)
         before = {
             (id(storage), index): value
-            for storage, piece, rest in self._resting()
+            for storage, piece, rest in self._resting
             for index, value in zip(range(piece.start, piece.stop), rest, strict=True)
         }
         free: dict[Slot, tuple[list[float], int]] = {}
@@ -173,16 +170,21 @@ class CommandGate:
                     begun.append(position)
             if begun:
                 guard.write_rest(begun)
-        self._whole.clear()
-        self._parts.clear()
-        for storage, piece in as_pieces([free[slot] for slot in sorted(free)]):
-            if piece.stop - piece.start == len(storage):
-                self._whole.append((storage, storage[:]))
-            else:
-                self._parts.append((storage, piece, storage[piece]))
+        pieces = as_pieces([free[slot] for slot in sorted(free)])
+        self._resting = [(storage, piece, storage[piece]) for storage, piece in pieces]
+        running = [one for one in loaded if one.controller.state is _RUNNING]
+        owners = [one for one in running if not one.commands.is_shared]
+        for one in owners:
+            one.commands.write_again()
+        # With nobody beside it, what the only controller has written stays as it is.
+        beside = owners if len(running) > 1 else []
+        self._rows = [
+            *self._resting,
+            *(p for one in beside for p in one.commands.pieces),
+        ]
 
-    def _changed(self, storage: list[float], first: int, rest: list[float]) -> str:
-        for index, value in enumerate(rest, first):
+    def _changed(self, storage: list[float], piece: slice, values: list[float]) -> str:
+        for index, value in enumerate(values, piece.start):
             if _differs([storage[index]], [value]):
                 return self._names[id(storage), index]
         return "an unknown resource"

@@ -3,6 +3,8 @@
 from station.core.control.command_guard import CommandGuard, as_pieces
 from station.core.faults import CONTAINED
 
+_FLOAT = {float}
+
 
 class ControllerCommands:
     """Every command that a controller has claimed. Control thread only.
@@ -13,6 +15,8 @@ class ControllerCommands:
     Attributes:
         guards: The same.
         slots: Where the commands are, as (storage, index).
+        pieces: The same as few (storage, slice, values); the values are those that
+            `refused` looked at last, in a list that is changed in place.
         is_shared: Whether the robot lets another running controller command one of
             the same resources; the last to write it decides.
     """
@@ -21,11 +25,9 @@ class ControllerCommands:
         self.guards = guards
         self.slots = [slot for guard in guards for slot in guard.slots]
         self.is_shared = False
-        self._pieces = [
-            (storage, piece, [float] * (piece.stop - piece.start))
-            for storage, piece in as_pieces(self.slots)
+        self.pieces = [
+            (storage, piece, storage[piece]) for storage, piece in as_pieces(self.slots)
         ]
-        self._written: list[list[float]] = [[] for _ in self._pieces]
 
     def refused(self) -> str | None:
         """Return which command is not a real finite number; None when all are.
@@ -33,17 +35,16 @@ class ControllerCommands:
         Called after every call of the controller, so that a bad value is charged to
         the call that wrote it. Real numbers of other types become floats.
         """
-        for position, (storage, piece, floats) in enumerate(self._pieces):
-            values = storage[piece]
+        for storage, piece, values in self.pieces:
+            values[:] = storage[piece]
             # The types first: the sum of a complex number or of a decimal raises, or
             # passes every comparison with a float. An overflow of the sum alone is
             # no bad command, hence the second look.
-            if [*map(type, values)] != floats or (total := sum(values)) - total != 0.0:
+            if set(map(type, values)) != _FLOAT or (total := sum(values)) - total:
                 refused = self._find_refused()
                 if refused is not None:
                     return refused
-                values = storage[piece]
-            self._written[position] = values
+                values[:] = storage[piece]
         return None
 
     def is_as_written(self) -> bool:
@@ -51,9 +52,7 @@ class ControllerCommands:
         if self.is_shared:
             return True
         try:
-            for (storage, piece, _), values in zip(
-                self._pieces, self._written, strict=True
-            ):
+            for storage, piece, values in self.pieces:
                 if storage[piece] != values:
                     return False
         except CONTAINED:  # e.g. an array: its comparison has no truth value
@@ -62,11 +61,8 @@ class ControllerCommands:
 
     def write_again(self) -> None:
         """Write the commands that `refused` looked at last."""
-        for (storage, piece, _), values in zip(
-            self._pieces, self._written, strict=True
-        ):
-            if values:
-                storage[piece] = values
+        for storage, piece, values in self.pieces:
+            storage[piece] = values
 
     def values(self) -> list[float]:
         """Return what the commands are now, in the order of `slots`."""

@@ -104,23 +104,24 @@ class ControllerRunner:
                 "must be finite and not negative."
             )
         self._begin_cycle(time)
+        gate = self._gate
         try:
             loaded = self.lifecycle.loaded
-            if self._gate.traced_cycles and not self._gate.is_stale:
-                self._gate.put_to_rest()
+            if gate.traced_cycles:
+                gate.put_back()
             if self._hw.is_interrupted():
                 self._stop_interrupted(time)
             if reset_controllers:
-                self._gate.forget_rest()
+                gate.forget_rest()
                 for one in loaded:
                     self.lifecycle.reset(one, time)
             for one in loaded:
                 if one.controller.state is _RUNNING:
                     self._update_one(one, time, period)
-            self._gate.check_owned(loaded)
             if self.pending is not None:
+                gate.put_back()
                 self._carry_on(self.pending, time, period)
-            self._gate.close(loaded)
+            gate.close(loaded)
         finally:
             self.updating = False
 

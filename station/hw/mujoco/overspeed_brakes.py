@@ -17,7 +17,7 @@ change a motion that respects the limits. Mimic joints have brakes of their own.
 """
 
 from collections.abc import Mapping
-from math import inf
+from math import inf, sqrt
 
 import mujoco
 import numpy as np
@@ -25,6 +25,9 @@ from numpy.typing import NDArray
 
 OVERSPEED = 1.015
 """Share of its velocity limit above which a joint is braked."""
+MAX_SQUARED_VELOCITY = 1e10
+"""Sum of squared joint velocities above which a simulation has diverged. No machine
+reaches such velocities; MuJoCo itself gives up at 1e10 for a single velocity."""
 _MOST_SWEEPS = 200
 # Accuracy of the impulses, relative to the limit.
 _TOLERANCE = 1e-6
@@ -50,6 +53,9 @@ class OverspeedBrakes:
         self._bounds = np.full(model.nv, inf)
         self._shares = np.zeros(model.nv)  # 1 / bound
         self._relative = np.zeros(model.nv)
+        # The shares, with a share for joints without a limit, too, so that one sum shows
+        # an impossible velocity of any joint.
+        self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
         self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
         self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
         self._has_acted = False
@@ -67,6 +73,20 @@ class OverspeedBrakes:
             dof = int(self._model.jnt_dofadr[joint])
             self._bounds[dof] = OVERSPEED * limit
             self._shares[dof] = 1.0 / self._bounds[dof]
+            self._sane[dof] = max(1.0 / sqrt(MAX_SQUARED_VELOCITY), self._shares[dof])
+
+    def is_quiet(self) -> bool:
+        """Return whether no brake has acted or must act, and all velocities are possible.
+
+        One sum over the relative velocities: it is at most 1 only if each of them is at
+        most 1 and none is NaN. The answer False alone does not mean that a joint is
+        too fast.
+        """
+        if self._has_acted:
+            return False
+        relative = self._relative
+        np.multiply(self._qvel, self._sane, out=relative)
+        return bool(relative.dot(relative) <= 1.0)
 
     def act(self) -> None:
         """Slow down the joints that were too fast at the end of the last step."""

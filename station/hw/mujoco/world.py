@@ -7,7 +7,7 @@ from typing import Protocol
 import mujoco
 
 from station.core.hardware.robot_report import SceneObjectReport
-from station.hw.mujoco.overspeed_brakes import OverspeedBrakes
+from station.hw.mujoco.overspeed_brakes import MAX_SQUARED_VELOCITY, OverspeedBrakes
 from station.hw.mujoco.push import AppliedPush, Push
 from station.hw.mujoco.scene import SceneObject
 from station.hw.mujoco.stepper import make_stepper
@@ -17,9 +17,6 @@ from station.hw.mujoco.world_joints import (
     joint_position_address,
 )
 
-# Sum of squared joint velocities above which a simulation has diverged. No machine
-# reaches such velocities; MuJoCo itself gives up at 1e10 for a single velocity.
-_MAX_SQUARED_VELOCITY = 1e10
 # MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
 # file in the current directory, and the control thread must do no I/O.
 _warnings: deque[str] = deque(maxlen=8)
@@ -157,8 +154,10 @@ class World:
         if self._pushes:
             self._count_pushes()
         self._advance()
+        if self.brakes.is_quiet():
+            return  # the usual case: every velocity is finite and within its limit
         # Written with `not … <`, so that a NaN counts as diverged, too.
-        if not self._qvel.dot(self._qvel) < _MAX_SQUARED_VELOCITY:
+        if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
             self._diverged_because = (
                 f"the simulation diverged at {self.time:.3f} s: a joint velocity was "

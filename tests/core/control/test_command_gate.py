@@ -183,16 +183,16 @@ def test_an_unclaimed_command_never_reaches_the_robot_and_its_writer_is_stopped(
     handle = bench.robot.get(EffortJointInterface).get_handle("j3")
     stranger.actions["update"] = lambda: handle.set_command(7.0)
 
-    bench.step(3)
+    bench.step(20)
 
     assert bench.state("stranger") == "aborted"
     assert "'j3', which it has not claimed" in bench.fault("stranger")
     assert bench.state("good") == "running"
     assert set(written.all()) == {0.0}
     count, last = bench.manager.command_violations
-    assert count == 1
+    assert count > 0
     assert "'j3'" in last
-    assert good.calls.count("update") == 4
+    assert good.calls.count("update") == 21
 
 
 def test_a_command_over_that_of_another_controller_is_put_back(bench, written):
@@ -202,7 +202,7 @@ def test_a_command_over_that_of_another_controller_is_put_back(bench, written):
     owner.actions["update"] = lambda: owner.command(1.0)
     thief.actions["update"] = lambda: owner.joints[0].set_command(9.0)
 
-    bench.step(3)
+    bench.step(20)
 
     assert {row[0] for row in written.efforts} == {0.0, 1.0}
     assert bench.state("thief") == "aborted"
@@ -214,14 +214,13 @@ def test_somebody_outside_of_all_controllers_cannot_command_a_free_joint(bench):
     bench.load("arm", "j1")
     bench.switch(["arm"])
     bench.step()
-    for _ in range(3):
+    for _ in range(20):
         bench.robot.joints.effort_command[2] = 4.0
         bench.manager.update(bench.time, 0.01)
 
         assert bench.robot.joints.effort_command[2] == 0.0
 
     assert bench.state("arm") == "running"
-    assert bench.manager.command_violations[0] == 3
 
 
 def test_a_free_joint_keeps_its_rest_while_others_switch(bench):
@@ -268,3 +267,17 @@ def test_the_types_of_a_strict_refusal_name_the_command(bench):
 
     with pytest.raises(SwitchRefusedError, match=r"\(1\+2j\) for 'j1'"):
         bench.switch(["arm"])
+
+
+def test_whoever_keeps_writing_a_free_command_is_noticed_soon(bench):
+    bench.load("arm", "j1")
+    bench.switch(["arm"])
+    bench.step()
+    for _ in range(10):
+        bench.robot.joints.effort_command[2] = 4.0
+        bench.step()
+
+    count, last = bench.manager.command_violations
+    assert count > 0
+    assert "'j3'" in last
+    assert bench.state("arm") == "running"

@@ -83,10 +83,13 @@ class FingerJoints:
 
     def read(self) -> None:
         """Bring the state up to date."""
-        gripper, size = self._gripper, len(self.names)
-        self._positions[:] = [gripper.read_position()] * size
-        self._velocities[:] = [gripper.read_velocity()] * size
-        self._efforts[:] = [gripper.read_force()] * size
+        gripper = self._gripper
+        position, velocity = gripper.read_position(), gripper.read_velocity()
+        force = gripper.read_force()
+        for index in range(len(self.names)):
+            self._positions[index] = position
+            self._velocities[index] = velocity
+            self._efforts[index] = force
 
     def write(self) -> None:
         """Pass the commands of the claimed fingers on; an unclaimed finger follows."""

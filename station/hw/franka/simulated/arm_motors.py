@@ -106,25 +106,39 @@ class ArmMotors:
         if self._is_cartesian:
             self._apply_cartesian(q, dq)
             return
-        state = self._state
-        is_moving = state.robot_mode is RobotMode.MOVE
-        bias = self._joints.read_bias_forces()
-        weight = self._joints.read_compensation()
-        inertia = self._joints.read_inertia()
-        controls = []
-        for i, (k, d) in enumerate(
-            zip(self.joint_stiffness, self._damping, strict=True)
-        ):
-            control = k * state.q_d[i] + d * state.dq_d[i] + bias[i] - weight[i]
-            control += inertia[i] * state.ddq_d[i]
-            controls.append(control)
-            if is_moving:
-                tau = control - k * q[i] - d * dq[i]
-                limit = self._limits[i]
-                state.tau_J_d[i] = max(-limit, min(limit, tau))
+        state, joints = self._state, self._joints
+        controls = [
+            k * q_d + d * dq_d + bias - weight + inertia * ddq_d
+            for k, d, q_d, dq_d, ddq_d, bias, weight, inertia in zip(
+                self.joint_stiffness,
+                self._damping,
+                state.q_d,
+                state.dq_d,
+                state.ddq_d,
+                joints.read_bias_forces(),
+                joints.read_compensation(),
+                joints.read_inertia(),
+                strict=True,
+            )
+        ]
+        if state.robot_mode is RobotMode.MOVE:
+            state.tau_J_d[:] = [
+                max(-limit, min(limit, control - k * position - d * velocity))
+                for control, k, d, position, velocity, limit in zip(
+                    controls,
+                    self.joint_stiffness,
+                    self._damping,
+                    q,
+                    dq,
+                    self._limits,
+                    strict=True,
+                )
+            ]
         self._set_controls(controls)
 
-    def read_torques(self, last_dq: Sequence[float], period: float) -> None:
+    def read_torques(
+        self, dq: Sequence[float], last_dq: Sequence[float], period: float
+    ) -> None:
         """Derive the link-side torques of the last step.
 
         A torque sensor behind the gears measures the torques of motor and brake minus
@@ -133,22 +147,45 @@ class ArmMotors:
         motor's reading contains the velocity at the beginning.
 
         Args:
+            dq: Velocities at the end of the step [rad/s], shape (7,).
             last_dq: Velocities at the beginning of the step [rad/s], shape (7,).
             period: Duration of the step [s], > 0.
         """
-        state, joints = self._state, self._joints
-        dq = joints.read_velocities()
-        forces = joints.read_motor_forces()
-        weight = joints.read_compensation()
-        brakes = joints.read_brake_forces()
-        for i, velocity in enumerate(dq):
-            change = velocity - last_dq[i]
-            tau = forces[i] + brakes[i] + weight[i] - joints.damping[i] * velocity
-            tau -= joints.armature[i] * change / period
-            if self._damping[i] and abs(forces[i]) < self._limits[i]:
-                tau -= self._damping[i] * change
-            state.dtau_J[i] = (tau - state.tau_J[i]) / period
-            state.tau_J[i] = tau
+        joints, measured = self._joints, self._state.tau_J
+        torques, rates = [], []
+        for (
+            velocity,
+            last,
+            force,
+            brake,
+            weight,
+            damping,
+            armature,
+            own,
+            limit,
+            old,
+        ) in zip(
+            dq,
+            last_dq,
+            joints.read_motor_forces(),
+            joints.read_brake_forces(),
+            joints.read_compensation(),
+            joints.damping,
+            joints.armature,
+            self._damping,
+            self._limits,
+            measured,
+            strict=True,
+        ):
+            change = velocity - last
+            tau = force + brake + weight - damping * velocity
+            tau -= armature * change / period
+            if own and abs(force) < limit:
+                tau -= own * change
+            rates.append((tau - old) / period)
+            torques.append(tau)
+        measured[:] = torques
+        self._state.dtau_J[:] = rates
 
     def _let_motors_be_forces(self) -> None:
         self.torques_act = self._is_cartesian = False

@@ -47,8 +47,8 @@ class ArmSensors:
             time: Time of the arm [s].
         """
         state, joints = self._state, self._joints
-        self._motors.read_torques(state.dtheta, self._period)
         dq = joints.read_velocities()
+        self._motors.read_torques(dq, state.dtheta, self._period)
         if self._load.load.mass:
             self._ddq = [
                 (new - old) / self._period

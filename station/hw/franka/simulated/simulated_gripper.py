@@ -1,6 +1,6 @@
 """The fingers of a Franka hand in a MuJoCo world."""
 
-from math import sqrt
+from math import nan, sqrt
 
 from station.hw.franka.hand.hand_services import MAX_FORCE
 from station.hw.mujoco.world import World
@@ -42,6 +42,7 @@ class SimulatedGripper:
         self._force = 0.0
         self._step = self._reach = 0.0
         self._servo = (0.0, 0.0)
+        self._control = nan
         self._target = self._place = 0.0
         self.hold(width)
         world.add_actor(self)
@@ -98,16 +99,23 @@ class SimulatedGripper:
     def before_step(self) -> None:
         """Set the motor's control."""
         if not self._servo[0]:
-            self._finger.set_controls([2.0 * self._force])
+            self._set_control(2.0 * self._force)
             return
         way = self._target - self._place
         place = self._place + min(max(way, -self._step), self._step)
         position = self.read_position()
         self._place = min(max(place, position - self._reach), position + self._reach)
-        self._finger.set_controls([_STIFFNESS * self._place])
+        self._set_control(_STIFFNESS * self._place)
+
+    def _set_control(self, control: float) -> None:
+        # The motor keeps its control, so most steps of fingers at rest set nothing.
+        if control != self._control:
+            self._finger.set_controls([control])
+            self._control = control
 
     def after_reset(self) -> None:
         """Hold the width of the beginning again."""
+        self._control = nan  # the reset of the world has cleared it
         self.hold(self._start_width)
         self._place = self.read_position()
 

@@ -4,7 +4,6 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
-from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 
 
 @pytest.mark.parametrize("width", [0.08, 0.04, 0.0])
@@ -12,8 +11,7 @@ def test_fingers_go_to_the_width_and_stay(width: float) -> None:
     description = load_robot_files("example-robot-data:panda")
     simulation = simulate([ArmPlacement("panda", description)])
     world = simulation.world
-    # It acts after the one that holds the hand open and so has the last word.
-    SimulatedGripper(world, "panda_finger_joint1", width=width)
+    simulation.grippers["panda"].hold(width)
     world.data.qfrc_applied[7] = -1.0
     for _ in range(1_000):
         world.step()
