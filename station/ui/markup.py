@@ -25,7 +25,7 @@ def hint(text: str) -> str:
 
 
 def warning(text: str) -> str:
-    """Return a box that says why something is not possible."""
+    """Return a box with the reason why an action is not possible."""
     return (
         f'<div role="status" style="{_BOX}background:rgba(240,140,0,.2);'
         f'border-left:3px solid rgb(240,140,0)">{escape(text)}</div>'

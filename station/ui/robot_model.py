@@ -35,7 +35,7 @@ LIBRARY_FAILURES = (
 
 
 class RobotModelError(Exception):
-    """The robot cannot be drawn; the message says why and what to do."""
+    """The robot cannot be drawn; the message has the reason and the remedy."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,8 +53,8 @@ class OverspeedBrakes:
         self._bounds = np.full(model.nv, inf)
         self._shares = np.zeros(model.nv)  # 1 / bound
         self._relative = np.zeros(model.nv)
-        # The shares, with a share for joints without a limit, too, so that one sum shows
-        # an impossible velocity of any joint.
+        # As `_shares`, but with a share for joints without a limit as well: one sum then
+        # shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
         self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
         self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
@@ -76,7 +76,7 @@ class OverspeedBrakes:
             self._sane[dof] = max(1.0 / sqrt(MAX_SQUARED_VELOCITY), self._shares[dof])
 
     def is_quiet(self) -> bool:
-        """Return whether no brake has acted or must act, and all velocities are possible.
+        """Return whether no brake acts or must act, and all velocities are possible.
 
         One sum over the relative velocities: it is at most 1 only if each of them is at
         most 1 and none is NaN. The answer False alone does not mean that a joint is
