@@ -53,8 +53,8 @@ class OverspeedBrakes:
         self._bounds = np.full(model.nv, inf)
         self._shares = np.zeros(model.nv)  # 1 / bound
         self._relative = np.zeros(model.nv)
-        # As `_shares`, but with a share for joints without a limit as well: one sum then
-        # shows an impossible velocity of any joint.
+        # As `_shares`, but with a share for joints without a limit as well, so that one
+        # sum shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
         self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
         self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr

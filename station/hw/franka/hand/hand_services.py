@@ -50,7 +50,7 @@ class HandServices(GripperServices):
     """The services of a simulated hand. Control thread only.
 
     Args:
-        arm_id: The arm it belongs to.
+        arm_id: The arm with this hand.
         motor: The motor of the fingers.
 
     Attributes:
