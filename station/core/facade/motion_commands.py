@@ -79,7 +79,7 @@ class MotionCommands:
         port.check(values, timeout, rates)
         generation = port.generation
         present = self._check_may_move(name, epoch)
-        # A stop or a reset in between changes the generation, which voids this set-point.
+        # A stop or a reset in between changes the generation and voids the set-point.
         port.post([*values, *(rates or [])], timeout, generation)
         return present
 
