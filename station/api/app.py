@@ -41,7 +41,7 @@ def create_app(
         authenticator: Knows the tokens.
         policy: Which hosts and origins are allowed; localhost and numeric ones when
             left out.
-        slow_after: A stream's client that takes nothing for so long is closed [s].
+        slow_after: Time after which a stream is closed whose client reads nothing [s].
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
         dashboard_url: Returns where the dashboard is; None while it is not known.

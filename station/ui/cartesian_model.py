@@ -1,8 +1,8 @@
-"""Which controllers move the end effector, and what held buttons and a target ask for.
+"""Choose the controller that moves the end effector, and compute its set-points.
 
-A button is a dead man's switch: its browser says again and again that it is held, and
-what has not been said for a moment is not so any more. The station's own watchdog
-stands behind that.
+A button is a hold-to-run switch. While a button is held, its browser repeats a message;
+when the messages stay away for a moment, the button counts as released. If the
+dashboard itself fails, the controller's `command_timeout` ends the motion.
 """
 
 import math
@@ -16,12 +16,12 @@ TWIST = ("vx", "vy", "vz", "wx", "wy", "wz")
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 """Elements of a streaming controller's set-point."""
 HELD_FOR = 0.3
-"""How long a button counts as held after its browser said so [s].
+"""Time for which a button counts as held after the last message of its browser [s].
 
-A browser that draws slowly says so late; that a button was let go, it says at once.
+A browser that draws slowly repeats the message late, but reports a release at once.
 """
 PATIENCE = 3.0
-"""How long a target is pursued without coming nearer [s]."""
+"""Time after which a target is given up when the arm comes no nearer [s]."""
 _NEAR = 1e-4
 _NEARER = 1e-4
 
@@ -51,7 +51,7 @@ def choose_cartesian(view: StationView, names: tuple[str, ...], kind: str) -> Op
 
 
 class HeldButtons:
-    """Which of twelve buttons are held, one per direction of each axis."""
+    """The state of twelve buttons, one per direction of each axis."""
 
     def __init__(self) -> None:
         self._held_at: dict[tuple[int, int], float] = {}
@@ -68,7 +68,7 @@ class HeldButtons:
         self._held_at[axis, sign] = now
 
     def release(self, axis: int, sign: int) -> None:
-        """Note that a button was let go.
+        """Note that a button was released.
 
         Args:
             axis: Index in `TWIST`.
@@ -77,17 +77,17 @@ class HeldButtons:
         self._held_at.pop((axis, sign), None)
 
     def let_go(self) -> None:
-        """Forget all buttons; nothing is sent for them any more."""
+        """Treat all buttons as released, and send no more for them."""
         self._held_at.clear()
         self._moving = False
 
     def twist(self, now: float, speed: float, turn: float) -> list[float] | None:
-        """Return the set-point to send, zero once at the end, None when there is none.
+        """Return the set-point to send: one zero after a motion, then None.
 
         Args:
             now: Monotonic time [s].
-            speed: Of the end effector [m/s].
-            turn: Of its orientation [rad/s].
+            speed: Speed of the end effector [m/s].
+            turn: Angular speed of the end effector [rad/s].
         """
         twist = [0.0] * 6
         for (axis, sign), held_at in self._held_at.items():
@@ -101,7 +101,7 @@ class HeldButtons:
 
 
 class TargetPose:
-    """A pose that somebody dragged, until the arm is there or comes no nearer."""
+    """A dragged pose, kept until the arm has reached it or comes no nearer."""
 
     def __init__(self) -> None:
         self._target: list[float] | None = None
@@ -110,14 +110,14 @@ class TargetPose:
 
     @property
     def is_pursued(self) -> bool:
-        """The arm is still to go there."""
+        """Whether the arm has yet to reach the target."""
         return self._target is not None
 
     def drag(self, pose: Sequence[float], now: float) -> None:
         """Set the target.
 
         Args:
-            pose: In the order of `POSE`.
+            pose: Position [m] and quaternion, in the order of `POSE`.
             now: Monotonic time [s].
         """
         self._target = list(pose)
@@ -131,7 +131,7 @@ class TargetPose:
         """Return the set-point to send, or None when there is nothing to send.
 
         Args:
-            desired: Where the controller has the end effector now, order of `POSE`.
+            desired: Present desired pose of the controller, in the order of `POSE`.
             now: Monotonic time [s].
         """
         if self._target is None:
@@ -146,7 +146,7 @@ class TargetPose:
 
 
 def distance(first: Sequence[float], second: Sequence[float]) -> float:
-    """Return how far two poses are apart [m + rad], order of `POSE`."""
+    """Return the distance between two poses [m + rad], in the order of `POSE`."""
     cosine = abs(sum(a * b for a, b in zip(first[3:], second[3:], strict=True)))
     return math.dist(first[:3], second[:3]) + 2.0 * math.acos(min(1.0, cosine))
 

@@ -1,4 +1,4 @@
-"""What the Controllers panel shows and offers, without a screen."""
+"""The contents and choices of the Controllers panel, independent of Viser."""
 
 from dataclasses import dataclass
 
@@ -8,14 +8,14 @@ from station.wire import ControllerState
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """What can be done with one controller now.
+    """The actions that one controller allows at present.
 
     Attributes:
-        start: It can be started beside what runs.
-        stop: It can be stopped.
-        unload: It can be unloaded.
-        replaces: Running controllers that must stop for it to start.
-        reason: Why it cannot simply be started; empty when it can.
+        start: Whether it can be started without stopping another controller.
+        stop: Whether it can be stopped.
+        unload: Whether it can be unloaded.
+        replaces: Running controllers that must stop before it can start.
+        reason: Why it cannot be started without stopping others; empty if it can.
     """
 
     start: bool = False
@@ -26,7 +26,7 @@ class Offer:
 
 
 def claims_text(controller: ControllerState) -> str:
-    """Return what a controller claims, short enough for a table cell."""
+    """Return the claims of a controller, short enough for a table cell."""
     parts = []
     for claim in controller.claimed_resources:
         interface = claim.hardware_interface.rpartition("::")[2]
@@ -37,7 +37,7 @@ def claims_text(controller: ControllerState) -> str:
 
 
 def offer_for(view: StationView, name: str) -> Offer:
-    """Return what can be done with the controller of that name."""
+    """Return the actions that the controller of that name allows."""
     controller = view.controller(name)
     if controller is None:
         return Offer(reason="No controller is loaded. Load one below.")
@@ -57,7 +57,7 @@ def offer_for(view: StationView, name: str) -> Offer:
 
 
 def startable_first(view: StationView) -> list[str]:
-    """Return all controllers, those first that command something but do not run."""
+    """Return all controllers, first those with claims that do not run."""
 
     def rank(controller: ControllerState) -> bool:
         return controller.state == "running" or not _resources(controller)
@@ -66,7 +66,7 @@ def startable_first(view: StationView) -> list[str]:
 
 
 def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
-    """Return the running controllers that hold a resource this one claims."""
+    """Return the running controllers that hold a resource of this controller."""
     wanted = _resources(controller)
     return tuple(
         other.name

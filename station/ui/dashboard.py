@@ -1,4 +1,4 @@
-"""Put the dashboard together: the robot in 3D, the tabs, and what keeps them fresh.
+"""Build the dashboard: the robot in 3D, the tabs, and the loop that updates them.
 
 Everything that touches Viser runs on Viser's own event loop, so that no two threads
 ever set widgets at the same time.
@@ -46,10 +46,10 @@ class Dashboard:
     """The dashboard of one station, in one Viser server.
 
     Args:
-        server: Where it is shown.
+        server: The Viser server that shows the dashboard.
         client: The station; used from Viser's event loop only.
-        robot: The robot, with its visual meshes; None shows no robot.
-        not_drawn: Why there is none; empty when none was asked for.
+        robot: The robot with its visual meshes; None shows no robot.
+        not_drawn: Why no robot is shown; empty if no robot was requested.
     """
 
     def __init__(
@@ -102,12 +102,12 @@ class Dashboard:
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
-        """Begin to follow the station."""
+        """Start to follow the station."""
         loop = self._server.get_event_loop()
         self._running = asyncio.run_coroutine_threadsafe(self._run(), loop)
 
     async def stop(self) -> None:
-        """Stop following it; waits for the end, but not for long."""
+        """Stop following the station; waits a short time for the end."""
         if self._running is None:
             return
         ended = asyncio.run_coroutine_threadsafe(
@@ -122,7 +122,7 @@ class Dashboard:
             await asyncio.wait({self._task})
 
     def bar(self) -> BarState:
-        """Return what the status strip shows now; may be called by any thread."""
+        """Return the present content of the status strip; callable by any thread."""
         return bar_state(self._link.view(), self._reporter.message)
 
     async def _run(self) -> None:
@@ -150,7 +150,7 @@ class Dashboard:
         self._link.watch(watched)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
-        """Call `refresh` for ever; a failure is logged once and shown, not fatal."""
+        """Call `refresh` until cancelled; a failure is logged once and shown."""
         while True:
             try:
                 refresh()

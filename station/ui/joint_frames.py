@@ -1,7 +1,7 @@
-"""Where a joint's frame is, given its position: the little kinematics a scene needs.
+"""Compute the frame of a joint from the position of the joint.
 
-A robot is drawn once, as nested frames; afterwards only the frames of moving joints
-get a new pose. That is eight times cheaper than computing all link poses anew.
+A robot is drawn once, as nested frames. After that, only the frames of moving joints
+get a new pose, which takes an eighth of the time that all link poses would take.
 """
 
 import math
@@ -11,14 +11,14 @@ from station.core.description.urdf import Joint, JointType, Pose
 
 
 def is_drawn_moving(joint: Joint) -> bool:
-    """Return whether the dashboard moves this joint, which needs a single axis."""
+    """Return whether the dashboard moves this joint: a joint with a single axis."""
     return joint.type.is_rotation or joint.type is JointType.PRISMATIC
 
 
 def position_among(joint: Joint, positions: Mapping[str, float]) -> float | None:
     """Return a joint's position [rad] or [m], or None if it is not known.
 
-    A measured position wins over the rule of a joint that follows another.
+    A measured position takes precedence over the rule of a mimic joint.
 
     Args:
         joint: The joint.
@@ -38,7 +38,7 @@ def pose_at(joint: Joint, q: float) -> Pose:
 
     Args:
         joint: The joint.
-        q: Its position [rad] or [m]; does not matter for a joint that stands still.
+        q: Position of the joint [rad] or [m]; not used for a fixed joint.
     """
     if joint.type.is_rotation:
         half = 0.5 * q

@@ -1,4 +1,4 @@
-"""Parameters to begin with, for each type of controller that can be loaded."""
+"""Example parameters for each type of controller that can be loaded."""
 
 from collections.abc import Iterable
 
@@ -15,7 +15,7 @@ _OF_SEVERAL_JOINTS = ("Group", "Trajectory", "Streaming", "Jog")
 
 
 def usefulness(controller_type: str) -> tuple[bool, bool, str]:
-    """Return a key that sorts the types people want most to the front."""
+    """Return a key that sorts the most useful types to the front."""
     return (
         "Group" not in controller_type,
         "Position" not in controller_type,

@@ -1,7 +1,7 @@
-"""Small pieces of HTML for the panels; whatever comes from the station is escaped.
+"""Small pieces of HTML for the panels; all texts of the station are escaped.
 
-Only `currentColor` and translucent colours are used, so that it reads on light and on
-dark; a word always says what a colour says.
+Only `currentColor` and translucent colours are used, so that the text is readable on
+light and on dark pages. A word always states what a colour means.
 """
 
 from collections.abc import Sequence
@@ -20,12 +20,12 @@ _BOX = "padding:.5em .75em;margin:0 .75em .5em;border-radius:6px;font-size:.85em
 
 
 def hint(text: str) -> str:
-    """Return a line that explains."""
+    """Return a line with an explanation."""
     return f'<div style="{_BOX}padding-left:0;opacity:.8">{escape(text)}</div>'
 
 
 def warning(text: str) -> str:
-    """Return a box that says why something is not possible."""
+    """Return a box with the reason why an action is not possible."""
     return (
         f'<div role="status" style="{_BOX}background:rgba(240,140,0,.2);'
         f'border-left:3px solid rgb(240,140,0)">{escape(text)}</div>'
@@ -33,7 +33,7 @@ def warning(text: str) -> str:
 
 
 def good(text: str) -> str:
-    """Return a box that says what is going on."""
+    """Return a box with a message about the present state."""
     return (
         f'<div role="status" style="{_BOX}background:rgba(47,158,68,.18);'
         f'border-left:3px solid rgb(47,158,68)">{escape(text)}</div>'
@@ -79,5 +79,5 @@ def _row(controller: ControllerState) -> str:
 
 
 def _breakable(name: str) -> str:
-    """Let a long name break where its parts meet."""
+    """Allow line breaks between the parts of a long name."""
     return escape(name).replace("/", "/<wbr>").replace("_", "_<wbr>")

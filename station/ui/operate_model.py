@@ -2,8 +2,8 @@
 
 The sliders follow the robot until somebody touches one. Then the touched element
 travels to its target at a limited speed, so that a click at the far end of a slider is
-no step for the robot. Anything unexpected (a stop, another controller, a refusal) lets
-go: the sliders follow again.
+no step for the robot. After anything unexpected (a stop, another controller, a
+refusal) no more set-points are sent, and the sliders follow the robot again.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from station.ui.station_view import StationView
 from station.wire import CommandElement
 
 HOLD = 1.0
-"""How long a slider stays as it was left before it follows the robot again [s]."""
+"""Time for which a released slider keeps its value before it follows the robot [s]."""
 POSITION_UNITS = frozenset({"rad", "m"})
 _OF_THE_END_EFFECTOR = frozenset({"x", "vx"})
 
@@ -35,7 +35,7 @@ class Operated:
 
 
 def is_of_joints(elements: Sequence[CommandElement]) -> bool:
-    """Say whether a set-point has one number for each of some joints."""
+    """Return whether a set-point has one number per joint."""
     return bool(elements) and elements[0].name not in _OF_THE_END_EFFECTOR
 
 
@@ -65,11 +65,11 @@ def choose_operated(view: StationView) -> Operated:
 
 
 class SetPointRamp:
-    """A set-point on its way from where the robot was told to be to where it should.
+    """A set-point that travels from the last commanded values to the wanted values.
 
     Args:
-        elements: The numbers of the set-point; positions are limited in speed,
-            everything else is sent as it is.
+        elements: The numbers of the set-point. The speed of positions is limited; other
+            quantities are sent as they are.
     """
 
     def __init__(self, elements: Sequence[CommandElement]) -> None:
@@ -80,19 +80,19 @@ class SetPointRamp:
 
     @property
     def commanding(self) -> bool:
-        """A touch has not been carried out fully yet."""
+        """Whether the set-point has not reached the wanted values yet."""
         return self._target is not None
 
     @property
     def remaining(self) -> float:
-        """Largest distance to go among the elements limited in speed [rad] or [m]."""
+        """Largest remaining distance of an element with limited speed [rad] or [m]."""
         if self._target is None or self._current is None:
             return 0.0
         pairs = zip(self._target, self._current, strict=True)
         return max((abs(target - now) for target, now in pairs), default=0.0)
 
     def follow(self, set_point: Sequence[float]) -> None:
-        """Take over what the controller was told last, while nobody commands.
+        """Start from the last set-point of the controller, unless a person commands.
 
         Args:
             set_point: One number per element, in their units.
@@ -104,12 +104,12 @@ class SetPointRamp:
         """Set the target of one element.
 
         Args:
-            index: Which element.
-            value: Where it should go, in its unit.
+            index: Index of the element.
+            value: The wanted value, in the unit of the element.
             now: Monotonic time [s].
 
         Returns:
-            False while it is not known where the robot was told to be.
+            False while the last set-point of the controller is not known.
         """
         if self._current is None:
             return False

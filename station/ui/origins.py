@@ -25,14 +25,14 @@ class OriginPolicy:
         self._any_address = host not in LOOPBACK_NAMES
 
     def allows_host(self, host_header: str) -> bool:
-        """Tell whether a request with this Host header may be answered."""
+        """Return whether a request with this Host header may be answered."""
         name = _host_name(host_header)
         if name in self._names:
             return True
         return self._any_address and _is_address(name)
 
     def allows_origin(self, origin: str | None, host_header: str) -> bool:
-        """Tell whether a changing request or a WebSocket may come from `origin`.
+        """Return whether a changing request or a WebSocket may come from `origin`.
 
         Args:
             origin: The Origin header; browsers always send it on such requests.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from station.wire import ControllerSample
 
 MAX_POINTS = 500
-"""Most points of a chart; more do not keep up in a browser."""
+"""Most points of a chart; a browser cannot redraw more points in time."""
 _CAPACITY = 6000
 
 Array = NDArray[np.float64]
@@ -18,13 +18,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Curves:
-    """What a chart draws, shape (n,) each, n <= `MAX_POINTS`.
+    """The curves of a chart, shape (n,) each, n <= `MAX_POINTS`.
 
     Attributes:
         time: Time before now [s], <= 0, ascending.
         desired: Set-point; NaN where there is none.
         actual: Measured value.
-        error: Their difference.
+        error: Difference between set-point and measured value.
     """
 
     time: Array
@@ -40,7 +40,7 @@ class PlotHistory:
         self._samples: deque[ControllerSample] = deque(maxlen=_CAPACITY)
 
     def append(self, sample: ControllerSample) -> None:
-        """Keep a sample; one that is not newer than the last starts afresh."""
+        """Keep a sample; a sample older than the last one clears the history first."""
         if self._samples:
             last = self._samples[-1]
             if sample.stamp == last.stamp:
@@ -51,14 +51,14 @@ class PlotHistory:
 
     @property
     def names(self) -> list[str]:
-        """What the numbers of the samples belong to."""
+        """Names of the elements of the samples, such as joints."""
         return self._samples[-1].name if self._samples else []
 
     def curves(self, index: int, window: float) -> Curves:
         """Return the newest part of one element's history.
 
         Args:
-            index: Which element of the samples.
+            index: Index of the element.
             window: How far to look back [s], > 0.
         """
         samples = list(self._samples)
@@ -80,7 +80,7 @@ class AxisRange:
     """Ends of a y axis that change seldom, because a chart is rebuilt when they do.
 
     Args:
-        least: Smallest span, so that a constant is not blown up to noise.
+        least: Smallest span, so that the noise of a constant does not fill the chart.
     """
 
     def __init__(self, least: float = 0.02) -> None:
@@ -88,7 +88,7 @@ class AxisRange:
         self._ends = (0.0, 0.0)
 
     def fit(self, *curves: Array) -> tuple[float, float]:
-        """Return ends that hold all finite values of `curves`, with some air."""
+        """Return ends that enclose all finite values of `curves` with a margin."""
         values = np.concatenate(curves)
         values = values[np.isfinite(values)]
         if not len(values):
@@ -108,7 +108,7 @@ class AxisRange:
 
 
 def _kept(table: Array, limit: int) -> NDArray[np.intp]:
-    """Return which rows to draw so that no peak of the curves is lost.
+    """Return the indices of the rows to draw, so that no peak of the curves is lost.
 
     Each bucket of rows keeps the rows where `actual` and `error` have their smallest
     and largest value.

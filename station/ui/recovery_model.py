@@ -1,4 +1,4 @@
-"""What brings the arms back after an error or a user stop, without a screen."""
+"""Choose how the arms are recovered after an error or a user stop."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,14 +13,15 @@ _MOST_ERRORS = 3
 
 @dataclass(frozen=True, slots=True)
 class Rescue:
-    """What the one button does now.
+    """What the recovery button does at present.
 
     Attributes:
-        action: `recover` all arms, `release` the user stops of `arms`, or nothing.
-        label: What the button says.
-        arms: The arms that are concerned.
-        trouble: What is wrong; empty when nothing is.
-        reason: What the button will do, or why it is greyed.
+        action: `recover` all arms, `release` the user stops of `arms`, or an empty text
+            when there is nothing to do.
+        label: Text of the button.
+        arms: The arms with an error or a pressed user stop.
+        trouble: The errors, for people; empty without an error.
+        reason: What the button will do, or why the button is disabled.
     """
 
     action: Literal["recover", "release", ""] = ""
@@ -31,7 +32,7 @@ class Rescue:
 
 
 def choose_rescue(view: StationView) -> Rescue:
-    """Return what can be done about the arms of a station, if anything has to be."""
+    """Return how the arms of a station can be recovered, if an arm needs recovery."""
     if view.link != "live" or view.status is None:
         return Rescue(reason=view.blocked())
     arms = view.status.robots

@@ -1,4 +1,4 @@
-"""Make what goes wrong in a widget's callback visible: on screen and in the log."""
+"""Show failures of widget callbacks on the screen and in the log."""
 
 import logging
 from collections.abc import Awaitable, Callable, Coroutine
@@ -19,7 +19,7 @@ _NOTIFICATION_SECONDS = 12.0
 
 
 class Reporter:
-    """Shows refusals to who acted, and keeps the last one for the status bar.
+    """Shows a refusal to the person who acted, and the last refusal in the status bar.
 
     Args:
         now: Monotonic clock [s].
@@ -32,17 +32,17 @@ class Reporter:
 
     @property
     def message(self) -> str:
-        """The last refusal or failure, while it is fresh; else empty."""
+        """The last refusal or failure while it is recent, otherwise an empty text."""
         fresh = self._now() - self._said_at < _MESSAGE_LIFETIME
         return self._message if fresh else ""
 
     def guarded(
         self, callback: Callable[[Event[Any]], Awaitable[None]]
     ) -> Callable[[Event[Any]], Coroutine[None, None, None]]:
-        """Return `callback` so that nothing it raises gets lost.
+        """Return a callback that reports every exception of `callback`.
 
-        Only what a person did reaches the callback: Viser also calls it when the
-        dashboard itself sets a widget's value.
+        The callback is called only for the actions of a person. Viser calls callbacks
+        as well when the dashboard itself sets the value of a widget.
         """
 
         async def run(event: Event[Any]) -> None:
@@ -64,7 +64,7 @@ class Reporter:
         return run
 
     def refused(self, error: ApiError, client: viser.ClientHandle | None) -> None:
-        """Show a refusal of the station as it is worded."""
+        """Show a refusal of the station in the words of the station."""
         lines = [error.detail, error.remedy]
         lines += [f"{e.field}: {e.message}" for e in error.errors[:3]]
         self.say(error.code, " ".join(line for line in lines if line), client)
@@ -80,7 +80,7 @@ class Reporter:
             )
 
     def done(self, text: str, client: viser.ClientHandle | None) -> None:
-        """Tell who acted that it was done; takes the last refusal off the bar."""
+        """Confirm an action to the person who acted, and clear the status bar."""
         self._message = ""
         if client is not None:
             client.add_notification("Done", text, color="green", auto_close_seconds=4.0)

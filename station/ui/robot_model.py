@@ -1,7 +1,7 @@
 """Load a robot's URDF with its visual meshes, ready to be drawn.
 
-The station's own reader says how the joints are connected and how they move; yourdfpy
-loads the visual meshes and places them.
+`station.core.description` reads how the joints are connected and how they move;
+yourdfpy loads and places the visual meshes.
 """
 
 import io
@@ -35,7 +35,7 @@ LIBRARY_FAILURES = (
 
 
 class RobotModelError(Exception):
-    """The robot cannot be drawn; the message says why and what to do."""
+    """The robot cannot be drawn; the message has the reason and the remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class RobotModel:
     """A robot that can be drawn.
 
     Attributes:
-        urdf: Links and joints; the root link stands fixed on the link `station_base`.
+        urdf: Links and joints; the root link is fixed to the link `station_base`.
         drawing: The same robot with its visual meshes in a scene graph.
     """
 
@@ -51,11 +51,11 @@ class RobotModel:
     drawing: yourdfpy.URDF
 
     def joint_limits(self) -> dict[str, tuple[float, float]]:
-        """Return the position limits of the joints that move on their own.
+        """Return the position limits of the joints that are not mimic joints.
 
         Returns:
-            Lower and upper limit by name [rad] or [m]. A joint without limits may turn
-            once in each direction.
+            Lower and upper limit by name [rad] or [m]. A joint without limits gets one
+            turn in each direction.
         """
         limits = {}
         for joint in self.urdf.joints.values():
@@ -70,7 +70,7 @@ class RobotModel:
         return limits
 
     def base_position(self) -> Vector3:
-        """Return where the robot's root link stands, x, y, z [m]."""
+        """Return the position of the robot's root link, x, y, z [m]."""
         return self.urdf.joints_below(self.urdf.root)[0].origin.xyz
 
 
@@ -81,8 +81,8 @@ def load_robot(
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
-        arm_id: Takes the place of `panda` in the names of a Panda's joints and links.
-        base: Where the root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        arm_id: Replaces `panda` in the names of a Panda's joints and links.
+        base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
 
     Returns:
         The robot with its meshes.
@@ -123,7 +123,7 @@ def _described(error: BaseException) -> str:
 
 
 def _with_base(xml: str, root: str, base: Sequence[float]) -> str:
-    """Return the URDF with a new root link, on which the old one stands at `base`."""
+    """Return the URDF with a new root link; the old root link is at `base`."""
     robot = ElementTree.fromstring(xml)
     joint = ElementTree.SubElement(
         robot, "joint", name=f"{_BASE_LINK}_joint", type="fixed"

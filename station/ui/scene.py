@@ -1,4 +1,4 @@
-"""The robot in 3D: drawn once, then moved by its joint frames."""
+"""Draw a robot once, then move the drawn robot by its joint frames."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ _ROOT = "/robot"
 _STAND = "/stand"
 _SMALLEST_STEP = 1e-4
 _FIELD_OF_VIEW = 0.7  # [rad], vertical
-# Where the camera is, seen from the robot's middle: to its right, in front and above.
+# Direction from the robot to the camera: to the right, in front and above.
 _FROM = np.array([0.76, -0.58, 0.293])
-# Distance of the camera, as a share of what just shows the ball around the robot.
+# Distance of the camera over the distance at which a sphere around the robot fits.
 _ROOM_AROUND = 1.1
 _LEAST_STAND = 0.05  # [m]
 
@@ -32,7 +32,7 @@ class _MovingFrame:
 class RobotScene:
     """A robot in a Viser scene. To be used from Viser's event loop only.
 
-    The camera looks at the robot where `show` puts it first.
+    The camera looks at the place of the robot in the first call of `show`.
 
     Args:
         server: The scene's server.
@@ -42,13 +42,13 @@ class RobotScene:
         base: Scene node of the robot's first link.
 
     Raises:
-        RobotModelError: Something in its meshes cannot be drawn.
+        RobotModelError: A mesh of the robot cannot be drawn.
     """
 
     def __init__(self, server: viser.ViserServer, robot: RobotModel) -> None:
         self._server = server
         self._shown: dict[str, float] = {}
-        # Kept until the robot has its first pose, for the camera; meshes are large.
+        # The camera needs the meshes until the first pose is known; they are large.
         self._robot: RobotModel | None = robot
         _prepare_room(server)
         try:
@@ -66,8 +66,8 @@ class RobotScene:
         """Move the robot's joints.
 
         Args:
-            positions: Joint positions by name [rad] or [m]; joints that are not
-                named stay, names that the robot does not have are skipped.
+            positions: Joint positions by name [rad] or [m]; a joint without a position
+                stays as it is, and unknown names are skipped.
         """
         if positions and self._robot is not None:
             self._look_at(positions)
@@ -80,7 +80,7 @@ class RobotScene:
                     continue
                 self._shown[name] = q
                 pose = pose_at(frame.joint, q)
-                # What does not change is not sent to the browsers.
+                # Viser sends every assignment, so the constant part is not assigned.
                 if frame.joint.type.is_rotation:
                     frame.handle.wxyz = pose.quaternion
                 else:
@@ -124,8 +124,8 @@ def _prepare_room(server: viser.ViserServer) -> None:
     server.scene.add_frame(
         "/base_axes", axes_length=0.15, axes_radius=0.004, origin_radius=0.006
     )
-    # Shadows draw the meshes four times: too much where no GPU helps, and a browser on
-    # the station's own machine must leave the control loop its time.
+    # Shadows draw the meshes four times. Without a GPU that takes so much time that a
+    # browser on the station's own machine would delay the control loop.
     server.scene.configure_default_lights(cast_shadow=False)
     server.scene.set_background_image(_backdrop(), format="png")
     server.initial_camera.fov = _FIELD_OF_VIEW
@@ -134,11 +134,11 @@ def _prepare_room(server: viser.ViserServer) -> None:
 def _draw_stand(
     server: viser.ViserServer, base: tuple[float, float, float], lowest: float
 ) -> None:
-    """Draw a column under a raised base, unless the robot hangs down from there.
+    """Draw a column under a raised base, unless the robot hangs down from its base.
 
     Args:
         server: The scene's server.
-        base: Where the root link stands, x, y, z [m].
+        base: Position of the root link, x, y, z [m].
         lowest: The robot's lowest point above the floor [m].
     """
     x, y, height = base
@@ -182,7 +182,7 @@ def _draw(server: viser.ViserServer, robot: RobotModel) -> list[_MovingFrame]:
             moving.append(_MovingFrame(joint, handle))
     for name, mesh in scene.geometry.items():
         drawn = mesh.copy()
-        # Baked in, because this transform may scale or mirror.
+        # Applied to the mesh, because a Viser frame cannot scale or mirror.
         drawn.apply_transform(robot.drawing.get_transform(name, _parent(graph, name)))
         server.scene.add_mesh_trimesh(_node_name(graph, name), drawn)
     return moving

@@ -1,4 +1,4 @@
-"""The things around a simulated robot in 3D: drawn once each, then moved."""
+"""Draw the objects around a simulated robot once, then move them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -10,7 +10,7 @@ from station.wire import SceneObject
 
 _ROOT = "/scene"
 _SMALLEST_STEP = 1e-4
-"""Nobody sees a smaller change of a position [m] or of a quaternion."""
+"""Smallest change of a position [m] or of a quaternion that is shown."""
 _FIXED = (176, 160, 140)
 _MOVABLE = (217, 128, 52)
 Draw = Callable[
@@ -19,10 +19,10 @@ Draw = Callable[
 
 
 class SceneObjects:
-    """The things in a Viser scene. To be used from Viser's event loop only.
+    """The objects in a Viser scene. To be used from Viser's event loop only.
 
-    Things that can be pushed are orange, the others brown. A mesh whose file is not on
-    the dashboard's machine is shown by its name alone.
+    Objects that can be pushed are orange, fixed objects are brown. A mesh whose file is
+    not on the dashboard's machine is shown as its name.
 
     Args:
         server: The scene's server.
@@ -34,7 +34,7 @@ class SceneObjects:
         self._handles: dict[str, viser.SceneNodeHandle] = {}
 
     def show(self, objects: Sequence[SceneObject]) -> None:
-        """Draw what is new, move what has moved, and take away what is gone."""
+        """Draw new objects, move objects that have moved, and remove the others."""
         with self._server.atomic():
             for name in self._shown.keys() - {thing.name for thing in objects}:
                 self._handles.pop(name).remove()

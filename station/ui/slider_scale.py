@@ -4,14 +4,14 @@ import math
 from dataclasses import dataclass
 
 GAIN_REACH = 100.0
-"""Where the slider of a gain that is zero ends."""
-# A continuous joint may have turned once.
+"""Right end of the slider of a gain whose value is zero."""
+# A continuous joint can be turned by one turn to each side.
 _DEFAULT_SPAN = {"rad": 2.0 * math.pi, "m": 1.0, "rad/s": 1.0, "m/s": 0.5, "Nm": 10.0}
 
 
 @dataclass(frozen=True, slots=True)
 class SliderScale:
-    """What a slider needs.
+    """The ends of a slider and the distance between two positions.
 
     Attributes:
         minimum: Left end.
@@ -41,7 +41,7 @@ def command_scale(
     span = _DEFAULT_SPAN.get(unit, 1.0)
     low = -span if minimum is None else minimum
     high = span if maximum is None else maximum
-    # Inwards, so that no end lies outside of what the station allows.
+    # Rounded inwards, because the station refuses a value beyond its range.
     low, high = math.ceil(low * 1e3 - 1e-6) / 1e3, math.floor(high * 1e3 + 1e-6) / 1e3
     if high <= low:
         high = low + 1e-3
@@ -51,7 +51,7 @@ def command_scale(
 def gain_scale(
     value: float, minimum: float | None, maximum: float | None
 ) -> SliderScale:
-    """Return the scale for a gain whose allowed range may be vast.
+    """Return the scale for a gain whose allowed range may be too wide for a slider.
 
     The slider ends at a round number above twice the present value; the number
     entry beside it takes the whole allowed range.

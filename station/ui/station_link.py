@@ -1,7 +1,7 @@
 """Keep up with a station: streams and polls it, and says how old the data is.
 
-Everything here runs on one event loop. What fails is tried again for ever; until then
-the data ages, and the panels grey it.
+Everything here runs on one event loop. A request that fails is repeated until it
+succeeds; meanwhile the age of the data grows, and the panels show the data as old.
 """
 
 import asyncio
@@ -71,11 +71,11 @@ class StationLink:
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
-        """The things around a simulated robot, where they were last."""
+        """The objects around a simulated robot with their last known poses."""
         return self._objects
 
     def view(self) -> StationView:
-        """Return the newest of everything, frozen."""
+        """Return a frozen view of the newest data."""
         return StationView(
             now=self.now(),
             heard_at=self._heard_at,
@@ -105,7 +105,7 @@ class StationLink:
             await asyncio.gather(*followers, return_exceptions=True)
 
     def watch(self, names: Collection[str]) -> None:
-        """Follow the samples of these controllers, and of no others."""
+        """Follow the samples of exactly these controllers."""
         for name in [name for name in self._followers if name not in names]:
             self._followers.pop(name).cancel()
             self.histories.pop(name, None)
@@ -117,7 +117,7 @@ class StationLink:
                 self._followers[name] = asyncio.create_task(self._follow_sample(name))
 
     async def refresh_status(self) -> None:
-        """Ask how the station is; a restarted one is looked at afresh."""
+        """Request the status; after a restart of the station, request everything."""
         status = await self.client.status()
         restarted = self._status is not None and status.boot_id != self._status.boot_id
         if restarted or not self._types:
@@ -130,7 +130,7 @@ class StationLink:
             self._limits_of = status.boot_id
 
     async def refresh_scene(self) -> None:
-        """Ask where things are; once per station when none of them can move."""
+        """Request the objects of the scene; only once if none of them can move."""
         boot_id = "" if self._status is None else self._status.boot_id
         if self._scene_of == boot_id and not any(o.mass > 0.0 for o in self._objects):
             return
@@ -138,7 +138,7 @@ class StationLink:
         self._scene_of = boot_id
 
     async def refresh_controllers(self) -> None:
-        """Ask which controllers there are, and what the running ones take."""
+        """Request the controllers, and the set-points that running controllers take."""
         controllers = tuple(await self.client.controllers())
         running = {c.name for c in controllers if c.state == "running"}
         for name in [name for name in self._elements if name not in running]:
@@ -149,7 +149,7 @@ class StationLink:
         self._heard()
 
     async def _elements_of(self, name: str) -> tuple[CommandElement, ...]:
-        """Return what a controller's set-points consist of; nothing if it has none.
+        """Return the elements of a controller's set-point; empty without set-points.
 
         Raises:
             ApiError: The station does not answer.
@@ -194,10 +194,10 @@ class StationLink:
                 self.histories[name].append(sample)
 
     async def _frames(self, topic: str, rate: float) -> AsyncIterator[StreamFrame]:
-        """Yield a stream's frames; begin again when it ends or is refused.
+        """Yield a stream's frames; open the stream again when it ends or is refused.
 
-        The client does not reconnect by itself, since it may talk to another station
-        when it begins again.
+        The client does not reconnect by itself, because the station may be another one
+        when the stream is opened again.
         """
         while True:
             with contextlib.suppress(ApiError):  # Polling says what is wrong.
@@ -216,7 +216,7 @@ def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
 
 
 def _joint_states(frame: StreamFrame) -> JointStates | None:
-    """Return a frame's joints, or None: some positions are not finite, say."""
+    """Return a frame's joints, or None, e.g. if a position is not finite."""
     try:
         return JointStates.model_validate({"stamp": frame.stamp, **frame.data})
     except ValidationError:
@@ -224,7 +224,7 @@ def _joint_states(frame: StreamFrame) -> JointStates | None:
 
 
 def _controller_sample(frame: StreamFrame) -> ControllerSample | None:
-    """Return a frame's sample, or None when the controller has none now."""
+    """Return a frame's sample, or None if the controller has no sample."""
     try:
         return ControllerSample.model_validate({"stamp": frame.stamp, **frame.data})
     except ValidationError:

@@ -81,7 +81,7 @@ class StationView:
         return None
 
     def blocked(self) -> str:
-        """Say why nothing can be commanded at all; empty when it can."""
+        """Return why the robot takes no commands, or an empty text if it takes them."""
         if self.link != "live":
             return f"The link to the station is {self.link}."
         if self.status is None:

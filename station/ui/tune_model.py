@@ -1,15 +1,15 @@
-"""Which gains the Tune panel shows, grouped the way people think of them."""
+"""The controllers and groups of gains that the Tune panel offers."""
 
 from collections.abc import Iterable
 
 from station.ui.station_view import StationView
 
 GENERAL = "general"
-"""Group of the gains that belong to no joint."""
+"""Name of the group of gains that belong to no joint."""
 
 
 def tunable_controllers(view: StationView) -> list[str]:
-    """Return the controllers that command something, running ones first."""
+    """Return the controllers that claim a resource, the running controllers first."""
     names = [
         c.name
         for c in view.controllers
@@ -20,14 +20,14 @@ def tunable_controllers(view: StationView) -> list[str]:
 
 
 def gain_groups(names: Iterable[str]) -> dict[str, list[str]]:
-    """Group gains by what they belong to.
+    """Group gains by the joint to which they belong.
 
     Args:
         names: Names of gains, e.g. `panda_joint1/p`.
 
     Returns:
-        The gains of each joint by its name, in the order given; those without a
-        joint under `GENERAL`.
+        The gains by the name of the joint, in the order given; gains without a joint
+        are under `GENERAL`.
     """
     groups: dict[str, list[str]] = {}
     for name in names:
@@ -43,7 +43,7 @@ def gain_label(name: str, unit: str) -> str:
 
 
 def series_index(names: list[str], group: str) -> int | None:
-    """Return which element of a controller's sample belongs to a group of gains."""
+    """Return the index of the sample's element that a group of gains belongs to."""
     for i, name in enumerate(names):
         if group in {name, f"gains/{name}"} or group.startswith(f"{name}/"):
             return i

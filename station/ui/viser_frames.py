@@ -1,4 +1,4 @@
-"""Say which messages a browser may send on to Viser.
+"""Decide which messages of a browser reach Viser.
 
 Viser trusts its pages: any of them may ask for a public tunnel, upload files or set
 any attribute of a widget's state. The gateway passes on what a page needs, by role.
@@ -22,7 +22,7 @@ _OPERATOR_MESSAGES = frozenset({
 
 
 def may_pass(frame: bytes, role: Role) -> bool:
-    """Tell whether a frame from a browser of that role may reach Viser.
+    """Return whether a frame from a browser with this role may reach Viser.
 
     Args:
         frame: One binary WebSocket message, msgpack as Viser's page sends it.

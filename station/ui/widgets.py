@@ -19,8 +19,9 @@ def set_value(widget: viser.GuiInputHandle[_Value], value: _Value) -> None:
 class FollowingSlider:
     """A slider that shows a value of the station until a person moves it.
 
-    A browser's change arrives in another thread than the display's: what a person set
-    is kept until the callback has taken it up and said so with `taken`.
+    A change in a browser arrives in another thread than the updates of the display. The
+    value that a person set is therefore kept until the callback has used that value and
+    called `taken`.
 
     Args:
         slider: The slider.
@@ -31,7 +32,7 @@ class FollowingSlider:
         self._shown = slider.value
 
     def is_moved(self) -> bool:
-        """Say whether a person moved it and nobody has taken that up."""
+        """Return whether a person set a value that no callback has used yet."""
         return self.slider.value != self._shown
 
     def show(self, value: float) -> None:
@@ -41,12 +42,12 @@ class FollowingSlider:
             set_value(self.slider, value)
 
     def taken(self) -> None:
-        """Note that what a person set has been taken up: follow again from there."""
+        """Note that the value set by a person was used; follow the station again."""
         self._shown = self.slider.value
 
 
 def set_options(dropdown: viser.GuiDropdownHandle[str], names: tuple[str, ...]) -> None:
-    """Offer these names; keep the chosen one while it is among them."""
+    """Offer these names; the chosen name stays chosen while it is offered."""
     options = names or (NONE,)
     if tuple(dropdown.options) != options:
         dropdown.options = options

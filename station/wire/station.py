@@ -167,7 +167,7 @@ class JointStates(ResponseModel):
     Attributes:
         stamp: Station time [s].
         name: Joint names.
-        position: Positions [rad] or [m]; null where a sensor reads no number.
+        position: Positions [rad] or [m]; null where a reading is not finite.
         velocity: Velocities [rad/s] or [m/s].
         effort: Efforts [Nm] or [N].
     """

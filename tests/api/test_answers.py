@@ -78,7 +78,7 @@ def test_a_sample_with_holes():
     assert (told.desired, told.actual, told.output) == ([None], [1.0], [2.0])
 
 
-def test_a_switch_tells_what_failed_and_what_was_left_out():
+def test_the_answer_of_a_switch_names_failed_and_ignored_controllers():
     plan = SwitchPlan((), (), (), (), (), ignored=("b is unknown",))
     result = SwitchResult(
         ok=False,
@@ -115,7 +115,7 @@ def test_status_loop_stop_and_joints(station):
     assert states.stamp == status.time
 
 
-def test_errors_are_told_by_name():
+def test_errors_are_reported_by_name():
     state = RobotState(robot_mode=RobotMode.REFLEX)
     state.current_errors[ERROR_INDEX["joint_reflex"]] = True
     state.q[0] = float("nan")
@@ -167,7 +167,7 @@ def test_every_activity_has_its_name(activity):
 
 @pytest.mark.parametrize("action", GripperAction)
 @pytest.mark.parametrize("status", list(GoalStatus)[1:])
-def test_every_command_that_has_begun_can_be_told(action, status):
+def test_every_gripper_action_and_status_has_an_answer(action, status):
     command = GripperCommand(3, action, status, "why", {"width": 0.1}, 1.0, 2.0)
 
     found = answers.gripper("panda", replace(IDLE, last=command)).last
@@ -179,7 +179,7 @@ def test_every_command_that_has_begun_can_be_told(action, status):
 EFFORT = "hardware_interface::EffortJointInterface"
 
 
-def test_everything_is_told():
+def test_hardware_answer_has_interfaces_limits_transmissions_and_clamps():
     report = HardwareReport(
         (InterfaceReport(EFFORT, (ResourceReport("j", ("arm",)),)),),
         (

@@ -83,10 +83,10 @@ def send_made_up_requests(name, known, checks):
 
 
 @pytest.mark.parametrize("name", sorted(OPERATIONS.keys() - {STOP}))
-def test_what_is_broken_is_refused(name):
+def test_every_operation_refuses_malformed_requests(name):
     send_made_up_requests(name, {}, [*PROMISED, negative_data_rejection])
 
 
 @pytest.mark.parametrize("name", OPERATIONS)
-def test_every_answer_about_things_that_exist_is_a_promised_one(name):
+def test_every_answer_about_existing_things_is_documented(name):
     send_made_up_requests(name, KNOWN, PROMISED)

@@ -45,7 +45,7 @@ def test_there_are_routes_of_every_kind():
 
 @pytest.mark.parametrize("route", PROTECTED)
 @pytest.mark.parametrize("header", [None, "Bearer wrong", "Basic b3A6"])
-def test_without_a_token_nothing_is_told_or_done(http, station, route, header):
+def test_requests_without_a_token_are_refused(http, station, route, header):
     headers = {} if header is None else {"Authorization": header}
 
     answer = ask(http, route, headers=headers)
@@ -71,7 +71,7 @@ def test_a_viewer_may_stop_and_watch(http, route):
 
 
 @pytest.mark.parametrize("route", CHANGING)
-def test_a_refused_role_is_told_before_the_body_is_judged(http, route):
+def test_the_role_is_checked_before_the_body(http, route):
     answer = ask(
         http, route, json={"x": 1}, headers={"Authorization": f"Bearer {VIEWER}"}
     )

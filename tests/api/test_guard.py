@@ -43,7 +43,7 @@ def test_a_large_body_is_refused_by_its_announced_length(operator):
     problem_of(answer, 413, "body_too_large")
 
 
-def test_answers_are_neither_kept_nor_guessed_at(operator):
+def test_answers_forbid_caching_sniffing_and_framing(operator):
     headers = operator.get("/api/v1/stop").headers
 
     assert headers["cache-control"] == "no-store"

@@ -19,7 +19,7 @@ def test_every_address_answers(http, part):
     assert http.get(http.get("/").json()[part]).status_code == 200
 
 
-def test_a_dashboard_is_named_once_it_is_known(station, authenticator):
+def test_index_names_the_dashboard_once_its_address_is_known(station, authenticator):
     addresses = [None, "http://127.0.0.1:8080"]
     app = create_app(station, authenticator, dashboard_url=lambda: addresses.pop(0))
 

@@ -8,7 +8,7 @@ from tests.api.test_errors import problem_of
 @pytest.mark.parametrize(
     "number", ["NaN", "Infinity", "-Infinity", "1e999", "+1", "01"]
 )
-def test_what_json_does_not_have_is_refused_with_its_place(operator, number):
+def test_nan_and_infinity_in_a_json_body_are_refused(operator, number):
     answer = operator.put(
         "/api/v1/controllers/spring/command",
         content=f'{{"command": [{number}]}}',
@@ -38,7 +38,7 @@ def test_a_body_of_another_type_is_refused_and_the_header_named(operator, kind):
     assert "Content-Type: application/json" in problem["remedy"]
 
 
-def test_a_body_without_any_type_is_refused_too(operator):
+def test_a_body_without_content_type_is_refused(operator):
     answer = operator.put(
         "/api/v1/controllers/spring/command", content='{"command": [1.0]}'
     )

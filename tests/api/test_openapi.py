@@ -16,7 +16,7 @@ OPERATIONS = [
 ]
 
 
-def test_it_is_openapi_3_1_and_all_references_lead_somewhere():
+def test_document_is_openapi_3_1_and_all_its_references_exist():
     assert DOCUMENT["openapi"].startswith("3.1")
     schemas = DOCUMENT["components"]["schemas"]
     parts = json.dumps(DOCUMENT).split('"#/components/schemas/')[1:]
@@ -25,7 +25,7 @@ def test_it_is_openapi_3_1_and_all_references_lead_somewhere():
 
 
 @pytest.mark.parametrize(("name", "operation"), OPERATIONS)
-def test_every_operation_says_what_it_does_and_how_it_fails(name, operation):
+def test_every_operation_documents_its_purpose_and_its_errors(name, operation):
     assert operation["tags"]
     assert operation["description"]
     assert "Raises" not in operation["description"]

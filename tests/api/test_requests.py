@@ -27,7 +27,7 @@ def test_fault_keeps_its_kind():
     assert (found.kind, found.joint) == (FaultKind.STUCK_JOINT, 3)
 
 
-def test_a_grasp_comes_back_as_it_was_asked_for():
+def test_the_request_of_a_grasp_is_read_back_unchanged():
     epsilon = wire.GraspEpsilon(inner=0.001, outer=0.002)
     request = wire.GripperGraspRequest(
         width=0.03, force=9.0, speed=0.05, epsilon=epsilon

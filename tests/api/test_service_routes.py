@@ -105,7 +105,7 @@ def test_arguments_are_checked_as_strictly_as_any_request(swing, arguments, prob
     assert caught.value.status == 422
 
 
-def test_a_refusal_of_a_service_is_told(swing):
+def test_a_refusal_of_a_service_reaches_the_client(swing):
     with pytest.raises(ApiError, match="A length is 0") as caught:
         swing.call("set_lengths", lengths=[0.0])
     assert (caught.value.status, caught.value.code) == (422, "invalid_command")
@@ -164,7 +164,7 @@ def test_the_wire_models_have_the_parameters_of_the_arm_s_services():
         assert (request_model(service) is None) == (model is None)
 
 
-def test_services_of_an_arm_can_be_called_by_name_too():
+def test_services_of_an_arm_can_be_called_by_name():
     station = make_franka_station()
     app = create_app(station, Authenticator(OPERATOR))
 

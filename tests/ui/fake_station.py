@@ -13,7 +13,15 @@ from starlette.responses import JSONResponse
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocketDisconnect
 
-from tests.ui.fake_answers import JOINTS, NO_TIMES, FakeController, problem
+from tests.ui.fake_answers import (
+    HARDWARE,
+    JOINTS,
+    LOOP,
+    FakeController,
+    arm_report,
+    gain_schema,
+    problem,
+)
 from tests.ui.served import Served
 
 OPERATOR = "operator-token"
@@ -115,19 +123,6 @@ class FakeStation:
         return JSONResponse({"role": role})
 
     def _status(self, *_):
-        loop = {
-            "state": "running",
-            "failure": "",
-            "rate": 1000.0,
-            "achieved_rate": 999.8,
-            "period": 0.001,
-            "cycles": 10,
-            "skipped": 0,
-            "real_time_factor": 1.0,
-            "achieved_real_time_factor": 1.0,
-            "scheduler": "fifo 80",
-            **dict.fromkeys(("lateness", "read", "update", "write", "total"), NO_TIMES),
-        }
         return JSONResponse({
             "boot_id": self.boot_id,
             "epoch": self.epoch,
@@ -137,42 +132,25 @@ class FakeStation:
             "robot_mode": "idle",
             "stop_state": self.stop_state,
             "stop_reason": "",
-            "loop": loop,
+            "loop": LOOP,
             "simulation": self.simulation,
             "versions": {},
-            "robots": [self._arm(arm_id) for arm_id in self.arms],
+            "robots": self._arms(),
         })
 
-    def _arm(self, arm_id):
-        mode = self.arms[arm_id]
-        error = {
-            "name": "cartesian_reflex",
-            "where": "z",
-            "value": -30.0,
-            "limit": 20.0,
-            "unit": "N",
-            "cycle": 7,
-            "description": "cartesian_reflex at z: -30 N, allowed is 20 N (cycle 7)",
-        }
-        return {
-            "arm_id": arm_id,
-            "robot_mode": mode,
-            "connected": True,
-            "errors": [error] if mode == "reflex" else [],
-            "remedy": "" if mode == "idle" else "do something",
-        }
+    def _arms(self):
+        return [arm_report(arm_id, mode) for arm_id, mode in self.arms.items()]
 
     def _recover(self, *_):
         self.arms = {
             arm_id: "idle" if mode == "reflex" else mode
             for arm_id, mode in self.arms.items()
         }
-        robots = [self._arm(arm_id) for arm_id in self.arms]
-        return JSONResponse({"robots": robots, "restarted": []})
+        return JSONResponse({"robots": self._arms(), "restarted": []})
 
     def _user_stop(self, name, body, _token):
         self.arms[name] = "user_stopped" if body["pressed"] else "idle"
-        return JSONResponse(self._arm(name))
+        return JSONResponse(arm_report(name, self.arms[name]))
 
     def _list(self, *_):
         return JSONResponse({
@@ -209,19 +187,9 @@ class FakeStation:
         controller = self.controllers.get(name)
         if controller is None:
             return problem(404, "controller_not_found", f"No controller '{name}'.")
-        schema = {
-            key: {
-                "type": "number",
-                "unit": "Nm/rad" if key.endswith("p") else "Nm s/rad",
-                "minimum": 0.0,
-                "maximum": 1e4,
-                "description": "Gain.",
-            }
-            for key in controller.gains
-        }
         return JSONResponse({
             "values": controller.gains,
-            "schema": schema,
+            "schema": {key: gain_schema(key) for key in controller.gains},
             "revision": 1,
             "etag": '"1"',
         })
@@ -301,22 +269,7 @@ class FakeStation:
         return self._change_simulation("", {"time": 0.0}, "")
 
     def _hardware(self, *_):
-        limits = [
-            {
-                "joint": name,
-                "min_position": -2.5,
-                "max_position": 2.5,
-                "max_velocity": 2.0,
-                "max_acceleration": None,
-                "max_jerk": None,
-                "max_effort": 87.0,
-                "soft_limits": None,
-                "sources": {},
-            }
-            for name in JOINTS
-        ]
-        empty = {"interfaces": [], "transmissions": [], "clamps": []}
-        return JSONResponse({**empty, "limits": limits})
+        return JSONResponse(HARDWARE)
 
     def _stop(self, *_):
         self.stop_state = "stopped"

@@ -54,7 +54,7 @@ def test_another_kind_of_set_point_is_not():
         ),
     ],
 )
-def test_the_reason_says_what_to_do(station, reason):
+def test_the_reason_names_the_remedy(station, reason):
     assert choose_cartesian(station, TWIST, KIND).reason.startswith(reason)
 
 

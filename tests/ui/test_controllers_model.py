@@ -59,6 +59,6 @@ def test_claims_fit_a_table_cell(joints, text):
     assert claims_text(controller("arm", joints=joints)) == text
 
 
-def test_what_can_be_started_comes_first():
+def test_controllers_that_can_be_started_come_first():
     seen = view(controller("state", joints=[]), controller("arm"))
     assert startable_first(seen) == ["arm", "state"]

@@ -52,7 +52,7 @@ def test_a_sliding_joint_moves_along_its_turned_axis():
     assert pose.quaternion == quarter_turn_about_z
 
 
-def test_a_following_joint_obeys_its_rule_unless_it_is_measured():
+def test_a_mimic_joint_follows_its_rule_unless_its_position_is_measured():
     joint = make_joint("revolute", Pose(), Mimic("leader", -2.0, 0.1))
     assert position_among(joint, {"leader": 0.5}) == pytest.approx(-0.9)
     assert position_among(joint, {"leader": 0.5, "follower": 0.2}) == 0.2

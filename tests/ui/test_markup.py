@@ -4,7 +4,7 @@ from station.ui.markup import controller_table, good, hint, warning
 from tests.ui.views import controller
 
 
-def test_what_comes_from_the_station_is_escaped():
+def test_texts_of_the_station_are_escaped():
     table = controller_table([controller("<script>", joints=["<b>"])])
     assert "<script>" not in table
     assert "<b>:" not in table
@@ -18,7 +18,7 @@ def test_the_table_has_name_state_claims_and_fault():
         assert word in table
 
 
-def test_an_empty_table_says_so():
+def test_a_table_without_rows_shows_a_hint():
     assert "No controller is loaded" in controller_table([])
 
 

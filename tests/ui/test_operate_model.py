@@ -16,7 +16,7 @@ def test_the_running_controller_with_set_points_is_commanded():
     assert (operated.name, operated.reason) == ("arm", "")
 
 
-def test_sliders_say_what_runs_when_nothing_takes_set_points():
+def test_sliders_name_the_running_controllers_when_none_takes_set_points():
     operated = choose_operated(view(controller("state", "running")))
     assert operated.name == ""
     assert "Only state runs" in operated.reason
@@ -52,7 +52,7 @@ def test_a_touched_joint_travels_at_the_top_speed_and_the_others_stay(ramp):
     assert ramp.step(0.1, 1.0) is None
 
 
-def test_it_travels_backwards_as_well(ramp):
+def test_a_touched_joint_travels_in_the_negative_direction_as_well(ramp):
     ramp.touch(1, 0.0, now=0.0)
     assert ramp.step(0.1, 1.0) == [0.0, 0.4]
 
@@ -78,7 +78,7 @@ def test_letting_go_ends_a_move_until_the_robot_is_known_again(ramp):
     assert not ramp.touch(0, 1.0, now=0.1)
 
 
-def test_a_touched_slider_stays_for_a_moment_then_follows(ramp):
+def test_a_released_slider_keeps_its_value_and_then_follows_the_robot(ramp):
     ramp.touch(0, 0.1, now=5.0)
     assert ramp.shown(0, now=5.5) is None
     assert ramp.shown(1, now=5.5) == 0.5

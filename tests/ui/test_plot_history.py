@@ -7,7 +7,7 @@ from station.ui.plot_history import MAX_POINTS, AxisRange, PlotHistory
 from tests.ui.views import sample
 
 
-def test_curves_end_now_and_reach_back_one_window():
+def test_curves_end_at_the_newest_sample_and_cover_one_window():
     history = PlotHistory()
     for i in range(100):
         history.append(sample(0.1 * i, desired=1.0, actual=float(i), error=-1.0))

@@ -29,7 +29,7 @@ def test_without_an_error_there_is_nothing_to_do(mode):
     assert rescue.reason == "Nothing to recover: no arm has an error."
 
 
-def test_arm_in_reflex_can_be_recovered_and_says_why_it_stopped():
+def test_arm_in_reflex_can_be_recovered_and_its_error_is_shown():
     reflex = arm("left", "reflex", "recover", [HIT, HIT, HIT, HIT])
     rescue = choose_rescue(view(reflex, arm("right", "idle")))
     assert (rescue.action, rescue.label) == ("recover", "Recover left")
@@ -46,13 +46,13 @@ def test_user_stop_is_released_before_anything_is_recovered():
     assert rescue.label == "Release the user stop of left"
 
 
-def test_what_cannot_be_recovered_from_here_says_so():
+def test_an_arm_that_cannot_be_recovered_from_the_dashboard_shows_why():
     rescue = choose_rescue(view(arm("panda", "other", "reset the simulation")))
     assert rescue.action == ""
     assert rescue.trouble == "panda is in mode other."
     assert "panda: reset the simulation" in rescue.reason
 
 
-def test_old_data_offers_nothing():
+def test_no_recovery_is_offered_while_the_link_is_stale():
     rescue = choose_rescue(view(arm("panda", "reflex", "recover"), age=1.0))
     assert (rescue.action, rescue.reason) == ("", "The link to the station is stale.")

@@ -38,7 +38,7 @@ def _press(reporter, browser, failure):
     asyncio.run(reporter.guarded(callback)(event))
 
 
-def test_a_refusal_is_shown_as_the_station_words_it(reporter, browser):
+def test_a_reported_refusal_has_the_words_of_the_station(reporter, browser):
     refusal = ApiError("No arm.", status=404, code="not_found", remedy="Load it.")
     _press(reporter, browser, refusal)
     assert browser.shown == [("not_found", "No arm. Load it.")]

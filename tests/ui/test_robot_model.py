@@ -20,7 +20,7 @@ def test_another_arm_id_renames_the_joints():
     assert "left_joint1" in robot.drawing.joint_map
 
 
-def test_limits_are_those_of_the_moving_joints():
+def test_joint_limits_leave_fixed_joints_out():
     limits = load_robot("example-robot-data:panda").joint_limits()
     assert limits["panda_joint1"] == pytest.approx((-2.8973, 2.8973))
     assert "panda_joint8" not in limits
@@ -48,7 +48,7 @@ def test_a_missing_mesh_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("robot", ["ur5", "kinova", "talos_left_arm"])
-def test_other_robots_are_drawn_too(robot):
+def test_robots_other_than_the_panda_are_drawn(robot):
     loaded = load_robot(f"example-robot-data:{robot}")
     assert loaded.drawing.scene.geometry
     assert list(loaded.urdf.joints) == list(loaded.drawing.joint_map)
@@ -89,7 +89,7 @@ def test_a_continuous_joint_may_turn_once_in_each_direction(tmp_path):
     assert limits == {"j": (-2.0 * math.pi, 2.0 * math.pi)}
 
 
-def test_a_mistake_in_the_description_is_told_as_by_the_simulation(tmp_path):
+def test_a_mistake_in_the_description_has_the_message_of_the_simulation(tmp_path):
     path = tmp_path / "robot.urdf"
     path.write_text('<robot name="r"><link name="a"/><link name="b"/></robot>')
     with pytest.raises(RobotModelError, match="needs exactly one root link"):

@@ -46,7 +46,7 @@ def test_a_pose_shown_already_is_not_sent_again(scene, monkeypatch):
 
 
 @pytest.mark.parametrize("height", [0.0, 1.5])
-def test_the_camera_looks_at_the_robot_where_it_is_first(shared_bench, height):
+def test_the_camera_looks_at_the_first_pose_of_the_robot(shared_bench, height):
     server = shared_bench.guarded.server
     base = (0.0, 0.0, height, 0.0, 0.0, 0.0)
     robot = RobotScene(server, load_robot("example-robot-data:panda", base=base))

@@ -34,7 +34,7 @@ def objects(shared_bench):
         ("cylinder", (0.1, 0.2)),
     ],
 )
-def test_each_kind_is_drawn_where_it_is(objects, kind, size):
+def test_each_kind_of_object_is_drawn_at_its_pose(objects, kind, size):
     half = 0.5**0.5
     objects.show([
         thing("a", kind, size, position=[1.0, 2.0, 3.0], orientation=[half, 0, 0, half])
@@ -60,7 +60,7 @@ def test_a_mesh_on_another_machine_is_shown_by_its_name(objects):
     assert "cone" in objects._handles["cone"].text
 
 
-def test_what_moves_is_moved_and_what_is_gone_is_taken_away(objects):
+def test_a_moved_object_is_moved_and_a_missing_object_is_removed(objects):
     objects.show([thing("a"), thing("b")])
     handle = objects._handles["a"]
 
@@ -70,7 +70,9 @@ def test_what_moves_is_moved_and_what_is_gone_is_taken_away(objects):
     assert set(objects._handles) == {"a"}
 
 
-def test_what_trembles_is_not_sent_again(objects, shared_bench, monkeypatch):
+def test_an_object_that_moves_by_a_rounding_error_is_not_sent_again(
+    objects, shared_bench, monkeypatch
+):
     objects.show([thing("a")])
     sent = []
     server = shared_bench.guarded.server

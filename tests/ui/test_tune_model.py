@@ -12,7 +12,7 @@ from station.ui.tune_model import (
 from tests.ui.views import controller, view
 
 
-def test_running_controllers_come_first_and_mere_readers_not_at_all():
+def test_running_controllers_come_first_and_controllers_without_claims_are_left_out():
     seen = view(
         controller("a"), controller("b", "running"), controller("state", joints=[])
     )

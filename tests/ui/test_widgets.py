@@ -13,7 +13,7 @@ def gui(bench):
     folder.remove()
 
 
-def test_a_choice_stays_while_it_is_offered(gui):
+def test_the_chosen_name_stays_chosen_while_the_dropdown_offers_it(gui):
     dropdown = gui.add_dropdown("Which", (NONE,))
     set_options(dropdown, ("a", "b"))
     set_value(dropdown, "b")
@@ -23,7 +23,7 @@ def test_a_choice_stays_while_it_is_offered(gui):
     assert dropdown.value == "c"
 
 
-def test_nothing_to_choose_greys_the_dropdown(gui):
+def test_a_dropdown_without_names_is_disabled(gui):
     dropdown = gui.add_dropdown("Which", (NONE,))
     set_options(dropdown, ())
     assert dropdown.disabled

@@ -29,7 +29,7 @@ def goto(options: Namespace) -> int:
     """Move a trajectory controller's joints; 1 when they do not arrive.
 
     Without numbers, the name is that of a pose, and the controller is the trajectory
-    controller that runs, or else one that is started for it and goes on holding.
+    controller that runs; without one, a controller is started and keeps holding.
 
     Raises:
         UsageError: There is no such pose.

@@ -11,7 +11,7 @@ from math import isfinite
 from typing_extensions import override
 
 from station.core.description.robot_description import JointDescription
-from station.core.errors import ControllerStateError, InvalidCommandError
+from station.core.errors import InvalidCommandError
 from station.core.ports.goal import Goal, GoalPort
 
 
@@ -48,12 +48,10 @@ class GripperGoalPort(GoalPort):
         is_running: Callable[[], bool],
         feedback: Callable[[], Mapping[str, object]],
     ) -> None:
-        super().__init__()
+        super().__init__(is_running, feedback)
         self.waiting: deque[tuple[Goal, GripperTarget]] = deque()
         self._joint = joint
         self._max_effort = max_effort
-        self._is_running = is_running
-        self._feedback = feedback
 
     @override
     def submit(self, request: Mapping[str, object]) -> Goal:
@@ -69,13 +67,7 @@ class GripperGoalPort(GoalPort):
                 limits of the joint.
         """
         command = self._parse(request)
-        if not self._is_running():
-            raise ControllerStateError(
-                "The controller is not running; only a running controller takes goals.",
-                remedy="Start the controller first.",
-            )
         goal = self.new_goal(request)
-        goal.feedback = self._feedback
         self.remember(goal)
         self.waiting.append((goal, command))
         return goal

@@ -11,7 +11,7 @@ from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goa
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
-from station.core.errors import ControllerStateError, InvalidTrajectoryError
+from station.core.errors import InvalidTrajectoryError
 from station.core.ports.goal import Goal, GoalPort
 from station.core.trajectory import (
     JointTolerances,
@@ -41,11 +41,9 @@ class FollowJointTrajectoryPort(GoalPort):
         is_running: Callable[[], bool],
         feedback: Callable[[], Mapping[str, object]],
     ) -> None:
-        super().__init__()
+        super().__init__(is_running, feedback)
         self._execution = execution
         self._tolerances = tolerances
-        self._is_running = is_running
-        self._feedback = feedback
 
     @override
     def submit(self, request: Mapping[str, object]) -> Goal:
@@ -67,14 +65,8 @@ class FollowJointTrajectoryPort(GoalPort):
 
     def _accept(self, request: Mapping[str, object]) -> Goal:
         wanted = parse_goal(request)
-        if not self._is_running():
-            raise ControllerStateError(
-                "The controller is not running; only a running controller takes goals.",
-                remedy="Start the controller first.",
-            )
         self._check_names([*wanted.path_tolerance, *wanted.goal_tolerance])
         goal = self.new_goal(request)
-        goal.feedback = self._feedback
         bounds = updated_tolerances(
             self._tolerances,
             wanted.path_tolerance,

@@ -100,10 +100,8 @@ class GoalSupervision:
             if segment.goal is not goal:
                 continue
             result = None
-            if now < segment.end_time:
-                result = self._path_violation(index, segment, errors, now)
-            elif segment is trajectory[index][-1]:
-                result = self._goal_violation(index, segment, errors, now)
+            if now < segment.end_time or segment is trajectory[index][-1]:
+                result = self._violation(index, segment, errors, now)
             if result is not None:
                 goal.finish(GoalStatus.ABORTED, result)
                 self.goal = None
@@ -114,35 +112,26 @@ class GoalSupervision:
             self.goal = None
         return False
 
-    def _path_violation(
+    def _violation(
         self,
         index: int,
         segment: JointTrajectorySegment,
         errors: JointErrors,
         now: float,
     ) -> GoalResult | None:
-        violation = segment.tolerances.path.violation(
-            errors.positions[index], errors.velocities[index]
-        )
-        if violation is None:
+        tolerances = segment.tolerances
+        is_on_path = now < segment.end_time
+        bounds = tolerances.path if is_on_path else tolerances.goal
+        violation = bounds.violation(errors.positions[index], errors.velocities[index])
+        if is_on_path and violation is not None:
+            code = ErrorCode.PATH_TOLERANCE_VIOLATED
+            return self._result(index, violation, now, code, "on its path")
+        if is_on_path:
             return None
-        code = ErrorCode.PATH_TOLERANCE_VIOLATED
-        return self._result(index, violation, now, code, "on its path")
-
-    def _goal_violation(
-        self,
-        index: int,
-        segment: JointTrajectorySegment,
-        errors: JointErrors,
-        now: float,
-    ) -> GoalResult | None:
-        violation = segment.tolerances.goal.violation(
-            errors.positions[index], errors.velocities[index]
-        )
         if violation is None:
             self._reached.add(index)
             return None
-        if now < segment.end_time + segment.tolerances.goal_time:
+        if now < segment.end_time + tolerances.goal_time:
             return None
         code = ErrorCode.GOAL_TOLERANCE_VIOLATED
         return self._result(index, violation, now, code, "at its goal")

@@ -46,10 +46,6 @@ class JointDescription:
         """Return whether the joint moves along a line."""
         return self.type is JointType.PRISMATIC
 
-    def is_limited(self) -> bool:
-        """Return whether the joint's position has limits."""
-        return self.type.has_position_limits
-
 
 class RobotDescription:
     """The joints of a URDF.

@@ -32,7 +32,7 @@ class InterfaceReport:
 
     Attributes:
         name: Wire name, e.g. `hardware_interface::EffortJointInterface`.
-        resources: What it holds, by name.
+        resources: Resources of the interface, by name.
     """
 
     name: str
@@ -59,7 +59,7 @@ class HardwareReport:
 def report_hardware(
     robot: RobotHW, controllers: Sequence[ControllerStatus]
 ) -> HardwareReport:
-    """Return what there is to tell about a robot. Any thread.
+    """Return the report on a robot. Any thread.
 
     Args:
         robot: The robot; its interfaces do not change after `init`.

@@ -63,8 +63,8 @@ class MotionCommands:
             epoch: The epoch in which the caller decided; the present one when None.
             timeout: How long it is valid [s wall time], 0 for ever; the controller's
                 own when None.
-            rates: How fast the set-point changes, one number per element; only for
-                controllers that feed it forward.
+            rates: Rate of change of each element; only for controllers that use rates
+                as a feed-forward.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -79,7 +79,7 @@ class MotionCommands:
         port.check(values, timeout, rates)
         generation = port.generation
         present = self._check_may_move(name, epoch)
-        # Should a stop or a reset come in between, it is void.
+        # A stop or a reset in between changes the generation and voids the set-point.
         port.post([*values, *(rates or [])], timeout, generation)
         return present
 
@@ -179,7 +179,7 @@ class MotionCommands:
         return present
 
     def query_state(self, name: str, time: float | None = None) -> PosVelAccState:
-        """Return where a controller's joints shall be at a time.
+        """Return the desired state of a controller's joints at a time.
 
         Args:
             name: The controller.

@@ -1,4 +1,4 @@
-"""What only a simulated arm can do: press its buttons, push it, and break it.
+"""The operations that only a simulated arm offers: buttons, pushes and faults.
 
 No real arm offers these operations to a program: people press the user stop and the
 guiding buttons, and nobody can order a sensor to fail.
@@ -11,7 +11,7 @@ from enum import Enum
 
 
 class FaultKind(Enum):
-    """What can be made to go wrong in a simulation."""
+    """The kinds of faults that can be injected into a simulation."""
 
     LOST_PACKETS = "lost_packets"
     """Commands do not reach the arm."""
@@ -30,8 +30,8 @@ class SimulatedFault:
     """One fault to inject.
 
     Attributes:
-        kind: What goes wrong.
-        cycles: For how many cycles of the arm, >= 1.
+        kind: Kind of the fault.
+        cycles: Duration in cycles of the arm, >= 1.
         joint: Number of the joint, 1 to 7; ignored by kinds that concern no joint.
         force: Force of a collision in the base frame [N], shape (3,).
     """
@@ -79,16 +79,16 @@ class ArmSimulation(ABC):
 
         Args:
             link: Name of the link or object.
-            force: [N], shape (3,).
-            torque: [Nm], shape (3,).
-            duration: How long the push lasts [s], > 0.
+            force: Force [N], shape (3,).
+            torque: Torque [Nm], shape (3,).
+            duration: Duration of the push [s], > 0.
             frame: Axes of `force` and `torque`: `world`, or the name of a link, with
                 which they turn.
             point: Where the force acts, in the link's frame [m], shape (3,); None for
                 the link's centre of mass.
 
         Raises:
-            HardwareInterfaceError: There is no such link.
+            HardwareInterfaceError: The world has no such link or object.
         """
 
     @abstractmethod
@@ -107,7 +107,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def faults(self) -> list[SimulatedFault]:
-        """Return the faults that are active, each with the cycles that are left."""
+        """Return the active faults with their remaining cycles."""
 
     @abstractmethod
     def clear_faults(self) -> None:

@@ -26,9 +26,9 @@ class ArmReport:
 
     Attributes:
         arm_id: Its name.
-        robot_mode: What it is doing.
-        is_connected: Whether it may be used.
-        errors: What its present errors, or else the last motion's, came from.
+        robot_mode: Mode of the arm.
+        is_connected: Whether the arm is connected.
+        errors: The present errors, or else the errors that ended the last motion.
         remedy: What to do before the arm can move; None when it can move.
     """
 

@@ -56,7 +56,7 @@ ERROR_INDEX = {name: index for index, name in enumerate(ERROR_NAMES)}
 
 @dataclass(frozen=True, slots=True)
 class ArmError:
-    """One error, with what raised it.
+    """One error, with the measured value that raised it.
 
     Attributes:
         name: One of `ERROR_NAMES`.

@@ -25,7 +25,7 @@ GRAVITY_EARTH = (0.0, 0.0, -9.81)
 class Frame(Enum):
     """The frames of the arm; the values are libfranka's.
 
-    A joint's frame is that of the link behind it.
+    The frame of a joint is the frame of the link behind the joint.
     """
 
     JOINT1 = 0
@@ -55,9 +55,9 @@ class FrankaModel(ABC):
 
         Args:
             q: Joint positions [rad], shape (7,).
-            I_total: Inertia of what is at the flange [kg m^2], shape (9,).
-            m_total: Its mass [kg].
-            F_x_Ctotal: Its centre of mass in the flange frame [m], shape (3,).
+            I_total: Inertia of end effector and load [kg m^2], shape (9,).
+            m_total: Mass of end effector and load [kg].
+            F_x_Ctotal: Centre of mass of both in the flange frame [m], shape (3,).
         """
 
     @abstractmethod
@@ -74,9 +74,9 @@ class FrankaModel(ABC):
         Args:
             q: Joint positions [rad], shape (7,).
             dq: Joint velocities [rad/s], shape (7,).
-            I_total: Inertia of what is at the flange [kg m^2], shape (9,).
-            m_total: Its mass [kg].
-            F_x_Ctotal: Its centre of mass in the flange frame [m], shape (3,).
+            I_total: Inertia of end effector and load [kg m^2], shape (9,).
+            m_total: Mass of end effector and load [kg].
+            F_x_Ctotal: Centre of mass of both in the flange frame [m], shape (3,).
         """
 
     @abstractmethod
@@ -91,8 +91,8 @@ class FrankaModel(ABC):
 
         Args:
             q: Joint positions [rad], shape (7,).
-            m_total: Mass of what is at the flange [kg].
-            F_x_Ctotal: Its centre of mass in the flange frame [m], shape (3,).
+            m_total: Mass of end effector and load [kg].
+            F_x_Ctotal: Centre of mass of both in the flange frame [m], shape (3,).
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
 
@@ -161,7 +161,7 @@ class FrankaModel(ABC):
 class FrankaModelHandle(ResourceHandle):
     """Evaluates the model of one arm. Control thread only.
 
-    The methods use the present state; `model` has the same with explicit arguments.
+    The methods use the present state; `model` has the same methods with arguments.
 
     Args:
         name: `<arm_id>_model`, or the alias `<arm_id>_robot`.

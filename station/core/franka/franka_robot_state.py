@@ -64,7 +64,7 @@ class RobotState:
 
     Fields after `control_command_success_rate` are derived from those before and from
     settings: they are brought up to date when `FrankaStateHandle.get_robot_state` asks
-    for them, so that nobody pays for them unasked.
+    for them, so that they take no time unless they are used.
 
     Poses have 16 numbers and tensors 9, flat and column-major: T(r, c) = T[4 c + r].
     Twists are linear, then angular velocity; wrenches force, then torque. Frames: O the

@@ -78,11 +78,11 @@ class GripperCommand:
         identifier: Number of the command in this run.
         action: Kind of the command.
         status: `ACTIVE`, and then for good `SUCCEEDED`, `ABORTED` (it did not reach
-            its aim) or `PREEMPTED` (something else ended it).
-        message: Why it did not succeed; else empty.
-        request: What was asked for: width, force and so on, by name [m, N, m/s].
-        started: When it began [s, the hand's time].
-        ended: When it ended; None until then.
+            its aim) or `PREEMPTED` (another request ended it).
+        message: Why the command did not succeed; empty after a success.
+        request: The requested width, force and so on, by name [m, N, m/s].
+        started: Time at which the command began [s, the hand's time].
+        ended: Time at which the command ended [s]; None until then.
     """
 
     identifier: int
@@ -178,7 +178,7 @@ class GripperServices(InterruptibleServices):
         """End a motion; a grasped object stays grasped.
 
         Args:
-            reason: Why, one sentence.
+            reason: Why the command ends, in one sentence.
         """
 
 

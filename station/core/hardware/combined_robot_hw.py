@@ -137,7 +137,7 @@ class CombinedRobotHW(RobotHW):
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Ask the robots in order; the first that refuses ends it (CM-111).
+        """Ask the robots in order, until a robot refuses (CM-111).
 
         Args:
             start: Controllers that will be started.
@@ -153,12 +153,12 @@ class CombinedRobotHW(RobotHW):
     def do_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Tell every robot, also those after one that raises.
+        """Switch every robot, even after one of the robots has raised an error.
 
         Raises:
-            Exception: What the first robot raised that raised anything. All robots have
-                been told by then, so that none is left in a mode that its controllers
-                have lost.
+            Exception: The first error that a robot raised. By then all robots have
+                switched, so that no robot is left in a mode whose controllers are
+                stopped.
         """
         failure: Exception | None = None
         for robot in self.robots.values():

@@ -34,7 +34,7 @@ class InterfaceResources:
 
 @dataclass(frozen=True, slots=True)
 class ControllerInfo:
-    """What the hardware is told about a controller.
+    """A controller as the hardware sees it.
 
     Attributes:
         name: Name under which it is loaded.
@@ -53,7 +53,7 @@ class ResourceConflict:
 
     Attributes:
         resource: The resource in dispute.
-        holders: (controller, hardware interface) of everyone who claims it.
+        holders: (controller, hardware interface) of every claim on the resource.
         reason: One sentence for the user.
     """
 
@@ -196,11 +196,11 @@ class RobotHW(InterfaceManager):
         """
 
     def switch_result(self) -> SwitchState:
-        """Say whether the switch of all controllers is done."""
+        """Return how far the hardware is with the switch of all controllers."""
         return SwitchState.DONE
 
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:  # noqa: ARG002
-        """Say whether the switch is done as far as `controller` is concerned."""
+        """Return how far the hardware is with the switch of `controller`."""
         return SwitchState.DONE
 
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -216,7 +216,7 @@ class RobotHW(InterfaceManager):
         return ()
 
     def is_interrupted(self) -> bool:
-        """Tell whether the robot has stopped to carry out what controllers command.
+        """Return whether the robot no longer carries out the commands of controllers.
 
         Called in the control thread once per cycle, after `read`: must be cheap. When
         it is true, the manager asks `interruption_of` for every running controller.

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from station.core.errors import GoalNotFoundError
+from station.core.errors import ControllerStateError, GoalNotFoundError
 
 _KEPT_GOALS = 50
 
@@ -93,9 +93,21 @@ class Goal:
 
 
 class GoalPort(ABC):
-    """The port of a controller for goals. Any thread may call all methods."""
+    """The port of a controller for goals. Any thread may call all methods.
 
-    def __init__(self) -> None:
+    Args:
+        is_running: Returns whether the controller is running; None for a port that
+            takes goals at any time.
+        feedback: Returns the feedback message of the active goal.
+    """
+
+    def __init__(
+        self,
+        is_running: Callable[[], bool] | None = None,
+        feedback: Callable[[], Mapping[str, object]] = dict,
+    ) -> None:
+        self._is_running = is_running
+        self._feedback = feedback
         self._goals: deque[Goal] = deque(maxlen=_KEPT_GOALS)
         self._count = 0
 
@@ -164,9 +176,20 @@ class GoalPort(ABC):
             goal.finish(GoalStatus.ABORTED, GoalResult(0, reason))
 
     def new_goal(self, request: Mapping[str, object]) -> Goal:
-        """Return a goal with a new name, which `goals` does not list yet."""
+        """Return a goal with a new name, which `goals` does not list yet.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+        """
+        if self._is_running is not None and not self._is_running():
+            raise ControllerStateError(
+                "The controller is not running; only a running controller takes goals.",
+                remedy="Start the controller first.",
+            )
         self._count += 1
-        return Goal(str(self._count), request)
+        goal = Goal(str(self._count), request)
+        goal.feedback = self._feedback
+        return goal
 
     def remember(self, goal: Goal) -> None:
         """Add an accepted goal to those that `goals` lists."""

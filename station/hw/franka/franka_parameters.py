@@ -62,7 +62,7 @@ examples/generate_joint_velocity_motion.cpp, q_goal."""
 
 @dataclass(frozen=True, slots=True)
 class FrankaParameters:
-    """What FrankaHW is told once.
+    """The settings that FrankaHW reads once.
 
     Attributes:
         arm_id: Prefix of the arm's names.

@@ -28,7 +28,7 @@ from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 
 _PARAMETERS = "parameters"
 _Handles = Mapping[str, JointHandle]
-"""A joint's command handles by quantity."""
+"""The command handles of a joint by quantity."""
 
 
 class JointCommandLimits:
@@ -40,10 +40,10 @@ class JointCommandLimits:
     Args:
         xml: The URDF.
         params: The namespace that has `joint_limits`.
-        mode: Which handles enforce them.
+        mode: Kind of the handles that enforce the limits.
 
     Attributes:
-        reports: The limits of every joint added, and their sources.
+        reports: The limits of every added joint with their sources.
 
     Raises:
         RobotDescriptionError: The URDF cannot be read.
@@ -64,11 +64,11 @@ class JointCommandLimits:
         """Limit a joint from now on.
 
         Args:
-            joint: Its name in the URDF.
-            commands: Its command handles by quantity.
+            joint: Name of the joint in the URDF.
+            commands: Command handles of the joint by quantity.
 
         Raises:
-            JointLimitsError: Its limits are contradictory.
+            JointLimitsError: The limits of the joint are contradictory.
         """
         report = self._read(self._joints[joint])
         self.reports.append(report)
@@ -85,7 +85,7 @@ class JointCommandLimits:
             )
 
     def activate(self, commands: Sequence[tuple[str, str]]) -> None:
-        """Choose the commands that are limited, and forget what was before.
+        """Choose the commands that are limited, and forget all previous commands.
 
         Args:
             commands: Joint and quantity of each command in use.
@@ -111,16 +111,16 @@ class JointCommandLimits:
             handle.enforce_limits(period)
 
     def velocities(self) -> dict[str, float]:
-        """Return the velocity limit of each joint added [rad/s or m/s]; inf for none.
+        """Return the velocity limit of each added joint [rad/s or m/s]; inf for none.
 
-        A limit of 0 would hold its joint for good; commands alone obey it.
+        A limit of 0 counts for commands only; a brake would hold the joint for ever.
         """
         return {
             report.joint: report.limits.max_velocity or inf for report in self.reports
         }
 
     def clamps(self) -> list[ClampReport]:
-        """Return which commands were cut off. Any thread."""
+        """Return which commands the limits have changed. Any thread."""
         return report_clamps({
             (joint, COMMAND_INTERFACES[quantity].type_name): handle
             for (joint, quantity), handle in self._handles.items()

@@ -1,4 +1,4 @@
-"""Which command each joint of a simulated robot obeys, and how."""
+"""Choose the command that each joint of a simulated robot follows."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -12,16 +12,17 @@ from station.hw.mujoco.simulated_pid import SimulatedPid
 _QUANTITY_OF_INTERFACE = {
     interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()
 }
-# Below this speed a joint without commands is held where it is [rad/s or m/s].
+# A joint without commands is held at its position below this speed [rad/s or m/s].
 _REST_VELOCITY = 0.01
 
 
 class JointCommandModes:
     """The modes of the joints, and the commands of joints that no controller commands.
 
-    A joint obeys the interface through which it is claimed. With gains, a position or
-    velocity command becomes an effort here; without, the joint's drive is a servo. An
-    unclaimed joint brakes, and then holds the position where it came to rest.
+    A joint follows the commands of the interface through which a controller claims it.
+    For a joint with gains, a position or velocity command becomes an effort here; for a
+    joint without gains, the joint's drive is a servo. An unclaimed joint brakes and
+    then holds the position at which it has come to rest.
 
     Args:
         joints: State and commands of the n joints.
@@ -43,8 +44,8 @@ class JointCommandModes:
         self._joints = joints
         self._pids = [pids.get(name) for name in joints.names]
         self._drives = modes
-        # Quantity that each joint is commanded; empty for an unclaimed joint.
-        self._commanded = [""] * count
+        # Quantity that a controller commands; None for an unclaimed joint.
+        self._commanded: list[str | None] = [None] * count
         self._is_held = [False] * count
         self._held_position = [0.0] * count
         self.in_use: list[tuple[str, str]] = []
@@ -71,13 +72,13 @@ class JointCommandModes:
             self._begin(index)
 
     def release_bad_commands(self) -> bool:
-        """Take joints with a command that is not finite off their controllers.
+        """Release joints whose command is not finite from their controllers.
 
         Such joints are held until the next switch. Call it before limits are enforced:
         a limit may turn a NaN into a finite number, and the joint would move.
 
         Returns:
-            Whether there were such joints.
+            Whether a joint was released.
         """
         total = 0.0
         for index, quantity in enumerate(self._commanded):
@@ -87,7 +88,7 @@ class JointCommandModes:
             return False
         for index, quantity in enumerate(self._commanded):
             if quantity and not isfinite(self._joints.commands(quantity)[index]):
-                self._commanded[index] = ""
+                self._commanded[index] = None
                 self._begin(index)
         self._update()
         return True
@@ -130,7 +131,7 @@ class JointCommandModes:
             for name in claim.resources:
                 if name in self._joints.names:
                     index = self._joints.names.index(name)
-                    self._commanded[index] = quantity if commanded else ""
+                    self._commanded[index] = quantity if commanded else None
 
     def _begin(self, index: int) -> None:
         joints = self._joints

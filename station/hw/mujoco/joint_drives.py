@@ -1,25 +1,25 @@
-"""Drive the joints of a simulated robot: by force, or by servos that are stable.
+"""Drive the joints of a simulated robot by forces or by stable servos.
 
 A servo has a desired velocity v_d, and gives the force that keeps it:
 
     force = D (v_d - dq) + c(q, dq),    D = 1000/s * M_ii(q)
 
-with M_ii the inertia at the joint and c what gravity (unless it is compensated) and
-Coriolis forces need. `D dq` lives in MuJoCo's motor, where the integrator treats it
-implicitly: it is stable for every inertia. v_d changes with at most the acceleration
-a = 0.3 f_max / M_ii, which leaves the motor something for what other joints do to this
-one. It aims at the velocity target, or with K = 100/s, e = q_target - q and b = 0.8 a
-(the rest makes up for the servo's lag) at
+with M_ii the inertia at the joint and c the force against gravity (unless gravity is
+compensated) and Coriolis forces. `D dq` is part of MuJoCo's motor, where the integrator
+treats it implicitly: it is stable for every inertia. v_d changes with at most the
+acceleration a = 0.3 f_max / M_ii; the rest of the motor's force is left for the effects
+of other joints. v_d approaches the velocity target, or with K = 100/s, e = q_target - q
+and b = 0.8 a (the difference to a makes up for the servo's lag) the velocity
 
     v = K e                          where |e| <= b/K^2
     v = sqrt(2 b |e| - b^2/K^2)      elsewhere, with the sign of e,
 
-the fastest approach from which the joint can still stop, and never at more than the
-joint's velocity limit. A velocity target gives way to that approach before the ends of
-the joint's range. Motors saturate at f_max, the joint's effort limit.
+which is the fastest approach from which the joint can still stop, and at most the
+joint's velocity limit. Before the ends of the joint's range, this approach also bounds
+a velocity target. Motors saturate at f_max, the joint's effort limit.
 
-A drive that takes efforts passes them on, but brakes a joint that is faster than its
-velocity limit: force = D (v_max - dq), and an effort against the motion on top.
+A drive for efforts passes the efforts on. It brakes a joint that is faster than its
+velocity limit: force = D (v_max - dq), plus an effort against the motion.
 """
 
 from enum import Enum
@@ -46,15 +46,15 @@ class JointDrives:
 
     Args:
         joints: The joints in the world, n of them.
-        timestep: Of the world [s], > 0.
+        timestep: Time step of the world [s], > 0.
 
     Attributes:
         velocity_limits: Highest desired speed [rad/s or m/s], shape (n,), infinite at
             first; to be changed in place.
         modes: Mode of each joint, shape (n,); in place.
-        position_target: [rad or m], shape (n,); in place.
-        velocity_target: [rad/s or m/s], shape (n,); in place.
-        effort_target: [Nm or N], shape (n,); in place.
+        position_target: Positions [rad or m], shape (n,); in place.
+        velocity_target: Velocities [rad/s or m/s], shape (n,); in place.
+        effort_target: Efforts [Nm or N], shape (n,); in place.
     """
 
     def __init__(self, joints: WorldJoints, timestep: float) -> None:
@@ -100,7 +100,7 @@ class JointDrives:
         joints.set_damping(damping)
 
     def after_reset(self) -> None:
-        """Hold the pose that the world was set to."""
+        """Hold the pose to which the world was reset."""
         count = len(self.modes)
         self.position_target[:] = self._joints.read_positions()
         self.velocity_target[:] = [0.0] * count

@@ -1,4 +1,4 @@
-"""Give MuJoCo the collision meshes of a URDF, whatever their file format."""
+"""Load the collision meshes of a URDF into MuJoCo, in all supported file formats."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ _MAX_REASON = 200
 
 
 def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
-    """Add a mesh asset; MuJoCo collides it as its convex hull.
+    """Add a mesh asset; MuJoCo uses the convex hull of the mesh for collisions.
 
     MuJoCo reads binary STL and OBJ itself; other formats (Collada, ASCII STL) are read
     with trimesh and handed over as vertices and faces.

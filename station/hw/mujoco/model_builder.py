@@ -2,10 +2,10 @@
 
 `new_world` makes an empty world, `add_robot` puts a robot into it (any number of
 robots, and more than one of a kind, under different names), and `compile_world` makes
-the model. Nothing in here knows a particular robot.
+the model. This module contains nothing about particular robots.
 
-Names: a body has its link's name; a link that is nothing but a frame becomes a site of
-that name on the link that carries it. A joint's motor has the joint's name.
+Names: a body has its link's name. A link without mass and shapes becomes a site of the
+same name on the link that carries it. A joint's motor has the joint's name.
 
 Motors: force = ctrl + bias with the bias -K q - D dq. K and D are 0 in the compiled
 model, so a motor is a pure force source; `World` changes them while it runs to make a
@@ -35,7 +35,7 @@ from station.hw.mujoco.inertia import combine, is_rigid_body
 from station.hw.mujoco.mesh_loader import add_mesh
 
 _COLLISION_GROUP = 3
-# How MuJoCo says which element it refuses.
+# The part of MuJoCo's error message that names the refused element.
 _ELEMENT = re.compile(r"Element name '(?P<name>[^']+)', id \d+")
 # Time constant of the constraints that are hard on a real robot (mechanical stops,
 # mimic joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
@@ -44,16 +44,16 @@ _HARD_CONSTRAINT_STEPS = 2.0
 
 @dataclass(frozen=True, slots=True)
 class RobotOptions:
-    """How a robot stands in the world and what its URDF does not say about it.
+    """The place of a robot in the world, and properties that its URDF does not state.
 
     Attributes:
         base: The root link's pose in the world.
         armature: Inertia of rotor and gears as seen at each revolute joint [kg m^2],
             >= 0. Source of the default: mujoco_menagerie franka_emika_panda/panda.xml,
             the `panda` default class.
-        slide_armature: The same for prismatic joints [kg], >= 0.
-        gravity_compensation: The robot carries its own weight: each link is lifted by
-            the force that gravity exerts on it.
+        slide_armature: Inertia of rotor and gears at each prismatic joint [kg], >= 0.
+        gravity_compensation: Whether each link is lifted by a force equal to its
+            weight, so that the motors need not carry the robot.
         disabled_collisions: Pairs of links that are never tested for contact, besides
             pairs joined by a joint.
     """
@@ -66,7 +66,7 @@ class RobotOptions:
 
 
 def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
-    """Make a world with gravity along -z and, if wanted, a floor at z = 0.
+    """Return a world with gravity along -z and an optional floor at z = 0.
 
     Args:
         timestep: Duration of a simulation step, the loop's period [s], > 0.
@@ -75,7 +75,7 @@ def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    # A diverged simulation is reported, not silently started again.
+    # Without automatic resets, because a diverged simulation must be reported.
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     spec.compiler.degree = False
     spec.compiler.autolimits = False
@@ -89,7 +89,7 @@ def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
 
 
 def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
-    """Put a robot into the world, its root link fixed.
+    """Add a robot with a fixed root link to the world.
 
     Args:
         spec: The world; changed.
@@ -98,7 +98,7 @@ def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
         options: Place and properties.
 
     Raises:
-        RobotDescriptionError: MuJoCo refuses something of the robot, e.g. a name that
+        RobotDescriptionError: MuJoCo refuses an element of the robot, e.g. a name that
             another robot in the world has.
     """
     with _refusals_explained():
@@ -106,11 +106,11 @@ def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
 
 
 def compile_world(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Make the model.
+    """Return the compiled model.
 
     Raises:
-        RobotDescriptionError: MuJoCo refuses something that came from a URDF, e.g. an
-            inertia that no rigid body has, or a name used twice.
+        RobotDescriptionError: MuJoCo refuses an element of a URDF, e.g. an inertia that
+            no rigid body has, or a name used twice.
     """
     with _refusals_explained():
         return spec.compile()
@@ -138,7 +138,7 @@ def _refusals_explained() -> Iterator[None]:
 
 
 class _RobotBuilder:
-    """Walk a URDF's tree from the root and add what is found to the world."""
+    """Adds the links and joints of a URDF to the world, from the root on."""
 
     def __init__(self, spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
         self._spec = spec
@@ -162,12 +162,12 @@ class _RobotBuilder:
     def _add_link(
         self, link: Link, *, parent: mujoco.MjsBody, pose: Pose, joint: Joint | None
     ) -> None:
-        """Add a link that stands at `pose` in `parent`, and everything below it.
+        """Add a link at `pose` in `parent`, and all links below that link.
 
         Args:
             link: The link.
-            parent: Body to add it to.
-            pose: The link's frame in the parent's.
+            parent: Body to which the link is added.
+            pose: Pose of the link's frame in the frame of the parent.
             joint: The moving joint between them, or None if there is none.
         """
         if joint is None and link.is_frame_only:
@@ -212,8 +212,8 @@ class _RobotBuilder:
     def _inertials_carried_by(self, link: Link) -> list[tuple[Pose, Inertial]]:
         """Return the link's own inertia and those of point masses fixed to it.
 
-        MuJoCo takes no point mass as a body, so the carrying body takes it over. A
-        link that is such a point mass and fixed itself carries nothing.
+        MuJoCo refuses a point mass as a body, so its mass is added to the body that
+        carries it. A fixed link that is a point mass carries no other masses.
         """
         own = link.inertial
         above = self._urdf.joint_above(link.name)

@@ -80,8 +80,8 @@ class MujocoRobotHW(RobotHW):
     """Type `mujoco_hw/MujocoRobotHW`.
 
     Interfaces: state and commands of joints and of actuators, force-torque sensors and
-    inertial measurement units. Efforts are those of the motors; what compensates
-    gravity is not in them.
+    inertial measurement units. Efforts are the efforts of the motors, without the
+    effort that compensates gravity.
 
     Parameters are those of `mujoco_robot_parameters`. `init` stores the URDF as
     `robot_description` in the root namespace if there is none yet.
@@ -227,7 +227,7 @@ class MujocoRobotHW(RobotHW):
         Raises:
             SwitchRefusedError: The simulation has diverged.
         """
-        if start and self.world.diverged_because:
+        if start and self.world.diverged_because is not None:
             raise SwitchRefusedError(
                 f"The robot stands still: {self.world.diverged_because}.",
                 remedy="Reset the simulation.",

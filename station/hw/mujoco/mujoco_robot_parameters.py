@@ -52,7 +52,7 @@ _SENSOR_KEYS = frozenset({"type", "link"})
 
 
 class SensorType(Enum):
-    """What a simulated sensor measures."""
+    """The kinds of simulated sensors."""
 
     FORCE_TORQUE = "force_torque"
     IMU = "imu"
@@ -63,9 +63,9 @@ class SensorRequest:
     """A sensor of the robot.
 
     Attributes:
-        name: Its name.
-        type: What it measures.
-        link: The link that it is on; its frame is the sensor's.
+        name: Name of the sensor.
+        type: Kind of the sensor.
+        link: The link of the sensor; the sensor measures in the frame of the link.
     """
 
     name: str
@@ -75,7 +75,7 @@ class SensorRequest:
 
 @dataclass(frozen=True, slots=True)
 class MujocoRobotParameters:
-    """The parameters of MujocoRobotHW; the text of the module has units and meaning."""
+    """The parameters of MujocoRobotHW, with the units and meanings listed above."""
 
     robot_description: str
     base: Pose
@@ -89,7 +89,7 @@ class MujocoRobotParameters:
 
 
 def read_parameters(params: Parameters) -> MujocoRobotParameters:
-    """Read what MujocoRobotHW needs, but for limits and gains of single joints.
+    """Read the parameters of MujocoRobotHW, except limits and gains of joints.
 
     Args:
         params: The robot's namespace.

@@ -1,4 +1,4 @@
-"""Put one robot with a URDF into a simulated world."""
+"""Build a simulated world with one robot that has a URDF."""
 
 from collections.abc import Mapping, Sequence
 
@@ -28,9 +28,9 @@ def simulate_robot(
 
     Args:
         description: The robot description.
-        urdf: The same, parsed.
-        parameters: How the robot stands in the world.
-        objects: What else is in the world.
+        urdf: The parsed URDF of the description.
+        parameters: Place and properties of the robot.
+        objects: The other objects in the world.
 
     Raises:
         ParameterError: A start position or a sensor's link is impossible.
@@ -84,10 +84,10 @@ def _start_positions(urdf: Urdf, wanted: Mapping[str, float]) -> dict[str, float
 
 
 def _start_position(joint: Joint, wanted: float | None) -> float:
-    """Return the start of a joint: as configured, else 0, else mid-range.
+    """Return the start position of a joint: as configured, or 0, or mid-range.
 
     Raises:
-        ParameterError: The wanted position is outside of the range.
+        ParameterError: The configured position is outside of the joint's range.
     """
     limit = joint.limit
     if limit is None or limit.lower is None or limit.upper is None:

@@ -12,8 +12,8 @@ to just that by impulses p between their two links, against the motion:
     M (dq' - dq) = p,    |dq'_i| <= OVERSPEED * limit_i,    p_i = 0 or against dq'_i
 
 with the inertia M of that step; the positions of the step are corrected accordingly.
-The brakes only take energy out. Within the limits they do nothing, so the motion that a
-controller commands there is not changed. Mimic joints have brakes of their own.
+The brakes only remove energy. Within the limits the brakes do nothing, so they never
+change a motion that respects the limits. Mimic joints have brakes of their own.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ OVERSPEED = 1.015
 """Share of its velocity limit above which a joint is braked."""
 MAX_SQUARED_VELOCITY = 1e10
 """Sum of squared joint velocities above which a simulation has diverged. No machine
-comes near; MuJoCo itself gives up at 1e10 for a single velocity."""
+reaches such velocities; MuJoCo itself gives up at 1e10 for a single velocity."""
 _MOST_SWEEPS = 200
 # Accuracy of the impulses, relative to the limit.
 _TOLERANCE = 1e-6
@@ -38,7 +38,7 @@ class OverspeedBrakes:
 
     Args:
         model: The world's model.
-        data: The world's data; changed by `act`.
+        data: The world's data; `act` changes them.
 
     Attributes:
         forces: Mean force of the brakes in the last step [Nm or N], one per degree of
@@ -53,8 +53,8 @@ class OverspeedBrakes:
         self._bounds = np.full(model.nv, inf)
         self._shares = np.zeros(model.nv)  # 1 / bound
         self._relative = np.zeros(model.nv)
-        # The same with a share for what has no limit, so that an impossible velocity
-        # of any joint shows in one sum.
+        # As `_shares`, but with a share for joints without a limit as well, so that one
+        # sum shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
         self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
         self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
@@ -63,7 +63,7 @@ class OverspeedBrakes:
         self.braked_steps = 0
 
     def set_limits(self, limits: Mapping[int, float]) -> None:
-        """Brake some joints from now on.
+        """Set the velocity limits of some joints.
 
         Args:
             limits: Joint with one degree of freedom, by its number in the model, to its
@@ -76,10 +76,11 @@ class OverspeedBrakes:
             self._sane[dof] = max(1.0 / sqrt(MAX_SQUARED_VELOCITY), self._shares[dof])
 
     def is_quiet(self) -> bool:
-        """Return whether no brake has acted or must act, and all velocities are sane.
+        """Return whether no brake acts or must act, and all velocities are possible.
 
         One sum over the relative velocities: it is at most 1 only if each of them is at
-        most 1 and none is NaN. False says nothing yet.
+        most 1 and none is NaN. The answer False alone does not mean that a joint is
+        too fast.
         """
         if self._has_acted:
             return False
@@ -88,14 +89,14 @@ class OverspeedBrakes:
         return bool(relative.dot(relative) <= 1.0)
 
     def act(self) -> None:
-        """Slow the joints down that were too fast at the end of the last step."""
+        """Slow down the joints that were too fast at the end of the last step."""
         if self._has_acted:
             self.forces[:] = 0.0
             self._has_acted = False
         relative = self._relative
         np.multiply(self._qvel, self._shares, out=relative)
-        # The sum is a cheap test that mostly suffices. It also leaves out a NaN, which
-        # the world reports as a divergence.
+        # The sum is a quick test that mostly suffices. Written so that a NaN ends here,
+        # too: the world reports a NaN as a divergence.
         if not relative.dot(relative) > 1.0 or not np.abs(relative).max() > 1.0:
             return
         braked = np.flatnonzero(self._shares)
@@ -114,7 +115,7 @@ class OverspeedBrakes:
         self.braked_steps += 1
 
     def _response(self, dofs: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Return the velocities that unit impulses make, shape (len(dofs), nv)."""
+        """Return the velocities that unit impulses cause, shape (len(dofs), nv)."""
         rows = np.zeros((len(dofs), self._model.nv))
         rows[np.arange(len(dofs)), dofs] = 1.0
         solved = np.empty_like(rows)
@@ -129,13 +130,13 @@ def _find_impulses(
 ) -> NDArray[np.float64]:
     """Return the impulses that bring velocities within their bounds, shape (n,).
 
-    Joint by joint, each as if the others' impulses were right, until nothing changes
-    (coordinate descent on a convex function).
+    Computed joint by joint with the impulses of the other joints fixed, until no
+    impulse changes (coordinate descent on a convex function).
 
     Args:
-        velocities: Shape (n,).
+        velocities: Velocities without impulses [rad/s or m/s], shape (n,).
         bounds: Largest speeds, > 0, shape (n,).
-        response: Velocities that unit impulses make, symmetric, shape (n, n).
+        response: Velocities that unit impulses cause, symmetric, shape (n, n).
     """
     velocity = velocities.copy()
     impulses = np.zeros_like(velocity)

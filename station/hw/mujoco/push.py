@@ -18,10 +18,10 @@ class Push:
 
     Attributes:
         body: Name of a link that has mass, or of an object.
-        force: [N], shape (3,).
-        torque: [Nm], shape (3,).
-        frame: Whose axes force and torque are given in: the world's, or those of a
-            body, with which they turn.
+        force: Force [N], shape (3,).
+        torque: Torque [Nm], shape (3,).
+        frame: Frame in whose axes force and torque are given: the world, or a body,
+            with which force and torque then turn.
         point: Where the force acts, in the pushed body's frame [m], shape (3,); None
             for its centre of mass.
     """
@@ -40,10 +40,10 @@ class AppliedPush:
         model: The world's model.
         data: The world's data.
         push: The push.
-        steps: For how many steps, >= 0.
+        steps: Duration in time steps, >= 0.
 
     Raises:
-        HardwareInterfaceError: There is no such body.
+        HardwareInterfaceError: The world has no such body.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class AppliedPush:
         self._apply()
 
     def is_over(self) -> bool:
-        """Count a step; return whether the push has ended and was taken off."""
+        """Count a step; return whether the push has ended."""
         if self._left <= 0:
             self.end()
             return True
@@ -70,7 +70,7 @@ class AppliedPush:
         return False
 
     def end(self) -> None:
-        """Take the push off its body."""
+        """Remove the force and the torque from the body."""
         self._data.xfrc_applied[self.body] = 0.0
 
     def _apply(self) -> None:
@@ -92,7 +92,7 @@ def as_push(
     frame: str = WORLD,
     point: Sequence[float] | None = None,
 ) -> Push:
-    """Return a push, its numbers copied."""
+    """Return a push with copies of the numbers."""
     at = None if point is None else tuple(point)
     return Push(body, tuple(force), tuple(torque), frame, at)
 

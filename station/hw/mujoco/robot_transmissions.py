@@ -1,9 +1,9 @@
-"""Read the transmissions of a URDF, and add those that the URDF leaves out.
+"""Read the transmissions of a URDF, and add the missing ones.
 
 Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim::initSim,
-for names of interfaces without package; differs: what cannot be loaded is refused and
-not skipped, every type of transmission works, and a joint has the command interfaces of
-all three kinds, whatever its transmission says.
+for names of interfaces without package; differs: a transmission that cannot be loaded
+is refused and not skipped, every type of transmission works, and a joint has the
+command interfaces of all three kinds, whatever its transmission names.
 """
 
 import logging
@@ -43,17 +43,18 @@ def driven_joints(urdf: Urdf) -> list[str]:
 def read_transmissions(description: RobotFiles, urdf: Urdf) -> list[TransmissionInfo]:
     """Return a transmission for every driven joint, in the joints' order.
 
-    A joint without one gets a simple one with reduction 1. Transmissions all of whose
-    joints are missing, fixed, mimic another or have an effort limit of 0 are left out.
+    A joint without a transmission gets a simple transmission with reduction 1. A
+    transmission is left out if each of its joints is missing, fixed, a mimic joint or a
+    joint with an effort limit of 0.
 
     Args:
         description: The robot description.
         urdf: The same, parsed.
 
     Raises:
-        RobotDescriptionError: A `<transmission>` lacks something, has one joint that
-            can be driven and one that cannot, or shares a joint or actuator with
-            another one.
+        RobotDescriptionError: A `<transmission>` is incomplete, has a joint with a
+            motor and a joint without a motor, or shares a joint or actuator with
+            another transmission.
     """
     parser = TransmissionParser()
     infos = parser.parse(description.xml)
@@ -133,6 +134,6 @@ def _default(joint: str) -> TransmissionInfo:
 
 def _refuse(description: RobotFiles, element: str, reason: str) -> NoReturn:
     raise RobotDescriptionError(
-        f"{description.urdf_path}: {element}: {reason}",
-        remedy="correct that element of the URDF",
+        f"{description.urdf_path}: {element}: {reason.removesuffix('.')}.",
+        remedy="Correct that element of the URDF.",
     )

@@ -28,11 +28,11 @@ class SceneObject:
             `position` is the middle of its top.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder [m].
-        position: Where it starts [m], shape (3,).
-        rpy: Roll, pitch and yaw [rad], shape (3,).
-        mass: [kg]; 0 for an object that cannot move.
+        position: Position at the start [m], shape (3,).
+        rpy: Roll, pitch and yaw at the start [rad], shape (3,).
+        mass: Mass [kg]; 0 for an object that cannot move.
         friction: Coefficient of sliding friction, >= 0.
-        file: STL or OBJ file of a mesh.
+        file: STL or OBJ file of a mesh; empty for other kinds.
     """
 
     name: str
@@ -69,7 +69,7 @@ def read_object(values: object, where: str) -> SceneObject:
 
     Args:
         values: The entry.
-        where: Its path in the configuration, for messages.
+        where: Path of the entry in the configuration, for messages.
 
     Raises:
         ParameterError: A key is unknown, or a value is impossible.
@@ -125,7 +125,7 @@ def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
 
     Args:
         spec: The world; changed.
-        thing: The thing.
+        thing: The object.
     """
     position = list(thing.position)
     if thing.kind == "table":

@@ -1,9 +1,9 @@
 """Force-torque sensors and inertial measurement units on links of a simulated robot.
 
-A force-torque sensor stands where its link is held by the one before it. It reads the
-force and torque that hold it, in the link's frame: at rest the weight of everything
-from the link on, upwards. An inertial measurement unit at rest reads 9.81 m/s^2
-upwards; its orientation is that of the link in the world.
+A force-torque sensor is between its link and the parent link. It measures the force and
+the torque with which the parent holds the link, in the link's frame: at rest the weight
+of the link and of all links behind it, upwards. An inertial measurement unit at rest
+measures 9.81 m/s^2 upwards; its orientation is that of the link in the world.
 """
 
 import mujoco
@@ -31,7 +31,7 @@ _MUJOCO_TYPES = {
 
 
 def add_sensors(spec: mujoco.MjSpec, requests: tuple[SensorRequest, ...]) -> None:
-    """Add sensors to a robot that is in the world already.
+    """Add sensors to a robot in the world.
 
     Args:
         spec: The world; changed.
@@ -52,7 +52,7 @@ def add_sensors(spec: mujoco.MjSpec, requests: tuple[SensorRequest, ...]) -> Non
 
 
 class WorldSensors:
-    """The sensors' readings, in lists that the handles of `interfaces` read.
+    """Copies the readings of sensors into the lists that the handles read.
 
     Args:
         model: The world's model, made with `add_sensors`.
@@ -119,10 +119,10 @@ class WorldSensors:
 
 
 def _site_of(spec: mujoco.MjSpec, request: SensorRequest) -> str:
-    """Return the name of a site in the link's frame, a new one if it has none.
+    """Return the name of a site in the link's frame; add the site if necessary.
 
     Raises:
-        ParameterError: There is no such link.
+        ParameterError: The robot has no such link.
     """
     if spec.site(request.link) is not None:  # a link that is nothing but a frame
         return request.link

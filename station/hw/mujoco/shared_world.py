@@ -15,10 +15,10 @@ class RobotInWorld(Protocol):
     """A robot whose world can be reset."""
 
     def begin_anew(self) -> None:
-        """Take over the pose that the world was reset to. Control thread."""
+        """Continue from the pose to which the world was reset. Control thread."""
 
     def longest_period(self) -> float:
-        """Return the most time that may pass for the robot in one cycle [s]."""
+        """Return the longest time that may pass for the robot in one cycle [s]."""
 
 
 class SharedWorld(SimulatedWorld):
@@ -36,7 +36,7 @@ class SharedWorld(SimulatedWorld):
         self._robots: list[RobotInWorld] = []
 
     def add_robot(self, robot: RobotInWorld) -> None:
-        """Let a robot begin anew after every reset of the world."""
+        """Let a robot start again after every reset of the world."""
         self._robots.append(robot)
 
     @override
@@ -55,5 +55,5 @@ class SharedWorld(SimulatedWorld):
 
     @override
     def longest_period(self) -> float:
-        """Return the period of the robot that waits least [s]; infinite without one."""
+        """Return the largest of the robots' longest periods [s]; inf without any."""
         return max((robot.longest_period() for robot in self._robots), default=inf)

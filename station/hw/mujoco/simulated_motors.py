@@ -1,4 +1,4 @@
-"""The motors of a simulated robot: on the actuator side of its transmissions.
+"""The motors of a simulated robot, on the actuator side of its transmissions.
 
 A real robot has actuators, and transmissions map them to joints. MuJoCo simulates
 joints, so behind the actuators the transmissions are applied the other way round:
@@ -38,7 +38,7 @@ QUANTITIES = ("position", "velocity", "effort")
 
 
 class SimulatedMotors:
-    """State and commands of all actuators, and their way to the simulated joints.
+    """State and commands of all actuators, and the maps to the simulated joints.
 
     Args:
         names: Names of the actuators, m of them.
@@ -46,7 +46,7 @@ class SimulatedMotors:
         targets: The drives' targets by quantity, shape (n,) each; written in place.
 
     Attributes:
-        joint_state: What the simulated joints do, by quantity, shape (n,) each; to be
+        joint_state: State of the simulated joints by quantity, shape (n,) each; to be
             filled before `update_state`.
     """
 
@@ -95,11 +95,11 @@ class SimulatedMotors:
             robot.register_interface(interface)
 
     def connect(self, info: TransmissionInfo, transmission: Transmission) -> None:
-        """Connect some actuators to the simulated joints behind their transmission.
+        """Connect the actuators of a transmission to the simulated joints.
 
         Args:
-            info: Its description; actuators and joints are known here.
-            transmission: The maps.
+            info: Description of the transmission, with known actuators and joints.
+            transmission: The maps of the transmission.
         """
         actuators = [self._names.index(a.name) for a in info.actuators]
         joints = [self._joint_names.index(j.name) for j in info.joints]
@@ -136,12 +136,12 @@ class SimulatedMotors:
         )
 
     def update_state(self) -> None:
-        """Derive the actuators' state from `joint_state`. Control thread."""
+        """Compute the actuators' state from `joint_state`. Control thread."""
         for handle in self._to_state:
             handle.propagate()
 
     def act(self, quantity: str) -> None:
-        """Let the actuators' commands of one quantity act. Control thread.
+        """Apply the actuators' commands of one quantity. Control thread.
 
         Args:
             quantity: "position", "velocity" or "effort".

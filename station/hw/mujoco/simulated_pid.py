@@ -17,7 +17,7 @@ class SimulatedPid:
 
     Args:
         joint: The joint.
-        pid: Its controller.
+        pid: The PID controller of the joint.
 
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp,
     DefaultRobotHWSim::writeSim.
@@ -38,8 +38,8 @@ class SimulatedPid:
         """Return the effort [Nm or N] for a position command [rad or m].
 
         Args:
-            command: Where the joint shall be.
-            position: Where it is.
+            command: Desired position [rad or m].
+            position: Measured position [rad or m].
             period: Time since the last cycle [s], > 0.
         """
         return self._saturate(
@@ -52,8 +52,8 @@ class SimulatedPid:
         """Return the effort [Nm or N] for a velocity command [rad/s or m/s].
 
         Args:
-            command: How fast the joint shall be.
-            velocity: How fast it is.
+            command: Desired velocity [rad/s or m/s].
+            velocity: Measured velocity [rad/s or m/s].
             period: Time since the last cycle [s], > 0.
         """
         return self._saturate(self._pid.compute_command(command - velocity, period))
@@ -83,10 +83,10 @@ def read_simulated_pids(
 
     Args:
         params: The namespace that has `pid_gains/<joint>`.
-        joints: The joints that may have some, by name.
+        joints: The joints that may have gains, by name.
 
     Raises:
-        ParameterError: Gains are malformed, or of a joint that is not there.
+        ParameterError: Gains are malformed, or belong to an unknown joint.
     """
     gains = params.namespace("pid_gains")
     pids = {}

@@ -1,8 +1,8 @@
 """Step MuJoCo without giving other threads a chance to take the interpreter.
 
-MuJoCo's Python binding releases the interpreter lock in `mj_step`; a busy thread then
-takes it and the control loop waits for it to come back, for longer than the step lasts.
-The same C function called through `ctypes.PyDLL` keeps the lock.
+MuJoCo's Python binding releases the interpreter lock in `mj_step`. A busy thread then
+takes the lock, and the control loop waits for the lock longer than the step lasts. The
+same C function called through `ctypes.PyDLL` keeps the lock.
 """
 
 import ctypes
@@ -21,12 +21,12 @@ def make_stepper(
 ) -> tuple[Callable[[], None], bool]:
     """Return a function that makes one step, and whether it keeps the lock.
 
-    The function advances `data`. The direct call is used only after it has shown that
-    it does bit for bit what the binding does; otherwise the binding is.
+    The function advances `data`. The direct call is used only if a test shows that it
+    gives the same results as the binding, bit for bit; otherwise the binding is used.
 
     Args:
         model: The model.
-        data: Its data. Both must outlive the function.
+        data: Data of the model. Both must outlive the function.
     """
     binding = partial(mujoco.mj_step, model, data)
     function = _find_function("mj_step")
@@ -39,14 +39,14 @@ def make_stepper(
 def direct_function(
     name: str, model: mujoco.MjModel, data: mujoco.MjData
 ) -> Callable[[], None]:
-    """Return a MuJoCo function of model and data alone, without release of the lock.
+    """Return a MuJoCo function of model and data that keeps the interpreter lock.
 
-    Where the library cannot be called directly it is the binding's function.
+    If the library cannot be called directly, the function of the binding is returned.
 
     Args:
-        name: Its name in C, e.g. `mj_fwdPosition`.
+        name: Name of the function in C, e.g. `mj_fwdPosition`.
         model: The model.
-        data: Its data. Both must outlive the function.
+        data: Data of the model. Both must outlive the function.
     """
     function = _find_function(name)
     addresses = _addresses(model, data)

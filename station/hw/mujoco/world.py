@@ -17,8 +17,8 @@ from station.hw.mujoco.world_joints import (
     joint_position_address,
 )
 
-# MuJoCo's warnings of the whole process; without a handler it writes them to a file in
-# the current directory, and the control thread does no I/O.
+# MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
+# file in the current directory, and the control thread must do no I/O.
 _warnings: deque[str] = deque(maxlen=8)
 
 
@@ -29,7 +29,7 @@ class WorldActor(Protocol):
         """Write the controls of the coming step. Control thread; once per step."""
 
     def after_reset(self) -> None:
-        """Begin anew: the world's state has been set from outside."""
+        """Start again from the state of the world, which has been reset."""
 
 
 class World:
@@ -41,12 +41,12 @@ class World:
 
     Threads: only the thread that calls `step` may touch the world, its data and its
     joints; in the station that is the control thread. `step` and the reading and
-    writing of joints neither wait, log, nor give up the interpreter lock, if
-    `keeps_interpreter_lock` says so.
+    writing of joints neither wait nor log. They keep the interpreter lock if
+    `keeps_interpreter_lock` is true.
 
     Args:
         model: The compiled model; kept, and changed by `WorldJoints.set_servo`.
-        objects: The things in it, as `add_object` has put them there.
+        objects: The objects that `add_object` has added to the model.
 
     Attributes:
         brakes: The brakes that keep joints within their velocity limits.
@@ -66,7 +66,7 @@ class World:
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
         self._step_count = 0
-        self._diverged_because = ""
+        self._diverged_because: str | None = None
         self._pushes: dict[int, AppliedPush] = {}  # by body
         mujoco.set_mju_user_warning(_warnings.append)
         mujoco.mj_forward(model, self.data)
@@ -82,8 +82,8 @@ class World:
         return self._step_count
 
     @property
-    def diverged_because(self) -> str:
-        """Why the world has diverged; empty while it has not."""
+    def diverged_because(self) -> str | None:
+        """Why the world has diverged; None if it has not."""
         return self._diverged_because
 
     def add_actor(self, actor: WorldActor) -> None:
@@ -91,7 +91,7 @@ class World:
         self._actors.append(actor)
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
-        """Return the view on some joints, in the order of `names`.
+        """Return access to some joints, in the order of `names`.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world, has more than one
@@ -106,7 +106,7 @@ class World:
         )
 
     def limit_velocities(self, limits: Mapping[str, float]) -> None:
-        """Brake joints from now on that are faster than their limit; see `brakes`.
+        """Brake joints that are faster than their limit from now on; see `brakes`.
 
         Args:
             limits: Joint name to highest speed, > 0 [rad/s or m/s]; infinite for none.
@@ -119,18 +119,18 @@ class World:
         })
 
     def scene(self) -> list[SceneObjectReport]:
-        """Return the things in the world, where they are."""
+        """Return the objects in the world with their present poses."""
         return [_report(thing, self.data) for thing in self._objects]
 
     def push(self, push: Push, steps: int) -> None:
-        """Push a body; a new push of a body ends its last one.
+        """Push a body; a new push of the same body replaces the last push.
 
         Args:
-            push: Which body, and how.
-            steps: For how many steps; 0 ends a push.
+            push: The body, the force and the torque.
+            steps: Duration in time steps; 0 ends a push.
 
         Raises:
-            HardwareInterfaceError: There is no such body.
+            HardwareInterfaceError: The world has no such body.
         """
         applied = AppliedPush(self.model, self.data, push, steps)
         self._pushes[applied.body] = applied
@@ -147,7 +147,7 @@ class World:
         A diverged world only counts the step.
         """
         self._step_count += 1
-        if self._diverged_because:
+        if self._diverged_because is not None:
             return
         for actor in self._actors:
             actor.before_step()
@@ -156,7 +156,7 @@ class World:
         self._advance()
         if self.brakes.is_quiet():
             return  # the usual case: every velocity is finite and within its limit
-        # A single NaN or infinity anywhere makes the comparison fail.
+        # Written with `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
             self._diverged_because = (
@@ -171,8 +171,8 @@ class World:
         """Let the world start at a pose, and reset it.
 
         Args:
-            positions: Joint name to position [rad or m]; the others start where the
-                model has them.
+            positions: Joint name to position [rad or m]; other joints start at the
+                positions of the model.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world; nothing changed.
@@ -198,7 +198,7 @@ class World:
         """
         self._initial_qpos = self._qpos_with(positions or {})
         self._return_to_start()
-        self._diverged_because = ""
+        self._diverged_because = None
         for actor in self._actors:
             actor.after_reset()
 

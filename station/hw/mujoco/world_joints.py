@@ -14,25 +14,25 @@ _SINGLE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE
 class WorldJoints:
     """Joints of the world in a chosen order, n of them, each with its own motor.
 
-    Reading returns new lists of n floats; nothing of MuJoCo's memory is handed out.
-    Forces and the like belong to the last step made, positions and velocities to its
-    end. To be used by the thread that steps the world.
+    Reading returns new lists of n floats, never MuJoCo's own memory. Forces and inertia
+    belong to the last step, positions and velocities to the end of that step. To be
+    used by the thread that steps the world.
 
     Args:
         model: The world's model.
         data: The world's data.
         names: Joints with one degree of freedom and a motor of the same name.
         pushes: The pushes that act at present, by body.
-        brake_forces: What `OverspeedBrakes` gave in the last step, shape (nv,); None
-            where there are none.
+        brake_forces: Forces of `OverspeedBrakes` in the last step [Nm or N], shape
+            (nv,); None in a world without brakes.
 
     Attributes:
         names: As given.
         timestep: Duration of a step [s].
         read_positions: Return the positions [rad or m].
         read_velocities: Return the velocities [rad/s or m/s].
-        read_motor_forces: Return what the motors gave in the last step [Nm or N].
-        read_brake_forces: Return what brakes gave in the last step [Nm or N].
+        read_motor_forces: Return the motors' forces in the last step [Nm or N].
+        read_brake_forces: Return the brakes' forces in the last step [Nm or N].
         read_bias_forces: Return Coriolis, centrifugal and gravity forces [Nm or N].
         read_compensation: Return the gravity compensation's forces [Nm or N].
         read_inertia: Return the diagonal of the joint-space inertia matrix, armature
@@ -44,7 +44,8 @@ class WorldJoints:
         effort_limits: Largest motor forces [Nm or N]; infinite where unlimited.
 
     Raises:
-        HardwareInterfaceError: A joint is unknown, or is not such a joint.
+        HardwareInterfaceError: A joint is unknown, has several degrees of freedom, or
+            has no motor.
     """
 
     def __init__(
@@ -105,7 +106,7 @@ class WorldJoints:
     def read_external_forces(self) -> list[float]:
         """Return the joint forces of contacts and pushes in the last step [Nm or N].
 
-        Mechanical stops of these joints do not count: they are inside the robot.
+        Forces of mechanical stops do not count, because they act inside the robot.
         """
         forces = self._read_constraints()
         if self._data.nl and any(forces):
@@ -124,11 +125,11 @@ class WorldJoints:
         return forces
 
     def set_extra_damping(self, joint: int, damping: float) -> None:
-        """Brake one joint with passive damping besides its own.
+        """Add passive damping to one joint.
 
         Args:
-            joint: Its place in `names`.
-            damping: >= 0 [Nm s/rad or N s/m].
+            joint: Index of the joint in `names`.
+            damping: Additional damping, >= 0 [Nm s/rad or N s/m].
         """
         self._dof_damping[self._dofs[joint]] = self.damping[joint] + damping
 
@@ -147,22 +148,22 @@ class WorldJoints:
     def set_servo(self, stiffness: list[float], damping: list[float]) -> None:
         """Let motors give control - stiffness * position - damping * velocity.
 
-        The integrator treats the damping implicitly: it is stable however high.
+        The integrator treats the damping implicitly, so that every damping is stable.
 
         Args:
-            stiffness: >= 0 [Nm/rad or N/m], shape (n,).
-            damping: >= 0 [Nm s/rad or N s/m], shape (n,). Both 0 makes pure force
-                motors.
+            stiffness: Stiffness, >= 0 [Nm/rad or N/m], shape (n,).
+            damping: Damping, >= 0 [Nm s/rad or N s/m], shape (n,). With both zero the
+                motors are pure force sources.
         """
         for motor, k, d in zip(self._motors, stiffness, damping, strict=True):
             self._bias[motor, 1] = -k
             self._bias[motor, 2] = -d
 
     def set_effort_limits(self, limits: list[float]) -> None:
-        """Let motors give at most so much.
+        """Limit the forces of the motors.
 
         Args:
-            limits: > 0 [Nm or N], shape (n,).
+            limits: Largest forces, > 0 [Nm or N], shape (n,).
         """
         for motor, limit in zip(self._motors, limits, strict=True):
             self._force_limited[motor] = True
@@ -170,18 +171,18 @@ class WorldJoints:
         self.effort_limits = list(limits)
 
     def set_damping(self, damping: list[float]) -> None:
-        """Let motors give control - damping * velocity; the stiffness stays.
+        """Set the damping of the motors, and keep their stiffness.
 
-        Cheaper than `set_servo`, for every step.
+        Faster than `set_servo`, so that it can be called in every step.
 
         Args:
-            damping: >= 0 [Nm s/rad or N s/m], shape (n,).
+            damping: Damping, >= 0 [Nm s/rad or N s/m], shape (n,).
         """
         self._set_negative_damping([-d for d in damping])
 
 
 class WorldJointStates:
-    """Joints of the world that are only looked at, with or without a motor.
+    """Joints of the world that are only read, with or without a motor.
 
     Args:
         model: The world's model.
@@ -209,7 +210,7 @@ class WorldJointStates:
 
 
 def joint_position_address(model: mujoco.MjModel, name: str) -> int:
-    """Return the place of a joint's position in `qpos`.
+    """Return the index of a joint's position in `qpos`.
 
     Raises:
         HardwareInterfaceError: The model has no such joint with one degree of freedom.
@@ -246,7 +247,7 @@ def _find_motor(model: mujoco.MjModel, name: str) -> int:
 
 
 def _as_slice(indices: list[int]) -> slice | None:
-    """Return the slice that selects `indices`, or None if they are not in a row."""
+    """Return the slice that selects `indices`, or None if they are not consecutive."""
     if indices and indices == list(range(indices[0], indices[0] + len(indices))):
         return slice(indices[0], indices[0] + len(indices))
     return None

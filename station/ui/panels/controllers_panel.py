@@ -1,4 +1,4 @@
-"""The Controllers tab: what is loaded, start and stop it, load more."""
+"""The Controllers tab: list, start, stop, unload and load controllers."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ from station.ui.widgets import NONE, set_options, set_value
 
 
 class ControllersPanel(Panel):
-    """Table of the controllers, and what can be done with the chosen one.
+    """A table of the controllers, and buttons for the chosen controller.
 
     Args:
         gui: Where the tab is built.
@@ -28,8 +28,7 @@ class ControllersPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
         self._start = gui.add_button("Start", color="green", disabled=True)
         self._stop = gui.add_button("Stop", color="orange", disabled=True)
@@ -43,11 +42,11 @@ class ControllersPanel(Panel):
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Show the controllers and what can be done with the chosen one."""
+        """Show the controllers, and which buttons the chosen controller allows."""
         self._table.content = controller_table(view.controllers)
         names = tuple(c.name for c in view.controllers)
         if self._chosen.value == NONE and names:
-            # Whoever opens the tab wants to start one that moves something.
+            # People who open the tab want to start a controller that moves the robot.
             names_first = startable_first(view)
             set_options(self._chosen, names)
             set_value(self._chosen, names_first[0])
@@ -96,7 +95,7 @@ class ControllersPanel(Panel):
         self._reporter.done(f"Unloaded {gone.name}.", event.client)
 
     def _chosen_name(self, event: Event[Any]) -> str:
-        """Return the chosen controller; say so to who clicked when there is none."""
+        """Return the chosen controller; without one, tell the person who clicked."""
         name = self._chosen.value
         if name == NONE:
             self._reporter.say("Not done", "No controller is loaded.", event.client)
@@ -128,7 +127,7 @@ class LoadForm:
         self._button.on_click(reporter.guarded(self._on_load))
 
     def refresh(self, view: StationView) -> None:
-        """Offer the types that the station has."""
+        """Offer the types of controllers that the station can load."""
         types = tuple(sorted((t.type for t in view.types), key=usefulness))
         before = self._type.value
         set_options(self._type, types)

@@ -11,7 +11,7 @@ from station.client import ApiError
 from station.ui.cartesian_model import TWIST, HeldButtons, choose_cartesian
 from station.ui.markup import good, hint, warning
 from station.ui.operate_model import Operated
-from station.ui.panels.panel import Panel
+from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.reporter import Event, Reporter
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
@@ -19,7 +19,7 @@ from station.ui.widgets import set_value
 
 KIND = "CartesianJogController"
 AXES = ("Base", "End effector")
-"""What the dropdown offers; the index is the controller's run-time parameter."""
+"""Choices of the dropdown; the index is the controller's run-time parameter `frame`."""
 HEARTBEAT_HZ = 20.0
 _SEND_PERIOD = 0.04
 _LABELS = ("x", "y", "z", "about x", "about y", "about z")
@@ -27,7 +27,7 @@ _COLOURS = ((201, 60, 60), (47, 140, 68), (34, 110, 196))
 _SIGNS = ((1, "+"), (-1, "−"))  # noqa: RUF001 - a minus that is as wide as the plus
 
 
-class JogPanel(Panel):
+class JogPanel(CommandingPanel):
     """Twelve hold-to-run buttons.
 
     Args:
@@ -39,11 +39,8 @@ class JogPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
-        self._operated = Operated()
+        super().__init__(link, reporter)
         self._buttons = HeldButtons()
-        self._epoch: int | None = None
         self._told = ""
         self._handles: list[viser.GuiButtonHandle] = []
         with gui.add_folder("End effector: hold to move"):
@@ -68,32 +65,26 @@ class JogPanel(Panel):
                     )
                     held = partial(self._on_hold, axis, sign)
                     button.on_hold(reporter.guarded(held), callback_hz=HEARTBEAT_HZ)
-                    # A click is a button that was let go.
+                    # Viser reports a released button as a click.
                     button.on_click(
                         reporter.guarded(partial(self._on_release, axis, sign))
                     )
                     self._handles.append(button)
 
     @override
-    def watched(self) -> set[str]:
-        """Return the controller that the buttons command."""
-        return {self._operated.name} if self._operated.name else set()
+    def let_go(self) -> None:
+        self._buttons.let_go()
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Say why the buttons are greyed, or what is in the way."""
+        """Show whether the buttons can be used; if they cannot, show why."""
         operated = choose_cartesian(view, TWIST, KIND)
-        if operated.reason or operated.name != self._operated.name:
-            self._buttons.let_go()
-        if view.epoch != self._epoch:
-            self._buttons.let_go()
-            self._epoch = view.epoch
         if operated.elements and operated.elements != self._operated.elements:
             self._fit(operated)
-        self._operated = operated
+        self._operate(operated, view)
         for widget in (*self._handles, self._axes):
             widget.disabled = bool(operated.reason)
-        # Fourteen greyed widgets would bury what can be used.
+        # Fourteen disabled widgets would hide the widgets that can be used.
         for widget in (*self._handles, self._axes, self._speed, self._turn):
             widget.visible = not operated.reason
         self._state.content = self._markup()
@@ -114,13 +105,9 @@ class JogPanel(Panel):
 
     async def _send(self, name: str, twist: list[float]) -> None:
         client = self._link.client
-        try:
+        with self._letting_go_when_refused():
             await client.command(name, twist, epoch=self._epoch)
             said = (await client.controller_state(name)).published.get("state", {})
-        except ApiError as error:
-            self._buttons.let_go()
-            self._reporter.refused(error, None)
-        else:
             self._told = str(said.get("message", "")) if any(twist) else ""
 
     async def _read_axes(self, name: str) -> None:
@@ -137,7 +124,7 @@ class JogPanel(Panel):
 
     async def _on_hold(self, axis: int, sign: int, event: Event[Any]) -> None:
         if self._operated.reason or not self._operated.name:
-            # A greyed button held all the same: Viser does not enforce `disabled`.
+            # Viser does not enforce `disabled`, so a disabled button can be held.
             self._reporter.say("Not sent", self._operated.reason, event.client)
         else:
             self._buttons.hold(axis, sign, self._link.now())
@@ -146,7 +133,7 @@ class JogPanel(Panel):
         self._buttons.release(axis, sign)
 
     def _fit(self, operated: Operated) -> None:
-        """Let the speeds end at what the controller takes."""
+        """Let the sliders of the speeds end at the limits of the controller."""
         for slider, element in (
             (self._speed, operated.elements[0]),
             (self._turn, operated.elements[3]),

@@ -7,10 +7,9 @@ from typing import Any
 import viser
 from typing_extensions import override
 
-from station.client import ApiError
 from station.ui.markup import good, hint, warning
 from station.ui.operate_model import Operated, SetPointRamp, choose_operated
-from station.ui.panels.panel import Panel
+from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.reporter import Event, Reporter
 from station.ui.slider_scale import SliderScale, command_scale
 from station.ui.station_link import StationLink
@@ -21,27 +20,24 @@ from station.wire import CommandElement
 _SEND_PERIOD = 0.04
 
 
-class OperatePanel(Panel):
-    """Sliders that follow the robot until one is touched.
+class OperatePanel(CommandingPanel):
+    """Sliders that follow the robot until a person moves one of them.
 
     Args:
         gui: Where the tab is built.
         link: The station.
         reporter: Says what went wrong.
-        limits: Position limits of the robot's joints, for the greyed sliders that only
-            show the robot; those that the station names itself come first.
+        limits: Position limits of the robot's joints, for disabled sliders that only
+            show the robot; limits that the station reports take precedence.
     """
 
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter, limits: Limits
     ) -> None:
+        super().__init__(link, reporter)
         self._gui = gui
-        self._link = link
-        self._reporter = reporter
         self._limits = limits
-        self._operated = Operated()
         self._ramp = SetPointRamp(())
-        self._epoch: int | None = None
         self._state = gui.add_html(hint("Waiting for the station …"))
         self._speed = gui.add_slider(
             "Top speed [rad/s]", min=0.05, max=1.5, step=0.05, initial_value=0.5
@@ -52,22 +48,16 @@ class OperatePanel(Panel):
         self._shown: tuple[CommandElement, ...] = ()
 
     @override
-    def watched(self) -> set[str]:
-        """Return the controller that the sliders command."""
-        return {self._operated.name} if self._operated.name else set()
+    def let_go(self) -> None:
+        self._ramp.let_go()
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Follow the robot, or say why the sliders are greyed."""
+        """Follow the robot, or show why the sliders are disabled."""
         operated = choose_operated(view)
-        if operated.reason or operated.name != self._operated.name:
-            self._ramp.let_go()
         if operated.elements != self._operated.elements:
             self._ramp = SetPointRamp(operated.elements)
-        if view.epoch != self._epoch:
-            self._ramp.let_go()
-            self._epoch = view.epoch
-        self._operated = operated
+        self._operate(operated, view)
         elements = operated.elements or _joint_elements(view, self._limits)
         if elements != self._shown:
             self._build(elements)
@@ -75,19 +65,16 @@ class OperatePanel(Panel):
         self._show(view)
 
     async def run(self) -> None:
-        """Send set-points on their way to where the sliders are, until cancelled."""
+        """Send set-points that approach the values of the sliders, until cancelled."""
         while True:
             await asyncio.sleep(_SEND_PERIOD)
             command = self._ramp.step(_SEND_PERIOD, self._speed.value)
             if command is None:
                 continue
-            try:
+            with self._letting_go_when_refused():
                 await self._link.client.command(
                     self._operated.name, command, epoch=self._epoch
                 )
-            except ApiError as error:
-                self._ramp.let_go()
-                self._reporter.refused(error, None)
 
     def _follow(self, view: StationView) -> None:
         sample = view.samples.get(self._operated.name)
@@ -135,7 +122,7 @@ class OperatePanel(Panel):
         value = event.target.value
         self._sliders[index].taken()
         if self._operated.reason or not self._operated.name:
-            # A greyed slider moved all the same: Viser does not enforce `disabled`.
+            # Viser does not enforce `disabled`, so a disabled slider can be moved.
             self._reporter.say("Not sent", self._operated.reason, event.client)
         elif not self._ramp.touch(index, value, self._link.now()):
             text = "It is not known yet where the robot was told to be. Try again."
@@ -143,7 +130,7 @@ class OperatePanel(Panel):
 
 
 def _joint_elements(view: StationView, limits: Limits) -> tuple[CommandElement, ...]:
-    """Return elements that only show where the robot's joints are."""
+    """Return elements for sliders that only show the positions of the joints."""
     elements = []
     known = {**limits, **view.limits}
     for name in view.positions:
@@ -157,7 +144,7 @@ def _joint_elements(view: StationView, limits: Limits) -> tuple[CommandElement, 
 
 
 def _short_name(name: str, elements: tuple[CommandElement, ...]) -> str:
-    """Return a name without the prefix that all share, e.g. `joint1`."""
+    """Return a name without the prefix of all elements, e.g. `joint1`."""
     prefix = name.partition("_")[0] + "_"
     shared = all(element.name.startswith(prefix) for element in elements)
     return name.removeprefix(prefix) if shared and len(elements) > 1 else name

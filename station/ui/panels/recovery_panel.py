@@ -1,4 +1,4 @@
-"""Above the tabs: what is wrong with the arms, and one button against it."""
+"""Above the tabs: the errors of the arms, and a button that recovers the arms."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ from station.ui.station_view import StationView
 
 
 class RecoveryPanel(Panel):
-    """Recovers arms and releases their user stops; there when something is wrong.
+    """Recovers arms and releases user stops; visible only when an arm needs it.
 
     Args:
         gui: Where it is built.
@@ -25,8 +25,7 @@ class RecoveryPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._trouble = gui.add_html("", visible=False)
         self._button = gui.add_button(
             Rescue().label, color="orange", disabled=True, visible=False
@@ -36,7 +35,7 @@ class RecoveryPanel(Panel):
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Show what is wrong and what the button does about it."""
+        """Show the errors and what the button does about them."""
         rescue = choose_rescue(view)
         self._trouble.visible = bool(rescue.trouble)
         is_needed = bool(rescue.trouble or rescue.action)

@@ -17,7 +17,7 @@ PACES = {"1/10": 0.1, "1/4": 0.25, "1/2": 0.5, "1": 1.0}
 
 
 class SimulationPanel(Panel):
-    """Time and the simulated world, in four buttons.
+    """Buttons for simulated time and for the simulated world.
 
     Args:
         gui: Where the tab is built.
@@ -28,8 +28,7 @@ class SimulationPanel(Panel):
     def __init__(
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._state = gui.add_html(hint("Waiting for the station …"))
         self._pause = gui.add_button("Pause", disabled=True)
         self._step = gui.add_button("Step one cycle", disabled=True)
@@ -52,7 +51,7 @@ class SimulationPanel(Panel):
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Show how time passes, or say why the buttons are greyed."""
+        """Show how time passes, or why the buttons are disabled."""
         found = None if view.status is None else view.status.simulation
         live = view.link == "live" and found is not None
         paused = found is not None and found.paused

@@ -6,11 +6,9 @@ import math
 import viser
 from typing_extensions import override
 
-from station.client import ApiError
 from station.ui.cartesian_model import POSE, TargetPose, choose_cartesian
 from station.ui.markup import good, hint, warning
-from station.ui.operate_model import Operated
-from station.ui.panels.panel import Panel
+from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.reporter import Reporter
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
@@ -21,8 +19,8 @@ _SIZE = 0.18
 _HELD_FOR = 1.0
 
 
-class TargetPanel(Panel):
-    """A draggable frame at the end effector, and what becomes of it.
+class TargetPanel(CommandingPanel):
+    """A draggable frame at the end effector, and a text about the motion to it.
 
     Args:
         server: Where the frame and the text are shown.
@@ -38,11 +36,8 @@ class TargetPanel(Panel):
         reporter: Reporter,
         base: str,
     ) -> None:
-        self._link = link
-        self._reporter = reporter
-        self._operated = Operated()
+        super().__init__(link, reporter)
         self._target = TargetPose()
-        self._epoch: int | None = None
         self._desired: list[float] = []
         self._told = ""
         self._dragged_at = -math.inf
@@ -54,22 +49,17 @@ class TargetPanel(Panel):
         self._gizmo.on_update(self._on_drag)
 
     @override
-    def watched(self) -> set[str]:
-        """Return the controller that follows the target."""
-        return {self._operated.name} if self._operated.name else set()
+    def let_go(self) -> None:
+        self._target.let_go()
 
     @override
     def refresh(self, view: StationView) -> None:
-        """Let the target follow the arm until it is dragged; say why it is hidden."""
+        """Let the target follow the arm until a person drags the target."""
         operated = choose_cartesian(view, POSE, KIND)
         if operated.reason or operated.name != self._operated.name:
-            self._target.let_go()
             self._desired = []
             self._told = ""
-        if view.epoch != self._epoch:
-            self._target.let_go()
-            self._epoch = view.epoch
-        self._operated = operated
+        self._operate(operated, view)
         sample = view.samples.get(operated.name)
         if sample is not None and len(sample.desired) == len(POSE):
             known = [value for value in sample.desired if value is not None]
@@ -77,7 +67,7 @@ class TargetPanel(Panel):
         self._show()
 
     async def run(self) -> None:
-        """Send the target, for as long as it is pursued, until cancelled."""
+        """Send the target while the arm approaches it, until cancelled."""
         while True:
             await asyncio.sleep(_SEND_PERIOD)
             if not self._desired or self._operated.reason:
@@ -88,13 +78,9 @@ class TargetPanel(Panel):
 
     async def _send(self, name: str, pose: list[float]) -> None:
         client = self._link.client
-        try:
+        with self._letting_go_when_refused():
             await client.command(name, pose, epoch=self._epoch)
             said = (await client.controller_state(name)).published.get("state", {})
-        except ApiError as error:
-            self._target.let_go()
-            self._reporter.refused(error, None)
-        else:
             self._told = str(said.get("message", ""))
 
     def _show(self) -> None:
@@ -117,7 +103,7 @@ class TargetPanel(Panel):
         return good(f"Drag the target at the gripper; {self._operated.name} follows.")
 
     async def _on_drag(self, event: viser.TransformControlsEvent) -> None:
-        """Take over where a person dragged the target."""
+        """Take the pose to which a person dragged the target."""
         if event.client is None or self._operated.reason or not self._desired:
             return
         self._dragged_at = self._link.now()

@@ -1,4 +1,4 @@
-"""The Tune tab: gains of the chosen joint, and what they do, in a live plot."""
+"""The Tune tab: the gains of a joint, and a live plot of the joint's response."""
 
 import asyncio
 from functools import partial
@@ -42,8 +42,7 @@ class TunePanel(Panel):
         self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
     ) -> None:
         self._gui = gui
-        self._link = link
-        self._reporter = reporter
+        super().__init__(link, reporter)
         self._gains: Gains | None = None
         self._gains_of = ""
         self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
@@ -102,7 +101,7 @@ class TunePanel(Panel):
         try:
             self._gains = await self._link.client.gains(name)
         except ApiError:
-            self._gains = None  # It has none, or is gone; the note says so.
+            self._gains = None  # No gains, or no such controller; the note says so.
         self._gains_of = name
 
     def _show_gains(self, gains: Gains, names: list[str], view: StationView) -> None:

@@ -162,7 +162,7 @@ def test_a_stopped_station_starts_nothing(spring):
     assert (caught.value.status, caught.value.code) == (423, "stopped")
 
 
-def test_unloading_answers_what_it_was(spring):
+def test_unloading_answers_the_last_state_of_the_controller(spring):
     spring.switch_controllers(stop=["spring"])
 
     assert spring.unload_controller("spring").state == "stopped"

@@ -88,7 +88,7 @@ def test_an_etag_of_something_else_is_refused(spring, station, tag):
     ],
 )
 @pytest.mark.usefixtures("spring")
-def test_a_set_with_one_bad_value_changes_nothing(operator, station, values, code):
+def test_gains_with_one_bad_value_change_nothing(operator, station, values, code):
     answer = operator.patch(
         GAINS,
         content=f'{{"values": {values}}}',

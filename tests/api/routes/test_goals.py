@@ -53,7 +53,7 @@ def test_a_goal_is_followed_to_its_end(arm, operator, station):
     assert arm.joint_states().position == pytest.approx([0.4, -0.4], abs=1e-6)
 
 
-def test_a_new_goal_preempts_and_a_cancelled_one_holds(arm, station):
+def test_a_new_goal_preempts_the_old_goal_and_cancelling_holds_the_joints(arm, station):
     first = arm.submit_goal("arm", GOAL)
     station.loop.step(100)
     second = arm.submit_goal("arm", GOAL)

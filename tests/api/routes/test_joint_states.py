@@ -13,7 +13,9 @@ def test_joint_states(client):
     assert states.stamp == 0.001
 
 
-def test_before_the_first_cycle_there_are_none(operator, station, monkeypatch):
+def test_joint_states_are_refused_before_the_first_cycle(
+    operator, station, monkeypatch
+):
     monkeypatch.setattr(station.snapshots, "latest", lambda: None)
 
     problem_of(operator.get("/api/v1/joint_states"), 503, "loop")

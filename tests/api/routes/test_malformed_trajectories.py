@@ -120,7 +120,7 @@ def test_numbers_that_are_not_finite_are_no_json(arm, operator, number, field):
 
 
 @pytest.mark.parametrize("what", MALFORMED)
-def test_a_malformed_trajectory_is_refused_too(arm, operator, station, what):
+def test_a_malformed_trajectory_without_a_goal_is_refused(arm, operator, station, what):
     body, reason = MALFORMED[what]
     if what in {"unknown tolerance", "a goal time of 1e300 s", "no trajectory"}:
         pytest.skip("only goals have that")

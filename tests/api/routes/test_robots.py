@@ -60,7 +60,7 @@ def test_unknown_arm_and_frame_are_refused(client, operator):
     assert answer.status_code == 422
 
 
-def test_services_take_what_is_in_range(panda):
+def test_services_accept_values_within_their_ranges(panda):
     panda.set_joint_impedance([3000.0] * 7)
     panda.set_cartesian_impedance([2000.0] * 3 + [200.0] * 3)
     panda.set_EE_frame(IDENTITY)

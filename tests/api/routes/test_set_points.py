@@ -75,7 +75,7 @@ def test_a_body_that_is_not_declared_json_is_refused(operator):
     problem_of(answer, 415, "unsupported_media_type")
 
 
-def test_a_stopped_controller_takes_none(spring):
+def test_a_stopped_controller_refuses_set_points(spring):
     spring.switch_controllers(stop=["spring"])
 
     with pytest.raises(ApiError) as caught:

@@ -71,11 +71,13 @@ def test_the_status_says_that_time_stands_still(client):
         ("/reset", "POST", {"keyframe": 3}, 422, "invalid_request"),
     ],
 )
-def test_what_is_impossible_is_refused(operator, path, method, body, status, code):
+def test_impossible_changes_of_the_simulation_are_refused(
+    operator, path, method, body, status, code
+):
     problem_of(operator.request(method, SIMULATION + path, json=body), status, code)
 
 
-def test_a_real_robot_has_none():
+def test_a_real_robot_refuses_the_routes_of_the_simulation():
     app = create_app(make_spring_station(), Authenticator(OPERATOR, VIEWER))
     with (
         StationClient(URL, VIEWER, transport=AppTransport(app)) as client,

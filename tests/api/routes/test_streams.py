@@ -3,7 +3,7 @@
 from tests.api.test_errors import problem_of
 
 
-def test_plain_http_is_told_to_upgrade(operator):
+def test_plain_http_request_of_a_stream_is_asked_to_upgrade(operator):
     answer = operator.get("/api/v1/streams/controller_state/arm")
 
     problem = problem_of(answer, 426, "websocket_needed")

@@ -28,7 +28,7 @@ def test_a_revolute_joint_has_its_limits():
         "type='revolute'", "<limit lower='-1' upper='2' velocity='3' effort='4'/>"
     )
     assert joint == JointDescription("j", JointType.REVOLUTE, -1.0, 2.0, 3.0, 4.0)
-    assert joint.is_limited()
+    assert joint.type.has_position_limits
     assert not joint.is_linear()
 
 
@@ -38,7 +38,7 @@ def test_a_continuous_joint_has_no_position_limits():
     )
     assert (joint.lower, joint.upper) == (-inf, inf)
     assert (joint.velocity, joint.effort) == (3.0, inf)
-    assert not joint.is_limited()
+    assert not joint.type.has_position_limits
 
 
 @pytest.mark.parametrize(

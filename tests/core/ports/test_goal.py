@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.errors import GoalNotFoundError
+from station.core.errors import ControllerStateError, GoalNotFoundError
 from station.core.ports.goal import Goal, GoalPort, GoalResult, GoalStatus
 
 
@@ -86,3 +86,15 @@ def test_cancelling_a_goal_that_has_ended_changes_nothing():
     assert port.cancel(done.identifier) is done
     port.void("A reset.")
     assert not done.cancel_requested
+
+
+def test_a_port_refuses_goals_while_its_controller_is_not_running():
+    port = Port(is_running=lambda: False)
+    with pytest.raises(ControllerStateError, match="not running"):
+        port.submit({})
+    assert port.goals() == []
+
+
+def test_a_goal_has_the_feedback_of_its_port():
+    goal = Port(feedback=lambda: {"position": 0.5}).submit({})
+    assert goal.feedback() == {"position": 0.5}

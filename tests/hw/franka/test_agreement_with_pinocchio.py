@@ -239,7 +239,7 @@ def test_arm_with_its_hand_is_the_arm_with_that_load(
         np.testing.assert_allclose(ours, expected, rtol=0.0, atol=TOLERANCE)
 
 
-def test_simulated_arm_is_the_same_one(
+def test_simulated_arm_agrees_with_the_model_of_pinocchio(
     description: RobotFiles, arm: pin.Model, cases: list[Case]
 ) -> None:
     """The world moves the arm that the model describes, its rotors apart."""

@@ -65,7 +65,7 @@ def hold(arm: SimulatedArm, cycles: int = 5) -> list[float]:
         ),
     ],
 )
-def test_position_jump_raises_what_its_size_deserves(
+def test_position_jump_raises_the_errors_of_the_limits_it_exceeds(
     arm: SimulatedArm, jump: float, names: list[str]
 ) -> None:
     arm.start_motion(IMPEDANCE, POSITION)
@@ -136,7 +136,7 @@ def test_fast_joint_is_a_velocity_violation(arm: SimulatedArm) -> None:
         ([0.1, 0.0, 0.0], "cartesian_position_motion_generator_start_pose_invalid"),
     ],
 )
-def test_pose_jump_raises_what_its_size_deserves(
+def test_pose_jump_raises_the_errors_of_the_limits_it_exceeds(
     arm: SimulatedArm, values: list[float], name: str
 ) -> None:
     arm.start_motion(IMPEDANCE, POSE)

@@ -63,7 +63,9 @@ def test_no_joint_leaves_its_bounds(kind: str, seed: int, factor: float) -> None
 
 @pytest.mark.parametrize("factor", VELOCITY_FACTORS)
 @pytest.mark.parametrize("joint", range(7))
-def test_nor_does_a_single_one(joint: int, factor: float) -> None:
+def test_no_joint_leaves_its_bounds_when_one_joint_is_commanded(
+    joint: int, factor: float
+) -> None:
     check_far_commands("jt", factor, [float(i == joint) for i in range(7)])
 
 

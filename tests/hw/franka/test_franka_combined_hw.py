@@ -130,7 +130,7 @@ def test_errors_of_several_arms_are_recovered_together(station):
     assert station.latest().mode == "move"
 
 
-def test_recovery_of_all_is_one_of_none_while_a_user_stop_is_pressed(station):
+def test_no_arm_is_recovered_while_the_user_stop_of_another_arm_is_pressed(station):
     Arms(station.robots).inject("left", SimulatedFault(FaultKind.COLLISION, 30))
     station.loop.step(200)
     Arms(station.robots).set_user_stop("right", pressed=True)

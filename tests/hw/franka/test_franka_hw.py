@@ -196,7 +196,7 @@ def test_commands_far_outside_are_kept_within_the_limits(
     # Full speed up to the limit: the arm springs beyond it, as its stiffness lets it.
     assert degrees(farthest - 2.8973) < 1.0
     assert fastest < 2.175 * 1.02
-    assert sum(limits.clamp_count for limits in hw.commands.limit_interfaces()) > 0
+    assert sum(clamp.count for clamp in hw.clamps()) > 0
 
 
 def test_torques_are_limited_and_filtered(hw: FrankaHW) -> None:
@@ -248,7 +248,7 @@ def test_unsupported_mode_is_refused_by_name(
     assert hw.mode() == "move"
 
 
-def test_conflict_is_told(hw: FrankaHW) -> None:
+def test_conflict_names_the_controller_that_claims_the_joints(hw: FrankaHW) -> None:
     running = [*controllers("jp"), *controllers("jv")]
     assert "claimed by 'jp'" in hw.check_for_conflict(running)[0].reason
     assert hw.check_for_conflict([*controllers("jp"), *controllers("jt")]) == []
@@ -262,7 +262,7 @@ def test_conflict_is_told(hw: FrankaHW) -> None:
         ("jv", VelocityJointInterface),
     ],
 )
-def test_command_that_is_no_number_stops_the_motion(
+def test_command_that_is_not_finite_stops_the_motion(
     hw: FrankaHW, kind: str, interface: type
 ) -> None:
     switch(hw, kind)

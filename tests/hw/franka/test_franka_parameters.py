@@ -20,7 +20,7 @@ def params(**values: object) -> Parameters:
     return Parameters(ParameterTree({"robot": {**NEEDED, **values}}), "robot")
 
 
-def test_defaults_are_those_of_upstreams_files() -> None:
+def test_default_parameters_equal_the_files_of_franka_ros() -> None:
     read, settings = read_parameters(params()), read_command_settings(params())
     assert read.joint_names == tuple(f"panda_joint{n}" for n in range(1, 8))
     assert read.joint_limit_warning_threshold == 0.1
@@ -117,7 +117,7 @@ def test_impossible_thresholds_are_refused(key: str, value: list[float]) -> None
         read_parameters(Parameters(ParameterTree({"robot": values}), "robot"))
 
 
-def test_service_limits_are_those_of_the_payload_unless_configured():
+def test_largest_load_is_the_payload_unless_configured():
     assert read_parameters(params()).service_limits == ServiceLimits(load_mass=3.0)
     read = read_parameters(params(service_limits={"load_mass": 5.0}))
     assert read.service_limits == ServiceLimits(load_mass=5.0)

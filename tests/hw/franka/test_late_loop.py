@@ -90,7 +90,9 @@ def test_motion_goes_on_through_a_late_cycle(kind: str, step: Step, late: int) -
 
 
 @pytest.mark.parametrize(("kind", "step"), MOTIONS)
-def test_twenty_missed_cycles_are_the_one_error(kind: str, step: Step) -> None:
+def test_twenty_missed_cycles_raise_the_communication_error_alone(
+    kind: str, step: Step
+) -> None:
     bench = make()
     bench.start(kind)
     run(bench, step, 20)

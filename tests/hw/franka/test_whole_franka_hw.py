@@ -116,7 +116,7 @@ def test_nobody_pays_for_kinematics_or_dynamics_that_nobody_asks_for(
     assert not called & (KINEMATICS | DYNAMICS)
 
 
-def test_state_is_completed_once_per_cycle_for_all_who_ask(hw: FrankaHW) -> None:
+def test_derived_state_is_computed_once_per_cycle(hw: FrankaHW) -> None:
     handle = hw.get(FrankaStateInterface).get_handle("panda_robot")
     run(hw, 1)
     profile = cProfile.Profile()
@@ -143,7 +143,7 @@ JERK = "joint_motion_generator_acceleration_discontinuity"
         (5e-3, [VELOCITY, ACCELERATION, JERK]),
     ],
 )
-def test_position_jump_raises_what_its_size_deserves(
+def test_position_jump_raises_the_errors_of_the_limits_it_exceeds(
     jump: float, names: list[str], without_soft_limits: str
 ) -> None:
     hw = make(
@@ -213,7 +213,7 @@ def test_fr3_is_an_arm_with_names_and_limits_of_its_own() -> None:
     assert all(0.0 <= stop - limit < 0.1 for stop, limit in widest)
 
 
-def test_panda_may_be_told_to_be_an_fr3() -> None:
+def test_arm_type_fr3_gives_a_panda_the_limits_of_an_fr3() -> None:
     hw = make(arm_type="fr3")
     assert hw.arm.limits is FR3_LIMITS
     assert hw.joint_limits()[0].joint == "panda_joint1"

@@ -46,11 +46,11 @@ def info(name, interface, *resources):
 ARM = info("arm", VelocityJointInterface, "a")
 
 
-def test_it_has_two_joints_without_any_parameter():
+def test_mock_has_two_joints_without_parameters():
     assert robot_with().get(JointStateInterface).get_names() == ["joint1", "joint2"]
 
 
-def test_its_joints_begin_where_the_parameters_say(robot):
+def test_mock_joints_begin_at_the_configured_positions(robot):
     robot.read(0.0, 0.0)
 
     states = robot.get(JointStateInterface)
@@ -67,11 +67,11 @@ def test_its_joints_begin_where_the_parameters_say(robot):
         PosVelAccJointInterface,
     ],
 )
-def test_its_joints_take_every_kind_of_command(robot, interface):
+def test_mock_joints_take_every_kind_of_command(robot, interface):
     assert robot.get(interface).get_names() == ["a", "b"]
 
 
-def test_it_has_a_force_torque_sensor_and_an_imu(robot):
+def test_mock_has_a_force_torque_sensor_and_an_imu(robot):
     wrench = robot.get(ForceTorqueSensorInterface).get_handle("mock_wrench")
     imu = robot.get(ImuSensorInterface).get_handle("mock_imu")
 

@@ -3,7 +3,7 @@
 from station.hw.mock.mock_script import MockScript
 
 
-def test_the_empty_script_orders_nothing():
+def test_a_new_mock_script_has_no_fault():
     script = MockScript()
 
     assert script.refusal is None
@@ -14,7 +14,7 @@ def test_the_empty_script_orders_nothing():
     assert script.switch_cycles == 0
 
 
-def test_scripts_share_nothing():
+def test_mock_scripts_do_not_share_their_sets():
     MockScript().failing.add("arm")
 
     assert not MockScript().failing

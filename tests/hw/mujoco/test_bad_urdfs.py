@@ -124,7 +124,7 @@ def load(path: Path, text: str) -> MujocoRobotHW:
     return hw
 
 
-def test_the_good_one_loads(tmp_path):
+def test_urdf_without_a_mistake_is_loaded(tmp_path):
     assert load(tmp_path / "good.urdf", GOOD).joint_limits()[0].joint == "j"
 
 

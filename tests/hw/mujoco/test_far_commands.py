@@ -102,7 +102,7 @@ def test_no_joint_leaves_its_bounds(robot: str, quantity: str) -> None:
 
 
 @pytest.mark.parametrize("robot", ["ur5", "talos_left_arm"])
-def test_nor_does_one_that_is_limited_by_rate(robot: str) -> None:
+def test_no_joint_limited_by_rate_leaves_its_bounds(robot: str) -> None:
     check_far_commands(robot, "velocity", seed=2, limit_mode="rate")
 
 
@@ -117,7 +117,7 @@ def test_in_other_directions(
     check_far_commands(robot, quantity, seed, limit_mode)
 
 
-def test_brakes_are_what_holds_the_bound() -> None:
+def test_brakes_act_on_far_effort_commands() -> None:
     hw = check_far_commands("panda", "effort", seed=1, limit_mode="ros_control")
     assert hw.world.brakes.braked_steps > 0
 

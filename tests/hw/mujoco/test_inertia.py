@@ -19,7 +19,7 @@ ROD = Inertial(2.0, Pose(), (0.1, 0.2, 0.25, 0.0, 0.0, 0.0))
         ((-1.0, 1.0, 1.0), False),
     ],
 )
-def test_inertia_of_a_rigid_body_is_told_apart(
+def test_inertia_of_a_rigid_body_is_recognised(
     moments: tuple[float, float, float], *, expected: bool
 ) -> None:
     assert is_rigid_body(Inertial(1.0, Pose(), (*moments, 0, 0, 0))) is expected

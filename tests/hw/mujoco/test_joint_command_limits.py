@@ -66,7 +66,7 @@ def test_parameters_win():
 @pytest.mark.parametrize("quantity", ["position", "velocity", "effort"])
 @pytest.mark.parametrize("mode", list(LimitMode))
 @pytest.mark.parametrize("soft", ["", SAFETY])
-def test_far_commands_are_cut_off_and_told(quantity, mode, soft):
+def test_far_commands_are_limited_and_reported(quantity, mode, soft):
     bench = Bench(mode=mode, soft=soft)
     allowed = {"position": 2.0 * 0.001, "velocity": 2.0, "effort": 5.0}[quantity]
     assert bench.limits.clamps() == []

@@ -125,7 +125,7 @@ def test_hand_tcp_is_a_site_at_the_published_place() -> None:
     assert tcp.xmat == pytest.approx(np.diag([1.0, -1.0, -1.0]).ravel(), abs=1e-12)
 
 
-def test_masses_are_those_of_the_urdf() -> None:
+def test_bodies_have_the_masses_of_the_urdf() -> None:
     urdf, _ = panda()
     model = panda_model()
     for name, link in urdf.links.items():
@@ -226,7 +226,7 @@ def test_two_arms_stand_at_their_own_base_poses() -> None:
     assert data.site("right_link8").xpos == pytest.approx([0.0, -0.412, 0.926])
 
 
-def test_same_robot_twice_under_one_name_is_refused() -> None:
+def test_two_robots_with_the_same_name_are_refused() -> None:
     urdf, _ = panda()
     spec = new_world(0.001)
     add_robot(spec, urdf, RobotOptions())
@@ -247,7 +247,7 @@ def test_inertia_is_turned_with_its_origin() -> None:
     assert data.M[0] == pytest.approx(2.2)
 
 
-def test_point_mass_on_a_link_is_carried_by_it() -> None:
+def test_link_carries_a_point_mass() -> None:
     solid = (
         '<link name="b"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" '
         'izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'

@@ -142,7 +142,7 @@ def test_position_command_is_reached():
     assert states(hw)["wrist_1_joint"].get_position() == pytest.approx(-0.5, abs=1e-4)
 
 
-def test_effort_command_is_what_the_motor_gives():
+def test_effort_command_is_the_effort_of_the_motor():
     hw = make(WRIST)
     claim(hw, "effort", "wrist_pitch_joint", "wrist_roll_joint")
     drive(hw, "effort", {"wrist_pitch_joint": 0.3, "wrist_roll_joint": -0.2}, 10)
@@ -296,7 +296,7 @@ def test_loop_faster_than_the_simulation_is_refused():
     hw.check_period(0.002)
 
 
-def test_loop_that_steps_unevenly_is_told(caplog: pytest.LogCaptureFixture):
+def test_loop_with_uneven_steps_is_reported(caplog: pytest.LogCaptureFixture):
     hw = make()
     hw.check_period(0.004)
     assert not caplog.records

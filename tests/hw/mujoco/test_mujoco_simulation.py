@@ -32,7 +32,7 @@ def test_joints_start_as_wanted_else_at_zero_else_in_mid_range():
     assert position(world, "panda_joint4") == pytest.approx((-3.0718 - 0.0698) / 2.0)
 
 
-def test_mimic_joint_starts_where_it_follows():
+def test_mimic_joint_starts_at_the_position_of_its_rule():
     world = simulate("panda", initial_positions={"panda_finger_joint1": 0.03})
     assert position(world, "panda_finger_joint2") == 0.03
 
@@ -45,6 +45,6 @@ def test_impossible_start_is_refused(joint, value):
         simulate("panda", initial_positions={joint: value})
 
 
-def test_base_stands_where_it_is_wanted():
+def test_base_stands_at_the_configured_position():
     world = simulate("ur5", base_xyz=[0.0, 0.0, 0.75], floor=False)
     assert world.data.body("base_link").xpos[2] == pytest.approx(0.75)

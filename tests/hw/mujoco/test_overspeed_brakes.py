@@ -84,7 +84,9 @@ def test_impulses_obey_the_equations(bench: Bench, seed: int) -> None:
     assert np.all(moved[3:] == 0.0)
 
 
-def test_brake_of_one_joint_acts_on_the_others(bench: Bench) -> None:
+def test_brake_of_one_joint_moves_coupled_joints(
+    bench: Bench,
+) -> None:
     bench.data.qvel[:3] = [3.0, 0.0, 0.0]
     bench.brakes.act()
     # The first link is stopped; the second one swings on.
@@ -92,7 +94,7 @@ def test_brake_of_one_joint_acts_on_the_others(bench: Bench) -> None:
     assert bench.data.qvel[1] > 0.5
 
 
-def test_forces_are_those_of_the_last_step(bench: Bench) -> None:
+def test_brake_forces_belong_to_the_last_step(bench: Bench) -> None:
     bench.data.qvel[0] = 3.0
     bench.brakes.act()
     assert bench.brakes.forces[0] < 0.0
@@ -109,7 +111,7 @@ def test_joint_without_a_limit_is_left_alone(bench: Bench) -> None:
     assert bench.data.qvel[1] == 50.0
 
 
-def test_nan_is_left_to_who_watches_for_it(bench: Bench) -> None:
+def test_joint_velocity_that_is_not_finite_is_not_braked(bench: Bench) -> None:
     bench.data.qvel[0] = np.nan
     bench.brakes.act()
     assert bench.brakes.braked_steps == 0

@@ -39,7 +39,7 @@ def read(description: RobotFiles):
     return read_transmissions(description, load_urdf(description))
 
 
-def test_joints_without_transmission_get_a_simple_one():
+def test_joint_without_transmission_gets_a_simple_transmission():
     infos = read(describe(transmission("t", "b")))
     assert [info.name for info in infos] == ["a_transmission", "t", "c_transmission"]
     assert infos[0].actuators[0].name == "a_motor"

@@ -62,9 +62,7 @@ def test_names_are_unlike():
     ("name", "size", "problem"),
     [("hull", 10, "has no extension"), ("hull.stl", 3_000_000_000, "3000000000 bytes")],
 )
-def test_mesh_file_that_cannot_be_one_is_refused_with_its_key(
-    tmp_path, name, size, problem
-):
+def test_file_that_is_no_mesh_is_refused_with_its_key(tmp_path, name, size, problem):
     path = tmp_path / name
     with path.open("wb") as file:
         file.truncate(size)

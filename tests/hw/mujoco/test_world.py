@@ -162,7 +162,7 @@ def test_diverged_world_stands_still_until_it_is_reset(
     assert (world.time, world.step_count) == (0.0, 2)
     world.reset()
     world.step()
-    assert world.diverged_because == ""
+    assert world.diverged_because is None
     assert world.time == pytest.approx(0.001)
 
 

@@ -59,7 +59,7 @@ def test_reading_hands_out_copies(model: mujoco.MjModel) -> None:
     assert all(type(value) is float for value in joints.read_positions())
 
 
-def test_properties_are_those_of_the_model(model: mujoco.MjModel) -> None:
+def test_joint_properties_are_read_from_the_model(model: mujoco.MjModel) -> None:
     joints = WorldJoints(model, mujoco.MjData(model), ["hinge", "slide"])
     infinity = float("inf")
     assert joints.lower_limits == [-1.0, -infinity]

@@ -21,7 +21,7 @@ def test_a_controller_is_started_and_stopped_by_clicking(bench, panel):
     assert bench.wait(lambda: bench.station.controllers["arm"].state == "stopped")
 
 
-def test_starting_over_another_says_what_it_stops(bench, panel):
+def test_starting_a_controller_in_place_of_another_shows_what_it_stops(bench, panel):
     bench.station.load("arm")
     bench.station.load("old", running=True)
     assert bench.wait(lambda: panel._start.label == "Stop old and start this")
@@ -56,7 +56,7 @@ def test_the_form_is_prefilled_so_that_load_works_at_once(bench, panel):
     assert bench.wait(lambda: form._name.value != body["name"])  # a free one
 
 
-def test_a_refusal_is_shown_as_it_is_worded(bench, panel):
+def test_a_refusal_is_shown_in_the_words_of_the_station(bench, panel):
     bench.station.load("twice")
     bench.enter(panel._load._name, "twice")
     assert bench.wait(lambda: panel._load._name.value == "twice")

@@ -33,7 +33,7 @@ def twists(bench):
     return [r[2]["command"] for r in bench.station.requests if r[0] == "PUT"]
 
 
-def test_buttons_are_greyed_with_what_to_start(bench, panel):
+def test_disabled_buttons_name_the_controller_to_start(bench, panel):
     assert bench.wait(lambda: "Load a CartesianJog" in panel._state.content)
     bench.station.load("jog", JOG)
     assert bench.wait(lambda: "Start jog in the Contr" in panel._state.content)
@@ -67,7 +67,7 @@ def test_a_stop_lets_go(running, panel):
     assert panel._buttons.twist(running.link.now(), 0.1, 0.1) is None
 
 
-def test_the_axes_are_those_of_the_controller_and_can_be_changed(bench, panel):
+def test_the_dropdown_shows_and_changes_the_axes_of_the_jog_controller(bench, panel):
     bench.station.load("jog", JOG, running=True)
     bench.station.controllers["jog"].gains = {"frame": 1.0}
     assert bench.wait(lambda: panel._axes.value == "End effector")

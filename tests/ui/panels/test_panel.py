@@ -1,4 +1,4 @@
-"""What all tabs share."""
+"""Panel: the base of all tabs of the dashboard."""
 
 from station.ui.panels.panel import Panel
 
@@ -8,5 +8,5 @@ class _Tab(Panel):
         self.seen = view
 
 
-def test_a_tab_watches_no_controller_unless_it_says_so():
-    assert _Tab().watched() == set()
+def test_a_tab_without_watched_controllers_needs_no_samples():
+    assert _Tab(link=None, reporter=None).watched() == set()

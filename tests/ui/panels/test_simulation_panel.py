@@ -12,7 +12,7 @@ def panel(bench):
     return panel
 
 
-def test_time_is_stopped_and_goes_on_with_one_button(bench, panel):
+def test_one_button_pauses_and_resumes_simulated_time(bench, panel):
     assert bench.wait(lambda: "Running at 1 of real time" in panel._state.content)
 
     bench.click(panel._pause)

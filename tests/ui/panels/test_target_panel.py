@@ -38,7 +38,7 @@ def commands(bench):
     return [r[2]["command"] for r in bench.station.requests if r[0] == "PUT"]
 
 
-def test_it_is_hidden_with_what_to_start(bench, panel):
+def test_the_target_is_hidden_until_a_controller_that_follows_poses_runs(bench, panel):
     bench.station.load("stream", STREAMING)
     assert bench.wait(lambda: "Start stream in the Contr" in panel._state.content)
     assert bench.wait(lambda: not panel._gizmo.visible)

@@ -40,6 +40,6 @@ def test_another_joint_shows_its_own_gains(bench, panel):
     assert bench.wait(lambda: "panda_joint1/p" in panel._sliders)
 
 
-def test_a_controller_without_gains_says_so(bench, panel):
+def test_a_controller_without_gains_shows_a_hint(bench, panel):
     bench.station.controllers["arm"].gains.clear()
     assert bench.wait(lambda: "no gains to tune" in panel._note.content)

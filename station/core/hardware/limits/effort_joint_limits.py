@@ -16,37 +16,26 @@ Source: ros_control@633c374 joint_limits_interface.h, EffortJointSaturationHandl
 EffortJointSoftLimitsHandle; differs: clamps are counted, invalid limits are refused.
 """
 
+from typing import ClassVar
+
 from typing_extensions import override
 
-from station.core.hardware.interfaces.joint import JointHandle
-from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimits
 from station.core.hardware.limits.joint_limits_handle import (
     ClampReason,
     JointLimitsHandle,
-    require_limit,
+    SoftLimitsHandle,
 )
 from station.core.hardware.limits.saturate import saturate, soft_velocity_bound
 
 
 class EffortJointSaturationHandle(JointLimitsHandle):
-    """Clip an effort command; beyond a limit, admit only an effort that points back."""
+    """Clip an effort command; beyond a limit, admit only an effort that points back.
 
-    def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
-        """Read the limits once.
+    Effort commands are in [N*m or N]. The joint needs velocity and effort limits;
+    position limits are optional.
+    """
 
-        Args:
-            joint: The joint's state and effort command [N*m or N].
-            limits: Velocity and effort limits; position limits are optional.
-        """
-        super().__init__(joint)
-        self._max_velocity: float = require_limit(
-            joint.name, "velocity", limits.max_velocity
-        )
-        self._max_effort: float = require_limit(joint.name, "effort", limits.max_effort)
-        limits.validate(joint.name)
-        self._has_position_limits: bool = limits.has_position_limits
-        self._min_position: float = limits.min_position or 0.0
-        self._max_position: float = limits.max_position or 0.0
+    required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
 
     @override
     def enforce_limits(self, period: float) -> None:
@@ -84,31 +73,14 @@ class EffortJointSaturationHandle(JointLimitsHandle):
         return ClampReason.VELOCITY
 
 
-class EffortJointSoftLimitsHandle(JointLimitsHandle):
-    """Brake a joint in proportion to its excess velocity before the soft limits."""
+class EffortJointSoftLimitsHandle(SoftLimitsHandle):
+    """Brake a joint in proportion to its excess velocity before the soft limits.
 
-    def __init__(
-        self, joint: JointHandle, limits: JointLimits, soft_limits: SoftJointLimits
-    ) -> None:
-        """Read the limits once.
+    Effort commands are in [N*m or N]. The joint needs velocity and effort limits, and
+    position limits unless it is continuous.
+    """
 
-        Args:
-            joint: The joint's state and effort command [N*m or N].
-            limits: Velocity and effort limits; position limits unless it is continuous.
-            soft_limits: Range and gains; the range is ignored without position limits.
-        """
-        super().__init__(joint)
-        self._max_velocity: float = require_limit(
-            joint.name, "velocity", limits.max_velocity
-        )
-        self._max_effort: float = require_limit(joint.name, "effort", limits.max_effort)
-        limits.validate(joint.name)
-        soft_limits.validate(joint.name)
-        self._soft_min: float = soft_limits.min_position
-        self._soft_max: float = soft_limits.max_position
-        self._k_position: float = soft_limits.k_position
-        self._k_velocity: float = soft_limits.k_velocity
-        self._has_position_limits: bool = limits.has_position_limits
+    required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
 
     @override
     def enforce_limits(self, period: float) -> None:

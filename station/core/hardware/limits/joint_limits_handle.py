@@ -3,10 +3,16 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
+from typing import ClassVar
 
 from station.core.hardware.interfaces.joint import JointHandle
 from station.core.hardware.interfaces.resource_manager import ResourceHandle
-from station.core.hardware.limits.joint_limits import JointLimitsError
+from station.core.hardware.limits.joint_limits import (
+    JointLimits,
+    JointLimitsError,
+    SoftJointLimits,
+)
 
 
 class ClampReason(Enum):
@@ -46,14 +52,35 @@ class JointLimitsHandle(ResourceHandle, ABC):
     clamp figures may be read by any thread. A NaN command passes through unchanged and
     is not counted, as in the original: the robot and the manager refuse it.
 
+    Args:
+        joint: The joint's state and command, in the unit of the joint's command.
+        limits: The joint's limits, read once.
+
     Attributes:
+        required: The limits that the joint must have, such as "velocity".
         clamp_count: Number of cycles in which the command was changed, since
             construction.
+
+    Raises:
+        JointLimitsError: A required limit is missing, or no command could satisfy the
+            limits.
     """
 
-    def __init__(self, joint: JointHandle) -> None:
+    required: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
         super().__init__(joint.name)
+        for kind in self.required:
+            _require_limit(joint.name, kind, getattr(limits, f"max_{kind}"))
+        limits.validate(joint.name)
         self._joint: JointHandle = joint
+        self._has_position_limits: bool = limits.has_position_limits
+        self._has_acceleration_limits: bool = limits.max_acceleration is not None
+        self._min_position: float = _or_else(limits.min_position, -inf)
+        self._max_position: float = _or_else(limits.max_position, inf)
+        self._max_velocity: float = _or_else(limits.max_velocity, inf)
+        self._max_acceleration: float = _or_else(limits.max_acceleration, inf)
+        self._max_effort: float = _or_else(limits.max_effort, inf)
         self.clamp_count: int = 0
         self._last_clamp: tuple[float, float, ClampReason] | None = None
 
@@ -82,20 +109,31 @@ class JointLimitsHandle(ResourceHandle, ABC):
         self.clamp_count += 1
 
 
-def require_limit(joint: str, kind: str, value: float | None) -> float:
-    """Return a limit that a handle needs.
+class SoftLimitsHandle(JointLimitsHandle):
+    """Enforce the limits of a joint that is slowed down before the limits.
 
     Args:
-        joint: Name of the joint, for the message.
-        kind: Name of the limit in the message, such as "velocity".
-        value: The limit, or None if the joint has none.
-
-    Returns:
-        The limit itself.
+        joint: The joint's state and command, in the unit of the joint's command.
+        limits: The joint's limits, read once.
+        soft_limits: Range and gains; the range is ignored without position limits.
 
     Raises:
-        JointLimitsError: The joint has no such limit.
+        JointLimitsError: A required limit is missing, or no command could satisfy the
+            limits.
     """
+
+    def __init__(
+        self, joint: JointHandle, limits: JointLimits, soft_limits: SoftJointLimits
+    ) -> None:
+        super().__init__(joint, limits)
+        soft_limits.validate(joint.name)
+        self._soft_min: float = soft_limits.min_position
+        self._soft_max: float = soft_limits.max_position
+        self._k_position: float = soft_limits.k_position
+        self._k_velocity: float = soft_limits.k_velocity
+
+
+def _require_limit(joint: str, kind: str, value: float | None) -> None:
     if value is None:
         raise JointLimitsError(
             f"Cannot enforce limits for joint '{joint}'. "
@@ -103,4 +141,7 @@ def require_limit(joint: str, kind: str, value: float | None) -> float:
             remedy=f"Give joint '{joint}' a {kind} limit in the URDF (<limit "
             f'{kind}="...">) or as joint_limits/{joint}/max_{kind}.',
         )
-    return value
+
+
+def _or_else(limit: float | None, unlimited: float) -> float:
+    return unlimited if limit is None else limit

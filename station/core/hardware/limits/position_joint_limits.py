@@ -17,6 +17,7 @@ PositionJointSoftLimitsHandle; differs: clamps are counted, invalid limits are r
 
 from math import nan
 from sys import float_info
+from typing import ClassVar
 
 from typing_extensions import override
 
@@ -25,30 +26,23 @@ from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimi
 from station.core.hardware.limits.joint_limits_handle import (
     ClampReason,
     JointLimitsHandle,
-    require_limit,
+    SoftLimitsHandle,
 )
 from station.core.hardware.limits.saturate import soft_velocity_bound
 
 
 class PositionJointSaturationHandle(JointLimitsHandle):
-    """Clip a position command to the position range and the velocity bound."""
+    """Clip a position command to the position range and the velocity bound.
+
+    Position commands are in [rad or m]. Position and velocity limits are optional.
+    """
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
-        """Read the limits once.
-
-        Args:
-            joint: The joint's state and position command [rad or m].
-            limits: Position and velocity limits, each of them optional.
-        """
-        super().__init__(joint)
-        limits.validate(joint.name)
-        self._min_position: float = -float_info.max
-        self._max_position: float = float_info.max
-        if limits.min_position is not None and limits.max_position is not None:
-            self._min_position = limits.min_position
-            self._max_position = limits.max_position
+        super().__init__(joint, limits)
+        # An infinite command becomes a finite one, as in the original.
+        self._min_position = max(self._min_position, -float_info.max)
+        self._max_position = min(self._max_position, float_info.max)
         self._has_velocity_limits: bool = limits.max_velocity is not None
-        self._max_velocity: float = limits.max_velocity or 0.0
         self._previous: float = nan
 
     @override
@@ -88,36 +82,21 @@ class PositionJointSaturationHandle(JointLimitsHandle):
         return ClampReason.VELOCITY
 
 
-class PositionJointSoftLimitsHandle(JointLimitsHandle):
+class PositionJointSoftLimitsHandle(SoftLimitsHandle):
     """Slow a position command down towards the soft limits, and stop it there.
 
     The velocity bound compares with the last command, not with the measured position,
     which lags behind. It does not hold, therefore, while the joint recovers from a
-    large tracking error. `k_velocity` is not used.
+    large tracking error. `k_velocity` is not used. Position commands are in [rad or m].
+    The joint needs velocity limits, and position limits unless it is continuous.
     """
+
+    required: ClassVar[tuple[str, ...]] = ("velocity",)
 
     def __init__(
         self, joint: JointHandle, limits: JointLimits, soft_limits: SoftJointLimits
     ) -> None:
-        """Read the limits once.
-
-        Args:
-            joint: The joint's state and position command [rad or m].
-            limits: Velocity limits, and position limits unless the joint is continuous.
-            soft_limits: Range and position gain; ignored without position limits.
-        """
-        super().__init__(joint)
-        self._max_velocity: float = require_limit(
-            joint.name, "velocity", limits.max_velocity
-        )
-        limits.validate(joint.name)
-        soft_limits.validate(joint.name)
-        self._has_position_limits: bool = limits.has_position_limits
-        self._min_position: float = limits.min_position or 0.0
-        self._max_position: float = limits.max_position or 0.0
-        self._soft_min: float = soft_limits.min_position
-        self._soft_max: float = soft_limits.max_position
-        self._k_position: float = soft_limits.k_position
+        super().__init__(joint, limits, soft_limits)
         self._previous: float = nan
 
     @override

@@ -7,8 +7,6 @@ have no rate to limit; `EffortJointSaturationHandle` serves them in this mode. O
 the range it admits only an effort that points back.
 """
 
-from math import inf
-
 from typing_extensions import override
 
 from station.core.hardware.interfaces.joint import JointHandle
@@ -22,13 +20,7 @@ class _RateLimitsHandle(JointLimitsHandle):
     """Hold the range and the velocity profile, which both kinds of command need."""
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
-        super().__init__(joint)
-        limits.validate(joint.name)
-        self._min_position: float = -inf
-        self._max_position: float = inf
-        if limits.min_position is not None and limits.max_position is not None:
-            self._min_position = limits.min_position
-            self._max_position = limits.max_position
+        super().__init__(joint, limits)
         self._profile: VelocityProfile = VelocityProfile(limits)
         self._is_started: bool = False
 

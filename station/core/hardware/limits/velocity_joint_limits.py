@@ -19,6 +19,7 @@ and the saturation handle can be reset.
 """
 
 from sys import float_info
+from typing import ClassVar
 
 from typing_extensions import override
 
@@ -27,28 +28,22 @@ from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimi
 from station.core.hardware.limits.joint_limits_handle import (
     ClampReason,
     JointLimitsHandle,
-    require_limit,
+    SoftLimitsHandle,
 )
 from station.core.hardware.limits.saturate import soft_velocity_bound
 
 
 class VelocityJointSaturationHandle(JointLimitsHandle):
-    """Clip a velocity command to the velocity and acceleration bounds."""
+    """Clip a velocity command to the velocity and acceleration bounds.
+
+    Velocity commands are in [rad/s or m/s]. The joint needs velocity limits;
+    acceleration limits are optional.
+    """
+
+    required: ClassVar[tuple[str, ...]] = ("velocity",)
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
-        """Read the limits once.
-
-        Args:
-            joint: The joint's state and velocity command [rad/s or m/s].
-            limits: Velocity limits; acceleration limits are optional.
-        """
-        super().__init__(joint)
-        self._max_velocity: float = require_limit(
-            joint.name, "velocity", limits.max_velocity
-        )
-        limits.validate(joint.name)
-        self._has_acceleration_limits: bool = limits.max_acceleration is not None
-        self._max_acceleration: float = limits.max_acceleration or 0.0
+        super().__init__(joint, limits)
         self._previous: float = 0.0
 
     @override
@@ -84,31 +79,18 @@ class VelocityJointSaturationHandle(JointLimitsHandle):
         return ClampReason.ACCELERATION
 
 
-class VelocityJointSoftLimitsHandle(JointLimitsHandle):
-    """Slow a velocity command down towards the soft limits."""
+class VelocityJointSoftLimitsHandle(SoftLimitsHandle):
+    """Slow a velocity command down towards the soft limits.
+
+    Velocity commands are in [rad/s or m/s]. All limits are optional.
+    """
 
     def __init__(
         self, joint: JointHandle, limits: JointLimits, soft_limits: SoftJointLimits
     ) -> None:
-        """Read the limits once.
-
-        Args:
-            joint: The joint's state and velocity command [rad/s or m/s].
-            limits: Position, velocity and acceleration limits, each of them optional.
-            soft_limits: Range and position gain; ignored without position limits.
-        """
-        super().__init__(joint)
-        limits.validate(joint.name)
-        soft_limits.validate(joint.name)
-        self._max_velocity: float = float_info.max
-        if limits.max_velocity is not None:
-            self._max_velocity = limits.max_velocity
-        self._has_position_limits: bool = limits.has_position_limits
-        self._soft_min: float = soft_limits.min_position
-        self._soft_max: float = soft_limits.max_position
-        self._k_position: float = soft_limits.k_position
-        self._has_acceleration_limits: bool = limits.max_acceleration is not None
-        self._max_acceleration: float = limits.max_acceleration or 0.0
+        super().__init__(joint, limits, soft_limits)
+        # An infinite command becomes a finite one, as in the original.
+        self._max_velocity = min(self._max_velocity, float_info.max)
 
     @override
     def enforce_limits(self, period: float) -> None:

@@ -70,17 +70,17 @@ def is_supported(mode: ControlMode) -> bool:
     return mode & ~ControlMode.JOINT_TORQUE in GENERATOR_OF_MODE
 
 
-def arm_id_of(resource: str) -> str:
+def arm_id_of(resource: str) -> str | None:
     """Return the arm that a resource belongs to, e.g. `panda` for `panda_joint1`.
 
-    The text before the last `_joint`, else before the last `_robot`; empty if the
+    The text before the last `_joint`, or else before the last `_robot`; None if the
     resource names no arm.
     """
     for marker in ("_joint", "_robot"):
         arm_id, found, _ = resource.rpartition(marker)
         if found and arm_id:
             return arm_id
-    return ""
+    return None
 
 
 def claims_of(controllers: Iterable[ControllerInfo]) -> list[Claim]:
@@ -111,7 +111,7 @@ def find_conflicts(
 ) -> list[ResourceConflict]:
     """Return why some controllers cannot run together on an arm.
 
-    The first test that fails decides, so that one mistake is told once.
+    Only the first failing test is reported, so that one mistake has one message.
 
     Args:
         controllers: All controllers that would be running.
@@ -159,7 +159,7 @@ def _double_claims(claims: Sequence[Claim]) -> list[ResourceConflict]:
 def _unknown_claims(claims: Sequence[Claim]) -> list[ResourceConflict]:
     conflicts = []
     for claim in claims:
-        if not arm_id_of(claim.resource):
+        if arm_id_of(claim.resource) is None:
             reason = (
                 f"Resource '{claim.resource}' of '{claim.controller}' names no arm; "
                 "the name must be <arm_id>_joint<n> or <arm_id>_robot."

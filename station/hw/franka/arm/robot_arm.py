@@ -280,7 +280,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def errors(self) -> list[ArmError]:
-        """Return the present errors, or else those that ended the last motion."""
+        """Return the present errors, or else the errors that ended the last motion."""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:

@@ -45,7 +45,7 @@ class ArmServices(FrankaServices):
     Args:
         arm_id: Name of the arm.
         arm: The arm.
-        motion: What the running controllers command.
+        motion: The motion that the running controllers command.
         model: The model of the arm.
         collision_behavior: The configured thresholds, set again at every connection.
         limits: The largest load.
@@ -171,7 +171,7 @@ class ArmServices(FrankaServices):
         try:
             self._arm.check_recovery()
         except ArmCommandError as exc:
-            # An arm does not know its name; a station may have several arms.
+            # The error of an arm lacks the name of the arm; a station may have several.
             message = exc.message.replace("The arm ", f"Arm '{self.name}' ", 1)
             raise ArmCommandError(message, remedy=exc.remedy) from exc
 
@@ -190,7 +190,7 @@ class ArmServices(FrankaServices):
                 f"Arm '{self.name}' is connected already.", remedy="Use it."
             )
         self._is_connected = True
-        # Of the settings the thresholds alone are sent again, as franka_hw does.
+        # As in franka_hw, the thresholds are the only settings that are sent again.
         self._arm.set_collision_behavior(self._collision_behavior)
 
     @override

@@ -112,7 +112,7 @@ class CartesianCommands:
 
         Args:
             settings: Cutoff frequency and whether to limit.
-            is_new: The controllers have had their say since the last time.
+            is_new: Whether controllers have updated since the last call.
 
         Raises:
             InvalidCommandError: The elbow's sign is not +1 or -1.

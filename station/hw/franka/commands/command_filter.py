@@ -29,8 +29,8 @@ _ANY_POSITION = [None] * 7
 class CommandFilter:
     """Filters and limits the commands of an arm, one kind per cycle.
 
-    Each new command is compared with what the arm reports as desired, so the filter
-    starts smoothly from whatever was before. Control thread only.
+    Each new command is compared with the desired values that the arm reports, so the
+    filter starts smoothly from every earlier motion. Control thread only.
 
     Source: libfranka@0.9.2 src/control_loop.cpp, convertMotion and
     ControlLoop::spinControl; differs: a position command that breaks the limits, e.g. a
@@ -54,8 +54,8 @@ class CommandFilter:
         """Forget all previous commands; called when a motion starts.
 
         Args:
-            cutoff_frequency: Of the low-pass [Hz], > 0.
-            rate_limiting: Whether to limit.
+            cutoff_frequency: Cutoff frequency of the low-pass [Hz], > 0.
+            rate_limiting: Whether to limit the rates of commands.
         """
         self._cutoff_frequency = cutoff_frequency
         self._is_limiting = rate_limiting
@@ -103,8 +103,8 @@ class CommandFilter:
         Args:
             q: The command after the joint limits [rad], shape (7,).
             state: The arm's state.
-            goals: The command as the controller gave it, within the position limits
-                [rad], shape (7,).
+            goals: The command of the controller, within the position limits [rad],
+                shape (7,).
         """
         cutoff = self._cutoff_frequency
         passes = self._is_first and not self._arm_limits.filters_first_pose
@@ -143,10 +143,10 @@ def _stoppable(
     """Return the step after which a joint can still stop at its goal.
 
     Args:
-        position: How far is asked for [rad].
-        q_d: Where the desired motion is [rad].
-        goal: Where it is to end [rad].
-        goal_velocity: How fast that moves itself [rad/s]; a step counts as rest.
+        position: Requested position of this cycle [rad].
+        q_d: Present desired position [rad].
+        goal: Position at which the motion ends [rad].
+        goal_velocity: Velocity of the goal [rad/s]; 0 for a goal that makes a step.
         limits: The joint's limits.
     """
     if abs(goal_velocity) > limits.velocity:

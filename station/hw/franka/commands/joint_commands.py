@@ -164,10 +164,6 @@ class JointCommands:
                 )
         return skipped
 
-    def limit_interfaces(self) -> list[JointLimitsInterface[JointLimitsHandle]]:
-        """Return the limits that are enforced, with their clamp counts."""
-        return [self._position_limits, self._velocity_limits, self._effort_limits]
-
     def clamps(self) -> list[ClampReport]:
         """Return which commands were cut off. Any thread."""
         return report_clamps({

@@ -26,12 +26,12 @@ class MotionStart:
 
     Args:
         arm: The arm.
-        sender: What sends the commands, and seeds them at the start of a motion.
+        sender: Sends the commands, and seeds them at the start of a motion.
 
     Attributes:
         mode: The kinds of command that controllers give since the last switch.
-        is_waiting: The arm is coming to rest before a motion.
-        has_failed: The arm refused the last motion.
+        is_waiting: Whether the arm is coming to rest before a motion.
+        has_failed: Whether the arm refused the last motion.
     """
 
     def __init__(self, arm: RobotArm, sender: CommandSender) -> None:
@@ -49,9 +49,9 @@ class MotionStart:
         """Return why the arm cannot go to another mode now; None when it can.
 
         Args:
-            mode: What would be commanded.
-            settings: How it would be passed on.
-            kept: The kinds that running controllers command already and go on with.
+            mode: The kinds of command after the change.
+            settings: How the commands would be passed on.
+            kept: The kinds of command that running controllers continue to give.
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
         reason = arm.refusal(*settings.arm_modes(mode))
@@ -67,12 +67,12 @@ class MotionStart:
     def enter(
         self, mode: ControlMode, settings: CommandSettings, started: ControlMode
     ) -> None:
-        """Change the arm to another mode, its commands seeded with what it does now.
+        """Change the arm to another mode; the first commands continue the motion.
 
         Args:
-            mode: What is commanded.
-            settings: How it is passed on.
-            started: The kinds that newly started controllers command.
+            mode: The kinds of command after the change.
+            settings: How the commands are passed on.
+            started: The kinds of command that newly started controllers give.
         """
         arm = self._arm
         if mode != self.mode or started & _CARTESIAN:

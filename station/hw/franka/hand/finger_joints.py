@@ -1,9 +1,9 @@
 """The finger joints of a simulated hand, as controllers see them.
 
 Source: franka_ros@c11f000 franka_gazebo/src/franka_hw_sim.cpp, FrankaHWSim.initSim,
-writeSim; differs: position commands are taken besides efforts, unclaimed fingers hold
-where they are instead of going limp, and the joint states stay those of the arm alone,
-as on the real robot, where the hand is another device.
+writeSim; differs: the fingers take position commands besides efforts, unclaimed fingers
+hold their position instead of going limp, and the joint states contain the joints of
+the arm alone, as on the real robot, where the hand is another device.
 """
 
 from collections.abc import Iterable, Sequence
@@ -30,17 +30,17 @@ class FingerJoints:
     The fingers are coupled: they have one position, and an effort acts on both. A
     controller that claims a finger claims the hand, through one kind of interface.
 
-    While no controller claims the fingers, they obey `hand`, the gripper's commands.
+    While no controller claims the fingers, they follow the gripper's commands (`hand`).
 
     Args:
         gripper: The fingers' motor.
         names: Names of the two joints.
-        arm_id: The arm with that hand.
+        arm_id: The arm with this hand.
 
     Attributes:
         names: As given.
         hand: Homing, move, grasp and stop.
-        services: The interface that has it.
+        services: The interface that contains `hand`.
     """
 
     def __init__(self, gripper: HandMotor, names: Sequence[str], arm_id: str) -> None:
@@ -70,7 +70,7 @@ class FingerJoints:
         """Add the fingers to the interfaces for position and effort.
 
         Args:
-            interfaces: Those of the arm; other kinds are left alone.
+            interfaces: The interfaces of the arm; other kinds do not change.
         """
         for interface in interfaces:
             for index, state in enumerate(self.states):
@@ -82,7 +82,7 @@ class FingerJoints:
                     interface.register_handle(handle)
 
     def read(self) -> None:
-        """Bring the state up to date."""
+        """Read the state of the fingers."""
         gripper = self._gripper
         position, velocity = gripper.read_position(), gripper.read_velocity()
         force = gripper.read_force()
@@ -92,7 +92,7 @@ class FingerJoints:
             self._efforts[index] = force
 
     def write(self) -> None:
-        """Pass the commands of the claimed fingers on; an unclaimed finger follows."""
+        """Pass on the commands of claimed fingers; an unclaimed finger follows."""
         if not self._claimed:
             self.hand.advance()
             return
@@ -133,7 +133,7 @@ class FingerJoints:
     def do_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Take commands of started controllers from now on; released fingers hold.
+        """Follow started controllers from now on; released fingers hold their position.
 
         Args:
             start: Controllers that are started.
@@ -152,7 +152,7 @@ class FingerJoints:
         for owner, kind, name in started:
             self._claimed[name] = kind
             self._owners[name] = owner
-        self.hand.give_to(next(iter(self._owners.values()), ""))
+        self.hand.give_to(next(iter(self._owners.values()), None))
 
     def begin_anew(self) -> None:
         """Forget the commands: the world was reset."""

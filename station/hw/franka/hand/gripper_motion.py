@@ -36,10 +36,10 @@ class GripperMotor(Protocol):
     """The motor that moves the fingers; see `SimulatedGripper`."""
 
     def read_position(self) -> float:
-        """Return how far each finger is from the middle [m]."""
+        """Return the distance of each finger from the middle [m]."""
 
     def read_velocity(self) -> float:
-        """Return how fast each finger moves [m/s]."""
+        """Return the velocity of each finger [m/s]."""
 
     def read_time(self) -> float:
         """Return the time of the motor [s]; never goes back."""
@@ -56,10 +56,10 @@ class GripperOutcome:
     """How a motion ended.
 
     Attributes:
-        message: Why the motion did not reach its aim; empty when it did.
+        message: Why the motion did not reach its aim; None if it did.
     """
 
-    message: str = ""
+    message: str | None = None
 
 
 _DONE = GripperOutcome()
@@ -69,12 +69,12 @@ class GripperMotion:
     """One motion of the fingers at a time. Control thread.
 
     Args:
-        motor: What moves the fingers.
+        motor: The motor that moves the fingers.
         max_width: Distance between the open fingers [m].
 
     Attributes:
-        activity: What they are doing.
-        max_width: As given; from a homing on, what it has measured.
+        activity: The present activity of the fingers.
+        max_width: As given; after a homing, the width that the homing has measured.
     """
 
     def __init__(self, motor: GripperMotor, max_width: float) -> None:
@@ -106,8 +106,8 @@ class GripperMotion:
         """Begin to go to a width.
 
         Args:
-            width: [m].
-            speed: How fast the width changes, > 0 [m/s].
+            width: Distance between the fingers [m].
+            speed: Rate at which the width changes, > 0 [m/s].
         """
         self._go(GripperActivity.MOVING, width, speed, MOVE_FORCE)
 
@@ -120,7 +120,7 @@ class GripperMotion:
         self._go(GripperActivity.GRASPING, end, request.speed, request.force)
 
     def rest(self) -> None:
-        """Brake, press no more, and hold the width where the fingers come to rest."""
+        """Brake, end the force, and hold the width at which the fingers stop."""
         self.activity = GripperActivity.IDLE
         self._settles = True
         self._slow = REST_SPEED
@@ -136,7 +136,7 @@ class GripperMotion:
         """Continue the motion from the present state of the fingers; once per cycle.
 
         Returns:
-            How the motion ended, in the cycle in which it does.
+            How the motion ended, in the cycle in which the motion ends; else None.
         """
         match self.activity:
             case GripperActivity.MOVING:

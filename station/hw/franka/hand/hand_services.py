@@ -50,11 +50,11 @@ class HandServices(GripperServices):
     """The services of a simulated hand. Control thread only.
 
     Args:
-        arm_id: The arm it belongs to.
+        arm_id: The arm with this hand.
         motor: The motor of the fingers.
 
     Attributes:
-        owner: The controller that claims the fingers; empty while none does.
+        owner: The controller that claims the fingers; None without such a controller.
     """
 
     def __init__(self, arm_id: str, motor: HandMotor) -> None:
@@ -65,7 +65,7 @@ class HandServices(GripperServices):
         self._command: GripperCommand | None = None
         self._last: GripperCommand | None = None
         self._count = 0
-        self.owner = ""
+        self.owner: str | None = None
 
     @override
     def get_state(self) -> GripperState:
@@ -121,7 +121,7 @@ class HandServices(GripperServices):
     @override
     def stop(self) -> None:
         self._end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
-        if not self.owner:
+        if self.owner is None:
             self._motion.rest()
 
     @override
@@ -130,13 +130,13 @@ class HandServices(GripperServices):
             self._end(GoalStatus.PREEMPTED, reason)
             self._motion.rest()
 
-    def give_to(self, owner: str) -> None:
+    def give_to(self, owner: str | None) -> None:
         """Give the fingers to a controller, or take them back.
 
         Args:
-            owner: Its name; empty when none claims them any more.
+            owner: Name of the controller; None if no controller claims the fingers.
         """
-        if owner and owner != self.owner:
+        if owner is not None and owner != self.owner:
             self._end(GoalStatus.PREEMPTED, f"Controller '{owner}' took the fingers.")
             self._motion.give_up()
         self.owner = owner
@@ -150,8 +150,10 @@ class HandServices(GripperServices):
         """Continue the present motion; once per cycle."""
         outcome = self._motion.advance()
         if outcome is not None:
-            done = GoalStatus.ABORTED if outcome.message else GoalStatus.SUCCEEDED
-            self._end(done, outcome.message)
+            if outcome.message is None:
+                self._end(GoalStatus.SUCCEEDED, "")
+            else:
+                self._end(GoalStatus.ABORTED, outcome.message)
 
     def _begin(self, action: GripperAction, request: dict[str, float]) -> None:
         self._count += 1
@@ -172,7 +174,7 @@ class HandServices(GripperServices):
             self._last = replace(command, status=status, message=message, ended=ended)
 
     def _check_free(self) -> None:
-        if self.owner:
+        if self.owner is not None:
             raise GripperCommandError(
                 f"The gripper of arm '{self.name}' takes no commands: controller "
                 f"'{self.owner}' claims its fingers.",

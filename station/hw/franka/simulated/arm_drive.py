@@ -1,4 +1,4 @@
-"""What a simulated arm does before every step of its world."""
+"""Set the motors of a simulated arm before every step of its world."""
 
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.arm.robot_arm import REST_VELOCITY, ControllerMode
@@ -9,10 +9,10 @@ from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.motion_follower import MotionFollower
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 
-# Torque control begins when the arm is at rest, or at the latest this long after the
-# desired motion has ended [s]: an arm that trembles in a contact never rests.
+# Torque control begins when the arm is at rest, or at the latest this time after the
+# end of the desired motion [s]: an arm that trembles in a contact never rests.
 _LONGEST_SETTLING = 0.5
-# Damping that a hand which guides the arm feels [Nm s/rad].
+# Joint damping while a person guides the arm [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
 
 
@@ -23,7 +23,7 @@ class ArmDrive:
         state: The arm's state.
         modes: The modes of the arm.
         motion: The desired motion.
-        follower: What follows the client's commands.
+        follower: Follows the client's commands.
         motors: The motors and the internal controllers.
         load: The configured load.
         faults: The faults of the arm.

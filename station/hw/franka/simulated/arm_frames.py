@@ -36,8 +36,8 @@ class ArmFrames:
         state: The arm's state.
 
     Attributes:
-        is_cartesian: A Cartesian motion runs: the commanded pose, twist and elbow are
-            the client's. Otherwise they follow the desired joint motion.
+        is_cartesian: Whether a Cartesian motion runs. The commanded pose, twist and
+            elbow are then the client's; otherwise they follow the joint motion.
     """
 
     def __init__(self, state: RobotState) -> None:
@@ -51,7 +51,7 @@ class ArmFrames:
         """Set the end effector that is mounted at the flange.
 
         Args:
-            end_effector: Its mass, centre and inertia.
+            end_effector: Mass, centre of mass and inertia of the end effector.
             nominal_frame: Nominal end effector in the flange frame, 16 numbers.
         """
         state = self._state
@@ -74,7 +74,7 @@ class ArmFrames:
         self._state.EE_T_K[:] = frame
 
     def set_load(self, load: Load) -> None:
-        """Set what the end effector holds."""
+        """Set the load that the end effector holds."""
         state = self._state
         state.m_load = load.mass
         state.F_x_Cload[:] = load.center_of_mass
@@ -87,7 +87,7 @@ class ArmFrames:
         state.I_total[:] = total.inertia
 
     def invalidate(self) -> None:
-        """Let the next `refresh` work although no time has passed."""
+        """Let the next `refresh` compute, even if no time has passed."""
         self._refreshed_at = -1.0
 
     def refresh(self) -> None:

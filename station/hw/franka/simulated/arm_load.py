@@ -11,9 +11,9 @@ _NO_LOAD = Load()
 
 
 class ArmLoad:
-    """The difference that the configured load makes to the arm's dynamics.
+    """The additional motor torques for the load that a client has configured.
 
-    Costs nothing while no load is configured. Control thread only.
+    Without a configured load nothing is computed. Control thread only.
 
     Args:
         description: The URDF of the arm.

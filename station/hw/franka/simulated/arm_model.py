@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing_extensions import override
 
 from station.core.description.robot_files import RobotFiles
-from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
+from station.core.franka.franka_model import GRAVITY_EARTH, FrankaModel
 from station.hw.franka.arm import franka_kinematics as kinematics
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
@@ -13,13 +13,13 @@ from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 
 
 class ArmModel(FrankaModel):
-    """Model of an arm, from its URDF. Control thread only.
+    """The model of one arm, built from the URDF of the arm. Control thread only.
 
     Args:
         description: The URDF of a Franka arm.
 
     Raises:
-        RobotDescriptionError: It is no Franka arm.
+        RobotDescriptionError: The URDF does not describe a Franka arm.
     """
 
     def __init__(self, description: RobotFiles) -> None:
@@ -60,35 +60,9 @@ class ArmModel(FrankaModel):
             q, Load(m_total, tuple(F_x_Ctotal)), gravity_earth
         )
 
-    @override
-    def pose(
-        self,
-        frame: Frame,
-        q: Sequence[float],
-        F_T_EE: Sequence[float],
-        EE_T_K: Sequence[float],
-    ) -> list[float]:
-        return kinematics.frame_pose(frame, q, F_T_EE, EE_T_K)
-
-    @override
-    def zero_jacobian(
-        self,
-        frame: Frame,
-        q: Sequence[float],
-        F_T_EE: Sequence[float],
-        EE_T_K: Sequence[float],
-    ) -> list[float]:
-        return kinematics.zero_jacobian(frame, q, F_T_EE, EE_T_K)
-
-    @override
-    def body_jacobian(
-        self,
-        frame: Frame,
-        q: Sequence[float],
-        F_T_EE: Sequence[float],
-        EE_T_K: Sequence[float],
-    ) -> list[float]:
-        return kinematics.body_jacobian(frame, q, F_T_EE, EE_T_K)
+    pose = staticmethod(kinematics.frame_pose)
+    zero_jacobian = staticmethod(kinematics.zero_jacobian)
+    body_jacobian = staticmethod(kinematics.body_jacobian)
 
     @override
     def clearance(self, q: Sequence[float]) -> float:

@@ -1,4 +1,4 @@
-"""The modes of a simulated arm, and what leads from one mode to another.
+"""The modes of a simulated arm, and the transitions between the modes.
 
     Idle   -- a motion starts           -> Move
     Move   -- the motion is stopped     -> Idle
@@ -6,14 +6,14 @@
     Reflex      -- automatic recovery   -> AutomaticErrorRecovery
     AutomaticErrorRecovery -- at rest   -> Idle; an error: Reflex
     any         -- user stop pressed    -> UserStopped
-    UserStopped -- user stop released   -> as from Reflex by a recovery
+    UserStopped -- user stop released   -> as in a recovery from Reflex
     Idle        -- guiding buttons held -> Guiding; released: Idle
     any         -- simulation diverged  -> Other; reset: Idle
 
 An arm that still touches something when it recovers goes to Idle and holds its pose.
-The contact is a collision again when it has ended and begins anew, or when it gets
-harder by as much as the threshold. Any other value that is still out of its range is an
-error again when it gets worse.
+The contact becomes an error again when the contact ends and another one begins, or when
+its force grows by the threshold. Any other value that is still out of its range becomes
+an error again when the value moves further out.
 
 Source: libfranka@0.9.2 include/franka/robot_state.h, RobotMode; Franka Control
 Interface documentation; differs: the transitions are not published as such. A real arm
@@ -60,15 +60,15 @@ class ArmModes:
         world: The world of the arm.
         state: The arm's state; `robot_mode` and the success rate are written.
         motion: The desired motion.
-        follower: What follows the client's commands.
+        follower: Follows the client's commands.
         motors: The motors and the internal controllers.
         frames: Frames and derived state.
-        supervisor: The errors and where they came from.
+        supervisor: Finds and keeps the errors.
         contact: External torques and the thresholds for them.
 
     Attributes:
-        controller: Who makes the torques of the running motion; None without a motion.
-        generator: What the client commands besides torques.
+        controller: The controller mode of the running motion; None without a motion.
+        generator: The motion generator of the running motion.
     """
 
     def __init__(
@@ -154,8 +154,8 @@ class ArmModes:
         state.robot_mode = mode
         if was_moving:
             self._supervisor.end_motion()
-        # Torques have moved the arm away from the desired motion, and after an error
-        # the arm may be elsewhere, too: without the seed it would jump back.
+        # Torques, or the motion before an error, have moved the arm away from q_d.
+        # Without this reset the arm would jump back to q_d.
         if self._motors.torques_act or mode is not RobotMode.IDLE:
             self._motion.seed(state.theta, state.dtheta)
         self._motors.engage_joint_impedance()
@@ -166,10 +166,10 @@ class ArmModes:
         state.control_command_success_rate = 0.0
 
     def raise_errors(self, errors: Sequence[ArmError]) -> None:
-        """Go to Reflex: end the motion and hold where the arm is.
+        """Go to Reflex: end the motion and hold the present pose.
 
         Args:
-            errors: What is wrong, at least one error.
+            errors: The errors that have occurred, at least one.
         """
         self._supervisor.set_errors(errors, self._world.step_count)
         self.end_motion(RobotMode.REFLEX)
@@ -178,7 +178,7 @@ class ArmModes:
         """Keep this cycle for the log of the next error.
 
         Args:
-            command: The command that was followed.
+            command: The command that the arm followed in this cycle.
         """
         self._supervisor.record(command)
 

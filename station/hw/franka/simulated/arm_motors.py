@@ -1,4 +1,4 @@
-"""The arm's motors and what makes their torques, in a MuJoCo world.
+"""The motors and internal controllers of an arm in a MuJoCo world.
 
 Torques are those of the client, or of an internal impedance:
 
@@ -7,10 +7,10 @@ Torques are those of the client, or of an internal impedance:
     Cartesian:  tau = J^T (K_x e + D_x de) + coriolis(q, dq) + null space
                 D_x = 2 zeta sqrt(K_x)
 
-with M_ii the inertia at each joint, in D that when the impedance starts to act. What
-depends on q and dq in the joint impedance lives in the motors, where the integrator
-treats D implicitly. Gravity is compensated in the world besides, the weight of a
-configured load by the motors. Motors saturate at the effort limits.
+with M_ii the inertia at each joint; D uses the M_ii of the time when the impedance
+starts to act. The terms of the joint impedance in q and dq are part of the motor model,
+where the integrator treats D implicitly. The world compensates gravity, and the motors
+carry the weight of a configured load. Motors saturate at the effort limits.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.
 examples/examples_common.cpp, setDefaultBehavior."""
 DEFAULT_CARTESIAN_IMPEDANCE = (3000.0, 3000.0, 3000.0, 300.0, 300.0, 300.0)
 """Stiffness of the internal Cartesian controller [N/m, Nm/rad]. Source: as above."""
-# Of the null space: holds the elbow [Nm/rad].
+# Stiffness in the null space, which holds the elbow [Nm/rad].
 _NULL_SPACE_STIFFNESS = 20.0
 # Damping ratio zeta of the internal controllers.
 _DAMPING_RATIO = 1.0
@@ -45,10 +45,10 @@ class ArmMotors:
         state: The arm's state; `tau_J_d`, `tau_J` and `dtau_J` are written.
 
     Attributes:
-        torques_act: The motors follow the client's torques, not an impedance.
+        torques_act: Whether the motors follow the client's torques, not an impedance.
         load_weight: Torques that carry the configured load [Nm], shape (7,).
-        joint_stiffness: Of the joint impedance [Nm/rad], shape (7,).
-        cartesian_stiffness: Of the Cartesian impedance [N/m, Nm/rad], shape (6,).
+        joint_stiffness: Stiffness of the joint impedance [Nm/rad], shape (7,).
+        cartesian_stiffness: Stiffness of the Cartesian impedance [N/m, Nm/rad], (6,).
     """
 
     def __init__(self, joints: WorldJoints, state: RobotState) -> None:
@@ -141,9 +141,10 @@ class ArmMotors:
     ) -> None:
         """Derive the link-side torques of the last step.
 
-        A torque sensor behind the gears feels motor and brake less what accelerates the
-        rotor and rubs in the joint. The damping of the impedance acts implicitly: it
-        takes the velocity at the step's end, the motor's reading that at its beginning.
+        A torque sensor behind the gears measures the torques of motor and brake minus
+        the torques that accelerate the rotor and overcome friction. MuJoCo applies the
+        damping of the impedance with the velocity at the end of the step, while the
+        motor's reading contains the velocity at the beginning.
 
         Args:
             dq: Velocities at the end of the step [rad/s], shape (7,).

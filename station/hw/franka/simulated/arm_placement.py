@@ -1,4 +1,4 @@
-"""From the parameters of FrankaHW to an arm in the simulated world."""
+"""Build a simulated arm and its world from the parameters of FrankaHW."""
 
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import load_arm_description
@@ -8,10 +8,10 @@ from station.hw.mujoco.scene import read_scene
 
 
 def placement_of(parameters: FrankaParameters) -> ArmPlacement:
-    """Return the arm that parameters describe.
+    """Return the placement of the arm that the parameters describe.
 
     Raises:
-        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
+        RobotDescriptionError: The URDF is missing or does not describe a Franka arm.
     """
     return ArmPlacement(
         parameters.arm_id,
@@ -25,7 +25,7 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
 
 
 def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> FrankaWorld:
-    """Return a world with the arm that parameters describe, and some things.
+    """Return a world with the arm that the parameters describe, and with its scene.
 
     Args:
         parameters: The arm.
@@ -33,7 +33,7 @@ def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> Frank
 
     Raises:
         ParameterError: The scene is malformed.
-        RobotDescriptionError: Its URDF cannot be found, or is no Franka arm's.
+        RobotDescriptionError: The URDF is missing or does not describe a Franka arm.
     """
     world = simulate(
         [placement_of(parameters)],

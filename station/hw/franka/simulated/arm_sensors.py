@@ -1,4 +1,4 @@
-"""The joint sensors of a simulated arm, and what a configured load does to them."""
+"""The joint sensors of a simulated arm, with the effect of a configured load."""
 
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.simulated.arm_load import ArmLoad
@@ -16,9 +16,9 @@ class ArmSensors:
         joints: The arm's joints in the world.
         state: The arm's state; time, measured positions, velocities and torques are
             written.
-        motors: What derives the measured torques.
+        motors: Computes the measured torques.
         load: The configured load.
-        faults: What falsifies the readings.
+        faults: The faults that change readings.
         period: Duration of a cycle [s], > 0.
     """
 
@@ -60,13 +60,13 @@ class ArmSensors:
         self._faults.disturb(state)
 
     def rest(self) -> None:
-        """Take over the pose that the world was set to, at rest."""
+        """Read the pose to which the world was set, with all velocities zero."""
         state = self._state
         state.dq[:] = state.dtheta[:] = _ZEROS
         state.q[:] = state.theta[:] = self._joints.read_positions()
 
     def load_torques(self) -> list[float] | None:
-        """Return what the configured load needs now [Nm], shape (7,); None without it.
+        """Return the torques for the configured load [Nm], (7,); None without a load.
 
         The accelerations are differences of the last two measured velocities.
         """

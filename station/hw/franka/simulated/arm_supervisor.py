@@ -1,4 +1,4 @@
-"""Watches what is measured and keeps the errors, as the arm itself would.
+"""Find errors in the measured state of an arm, and keep them, as a real arm does.
 
 Source: Franka Control Interface documentation, Errors; libfranka@0.9.2
 include/franka/errors.h; differs: thresholds that Franka does not publish are in
@@ -21,11 +21,11 @@ from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 
 LOG_LENGTH = 50
-"""Cycles that are kept from before an error."""
-# Farther than any end effector is from any joint axis [m].
+"""Number of cycles before an error that are kept."""
+# Larger than the distance of any end effector from any joint axis [m].
 _REACH = 1.3
-# How much worse than at a recovery a value may get before it is an error again [rad or
-# m]; for other units as a share of the limit.
+# Change for the worse after a recovery that makes a value an error again [rad or m];
+# for other units a share of the limit.
 _WORSE = 0.005
 _WORSE_SHARE = 0.1
 
@@ -36,9 +36,9 @@ _Cycle = tuple[float, _Floats, _Floats, _Floats, _Floats, _Floats, _Floats]
 class ArmSupervisor:
     """Finds errors in the measured state, and keeps those of the arm.
 
-    A value that is still out of its range when the arm recovers, e.g. a joint beyond
-    its limit, is an error again only when it gets worse, so that the arm can be moved
-    back.
+    A value that is still out of its range when the arm recovers, such as a joint beyond
+    its limit, becomes an error again only when it moves further out, so that the arm
+    can be moved back.
 
     The distances of links and end effector are computed only when the joints may have
     turned far enough since the last computation to bring them too close.
@@ -48,12 +48,12 @@ class ArmSupervisor:
     Args:
         state: The arm's state; `current_errors` and `last_motion_errors` are written.
         limits: The arm's limits.
-        thresholds: The rest of the thresholds.
+        thresholds: Thresholds that Franka does not publish.
         period: Duration of a cycle [s], > 0.
 
     Attributes:
-        errors: What the present errors came from; after a recovery empty.
-        last_motion_errors: What ended the last motion.
+        errors: The present errors with their causes; empty after a recovery.
+        last_motion_errors: The errors that ended the last motion.
         log: The last cycles before the last error.
         has_hand: Whether a hand is mounted.
     """
@@ -75,11 +75,11 @@ class ArmSupervisor:
         self._torque = [t * thresholds.torque_factor for t in limits.torque]
         self._speed = limits.translation.velocity * thresholds.velocity_factor
         self._reach = _REACH * period
-        # Nothing can be too close before the joints have moved a point this far [m].
+        # No distance can be too short until the joints have moved a point this far [m].
         self._room = 0.0
         self._bad_cycles = 0
         self._known: dict[tuple[str, str], float] = {}
-        # The fields of an ArmRecord each; who asks for a log makes the records.
+        # Fields of ArmRecord objects; the records are made when the log is read.
         self._recent: deque[_Cycle] = deque(maxlen=LOG_LENGTH)
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
@@ -90,7 +90,7 @@ class ArmSupervisor:
         """Keep this cycle for the log.
 
         Args:
-            command: What the client sent last.
+            command: The last command of the client.
         """
         state = self._state
         self._recent.append((
@@ -110,7 +110,7 @@ class ArmSupervisor:
 
         Args:
             q: Positions [rad], shape (7,).
-            is_following: The arm follows a desired motion.
+            is_following: Whether the arm follows a desired motion.
         """
         state = self._state
         total = power = away = 0.0
@@ -153,7 +153,7 @@ class ArmSupervisor:
         return found if self._bad_cycles >= self._thresholds.debounce else []
 
     def set_errors(self, errors: Sequence[ArmError], cycle: int) -> None:
-        """Raise errors; those that are there already stay as they are.
+        """Raise errors; an error that is present already does not change.
 
         Args:
             errors: The errors.
@@ -169,7 +169,7 @@ class ArmSupervisor:
             state.current_errors[ERROR_INDEX[error.name]] = True
 
     def begin_motion(self) -> None:
-        """Forget what ended the motion before."""
+        """Forget the errors that ended the motion before."""
         self.clear()
         self.end_motion()
 
@@ -179,14 +179,14 @@ class ArmSupervisor:
         self._state.last_motion_errors[:] = self._state.current_errors
 
     def clear(self) -> None:
-        """Forget the present errors, not those of the last motion."""
+        """Forget the present errors, but keep the errors that ended the last motion."""
         self.errors = []
         self._state.current_errors[:] = [False] * len(self._state.current_errors)
         self._bad_cycles = 0
         self._recent.clear()
 
     def recover(self) -> None:
-        """Forget the present errors; what is out of range now may stay as it is."""
+        """Forget the present errors, and accept values that are out of range now."""
         self.clear()
         q, state = self._state.theta, self._state
         power = sum(
@@ -197,7 +197,7 @@ class ArmSupervisor:
         self._known = {(e.name, e.where): _excess(e) for e in found}
 
     def look_again(self) -> None:
-        """Compute all distances in the next cycle: the arm has been put elsewhere."""
+        """Compute all distances in the next cycle: the arm was set to a new pose."""
         self._room = 0.0
         self._known = {}
 
@@ -218,7 +218,7 @@ class ArmSupervisor:
         return False
 
     def _new(self, found: list[ArmError]) -> list[ArmError]:
-        """Return what was not there at the last recovery, or is worse than it was."""
+        """Return the errors that are new, or worse, since the last recovery."""
         known = self._known
         if not known:
             return found
@@ -277,7 +277,7 @@ class ArmSupervisor:
         return found
 
     def _find_too_close(self, q: Sequence[float]) -> list[ArmError]:
-        """Compute the distances of links and walls, if they may be too short."""
+        """Compute the distances between links and to walls if they may be too short."""
         if self._room > 0.0:
             return []
         limits, found = self._thresholds, []

@@ -210,7 +210,7 @@ def _moved(pose: Sequence[float], twist: Sequence[float], period: float) -> list
 
 
 def _twist_of(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
-    """Return the twist that joint velocities make; the Jacobian has 42 numbers."""
+    """Return the twist of the end effector for joint velocities; 42-number Jacobian."""
     return [
         sum(jacobian[6 * joint + row] * rate for joint, rate in enumerate(dq))
         for row in range(6)

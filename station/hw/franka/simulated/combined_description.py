@@ -11,13 +11,13 @@ WORLD_LINK = "world"
 
 
 def combine_descriptions(placements: Sequence[ArmPlacement]) -> str:
-    """Return the URDF of all arms where they stand.
+    """Return one URDF with all arms at their places.
 
     Args:
         placements: The arms.
 
     Raises:
-        RobotDescriptionError: One of them is no Franka arm.
+        RobotDescriptionError: A placement does not describe a Franka arm.
     """
     combined = ET.Element("robot", name="combined")
     ET.SubElement(combined, "link", name=WORLD_LINK)

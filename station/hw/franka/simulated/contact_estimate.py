@@ -36,15 +36,15 @@ _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 class ContactEstimate:
     """Keeps the external torques and the contact levels of one arm up to date.
 
-    Costs next to nothing while nothing touches the arm. Control thread only.
+    Little is computed while nothing touches the arm. Control thread only.
 
     Args:
         joints: The arm's joints in the world.
         state: The arm's state; the fields from `tau_ext_hat_filtered` to
             `cartesian_collision` are written.
         limits: The arm's limits.
-        load_torques: Returns what the configured load needs [Nm], shape (7,), or None
-            when no load is configured.
+        load_torques: Returns the torques for the configured load [Nm], shape (7,), or
+            None when no load is configured.
 
     Attributes:
         behavior: The thresholds.
@@ -66,8 +66,8 @@ class ContactEstimate:
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
         self._is_quiet = True
-        # How far above its threshold each signal may be without a new collision: as
-        # far as it was when it was found or recovered from, and a threshold more.
+        # Excess over its threshold that each signal may have without a new collision:
+        # the excess at the last collision or recovery, plus one threshold.
         self._known = [0.0] * 13
 
     def update(self) -> list[ArmError]:
@@ -90,7 +90,7 @@ class ContactEstimate:
         return self._update_levels()
 
     def recover(self) -> None:
-        """Forget the collisions; those that last are no new ones until they end."""
+        """Forget the collisions; a lasting collision is not counted a second time."""
         state = self._state
         self._known = self._collisions()
         state.joint_collision[:] = _ZEROS
@@ -131,7 +131,7 @@ class ContactEstimate:
             ]
 
     def _collisions(self) -> list[float]:
-        """Return by how much each signal is above its upper threshold, 0 if it is not.
+        """Return the excess of each signal over its upper threshold, at least 0.
 
         The signals are the 7 torques and the 6 components of the wrench.
         """

@@ -6,15 +6,15 @@ class DesiredMotion:
 
     Exactly one of `hold`, `extrapolate`, `follow_positions` and `follow_velocities`
     is called per cycle. All of them start from the present desired motion, so q_d never
-    jumps unless a commanded position does. Allocates nothing that lasts.
+    jumps unless a commanded position does. No allocated memory is kept.
 
     Args:
-        q_d: Desired positions [rad], shape (n,). Changed in place, as the next two.
+        q_d: Desired positions [rad], shape (n,). All three lists change in place.
         dq_d: Desired velocities [rad/s], shape (n,).
         ddq_d: Desired accelerations [rad/s^2], shape (n,).
         lower: Lower position limits [rad], shape (n,).
         upper: Upper position limits [rad], shape (n,).
-        deceleration: How fast `hold` slows down, > 0 [rad/s^2], shape (n,).
+        deceleration: Deceleration of `hold`, > 0 [rad/s^2], shape (n,).
         period: Duration of a cycle [s], > 0.
     """
 
@@ -54,7 +54,7 @@ class DesiredMotion:
         self._ddq_d[:] = [0.0] * len(q)
 
     def hold(self) -> None:
-        """Slow down to rest, then stay."""
+        """Slow down to rest, then hold the positions."""
         if not any(self._dq_d) and not any(self._ddq_d):
             return
         velocities = []
@@ -84,8 +84,8 @@ class DesiredMotion:
         for i, velocity in enumerate(dq):
             q_d = self._q_d[i] + velocity * period
             reached = velocity
-            # A joint that is outside already may stay or come back; otherwise it could
-            # never be moved out of there.
+            # A joint beyond its limit may stay or come back; otherwise it could never
+            # return to its range.
             if q_d > self._upper[i] and velocity > 0.0:
                 q_d, reached = max(self._upper[i], self._q_d[i]), 0.0
             elif q_d < self._lower[i] and velocity < 0.0:

@@ -10,12 +10,12 @@ _TIP = "hand_tcp"
 
 
 def end_effector_of(urdf: Urdf, prefix: str, width: float) -> Load:
-    """Return everything behind the flange as one body.
+    """Return the mass properties of all links behind the flange as one body.
 
     Args:
         urdf: An arm.
-        prefix: What its names begin with, e.g. `panda_`.
-        width: Distance between the fingers [m], where there are some.
+        prefix: Prefix of the names of the arm, e.g. `panda_`.
+        width: Distance between the fingers [m]; not used without a hand.
     """
     parts: list[tuple[Pose, Inertial]] = []
     for name, pose in _links_behind(urdf, f"{prefix}{_FLANGE}", width).items():
@@ -31,11 +31,11 @@ def end_effector_of(urdf: Urdf, prefix: str, width: float) -> Load:
 
 
 def nominal_frame_of(urdf: Urdf, prefix: str) -> tuple[float, ...]:
-    """Return F_T_NE, 16 numbers: the tip of the hand, or the flange without one.
+    """Return F_T_NE, 16 numbers: the tip of the hand, or the flange without a hand.
 
     Args:
         urdf: An arm.
-        prefix: What its names begin with, e.g. `panda_`.
+        prefix: Prefix of the names of the arm, e.g. `panda_`.
     """
     found = _links_behind(urdf, f"{prefix}{_FLANGE}", 0.0).get(f"{prefix}{_TIP}")
     return IDENTITY if found is None else as_transform(found)

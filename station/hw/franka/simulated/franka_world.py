@@ -36,14 +36,14 @@ _HARD_CONSTRAINT_STEPS = 2.0
 _HARD_IMPEDANCE = 0.99
 _RIGID_IMPEDANCE = 0.999
 """Time constant, in time steps, and impedances of the fingers' contacts and of their
-coupling. With MuJoCo's own ones 20 N sink 3.5 mm into what they grasp, and it slips
-out of them; with 0.999 contacts chatter."""
+coupling. With MuJoCo's defaults, fingers that press with 20 N sink 3.5 mm into an
+object and the object slips out; with 0.999 the contacts chatter."""
 _FINGERS_WEIGHT = 1e6
-"""The finger decides how hard a contact is, whatever it touches; friction is that of
-both."""
+"""Weight of the finger in a contact: the finger alone decides how stiff a contact is.
+The friction depends on both bodies."""
 
 STOP_DISTANCE = 0.005
-"""How far the mechanical stops are beyond the position limits [rad]; not published."""
+"""Distance of the mechanical stops from the position limits [rad]; not published."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,11 @@ class ArmPlacement:
     """An arm to be put into the world.
 
     Attributes:
-        arm_id: Prefix of its names: `<arm_id>_joint1`, `<arm_id>_link0`, …
-        description: Its URDF.
-        base: Pose of its base in the world.
-        positions: Where it starts [rad], joints 1 to 7.
-        limits: What this kind of arm can do.
+        arm_id: Prefix of the names: `<arm_id>_joint1`, `<arm_id>_link0`, …
+        description: The URDF of the arm.
+        base: Pose of the base in the world.
+        positions: Positions of joints 1 to 7 at the start [rad].
+        limits: Limits of this kind of arm.
         thresholds: Thresholds that Franka does not publish.
         service_limits: The largest pushes.
     """
@@ -75,7 +75,7 @@ class FrankaWorld(SharedWorld):
     Args:
         world: The MuJoCo world.
         arms: Arms by arm_id.
-        grippers: Hands by arm_id; arms without a hand are not in it.
+        grippers: Hands by arm_id, without entries for arms without a hand.
 
     Attributes:
         arms: As given.
@@ -106,10 +106,10 @@ def simulate(
         placements: The arms.
         timestep: The control period [s], > 0.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
-        objects: What else is in the world.
+        objects: The other objects in the world.
 
     Raises:
-        RobotDescriptionError: A URDF cannot be simulated or is no Franka arm.
+        RobotDescriptionError: A URDF cannot be simulated, or describes no Franka arm.
     """
     spec = new_world(timestep)
     spec.option.gravity = gravity
@@ -182,7 +182,7 @@ def _make_arm(
 
 
 def _stopped_at(limits: ArmLimits, urdf: Urdf, prefix: str) -> Urdf:
-    """Return the arm with its own position limits for the URDF's narrower ones."""
+    """Return the arm with the arm's position limits in place of those of the URDF."""
     joints = dict(urdf.joints)
     for number, (lower, upper) in enumerate(
         zip(limits.lower, limits.upper, strict=True), start=1

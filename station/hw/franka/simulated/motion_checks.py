@@ -14,13 +14,13 @@ from station.core.franka.franka_errors import ArmError
 from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
 
 START_POSITION_TOLERANCE = 0.01
-"""How far a first joint position may be from q_d [rad]; not published by Franka."""
+"""Largest distance of a first joint position from q_d [rad]; not published."""
 START_TRANSLATION_TOLERANCE = 0.005
-"""How far a first pose may be from O_T_EE_d [m]; not published by Franka."""
+"""Largest distance of a first pose from O_T_EE_d [m]; not published."""
 START_ROTATION_TOLERANCE = 0.01
-"""How far a first pose may be turned against O_T_EE_d [rad]; not published."""
+"""Largest angle between a first pose and O_T_EE_d [rad]; not published."""
 START_ELBOW_TOLERANCE = 0.01
-"""How far a first elbow may be from elbow_d [rad]; not published by Franka."""
+"""Largest distance of a first elbow position from elbow_d [rad]; not published."""
 # Relative rounding error of a third difference over 1 ms of positions of a few rad.
 _ROUNDING = 1e-4
 # Rounding error allowed for a command at a position limit [rad].
@@ -60,7 +60,7 @@ def joint_motion_errors(
         last_ddq: Accelerations of the step before [rad/s^2], shape (7,).
         limits: The arm's limits.
         period: Duration of a cycle [s], > 0.
-        from_pose: The motion was computed from a Cartesian command.
+        from_pose: Whether the motion was computed from a Cartesian command.
     """
     if not limits.curves and _is_well_inside(q, dq, last_dq, last_ddq, limits, period):
         return []
@@ -75,8 +75,8 @@ def joint_motion_errors(
         is_too_fast = not (
             lowest - _AT_VELOCITY_LIMIT <= velocity <= highest + _AT_VELOCITY_LIMIT
         )
-        # A joint that is outside already may stay or come back. Limits that depend on
-        # the position bring the velocity to 0 in time.
+        # A joint beyond its limit may stay or come back, or it could never return.
+        # Limits that depend on the position bring the velocity to 0 before the limit.
         goes_out = not limits.curves and (
             (q[i] > limits.upper[i] + _AT_LIMIT and velocity > 0.0)
             or (q[i] < limits.lower[i] - _AT_LIMIT and velocity < 0.0)
@@ -112,7 +112,7 @@ def _is_well_inside(
     limits: ArmLimits,
     period: float,
 ) -> bool:
-    """Return whether a joint motion is surely free of errors; a cheap test."""
+    """Return whether a joint motion is certainly free of errors, by a quick test."""
     for position, velocity, last, last_rate, low, high, fastest, rate, jerk in zip(
         q,
         dq,
@@ -162,8 +162,8 @@ def torque_errors(
 
     Args:
         tau: Commanded torques [Nm], shape (7,).
-        last: What the motors gave last, saturated [Nm], shape (7,).
-        sent: What was commanded last [Nm], shape (7,).
+        last: Last torques of the motors, after saturation [Nm], shape (7,).
+        sent: Last commanded torques [Nm], shape (7,).
         limits: The arm's limits.
         period: Duration of a cycle [s], > 0.
     """
@@ -195,7 +195,7 @@ def twist_errors(
     Args:
         twist: Linear [m/s], then angular velocity [rad/s], shape (6,).
         last: Twist of the step before, shape (6,).
-        last_rate: Its rate, shape (6,).
+        last_rate: Rate of the twist in the step before, shape (6,).
         limits: The arm's limits.
         period: Duration of a cycle [s], > 0.
     """

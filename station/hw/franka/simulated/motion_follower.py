@@ -37,7 +37,7 @@ class MotionFollower:
     """Lets the desired motion follow the client's commands, one per cycle.
 
     A cycle in which no command arrives counts as a lost packet: the motion goes on with
-    constant acceleration, torques stay. Control thread only.
+    constant acceleration, and torques keep their values. Control thread only.
 
     Args:
         state: The arm's state.
@@ -48,7 +48,7 @@ class MotionFollower:
     Attributes:
         torques: The client's torques [Nm], shape (7,).
         command: The last command of the client, of any kind.
-        is_begun: A command of this motion has been followed.
+        is_begun: Whether a command of this motion has been followed.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class MotionFollower:
         """Wait for the first command of a motion.
 
         Args:
-            generator: Which motion is commanded.
+            generator: The kind of motion that is commanded.
         """
         self._generator = generator
         self.torques: Sequence[float] = _ZEROS
@@ -114,7 +114,8 @@ class MotionFollower:
             size: How many numbers `values` must have.
 
         Raises:
-            InvalidCommandError: Not that many finite numbers, or no elbow.
+            InvalidCommandError: `values` are not `size` finite numbers, or the elbow
+                is malformed.
         """
         self.command = _checked(values, "a Cartesian command", size)
         chosen = None
@@ -139,8 +140,8 @@ class MotionFollower:
         """Advance the desired motion by a cycle; return the errors.
 
         Args:
-            torques_act: The motors follow `torques`.
-            is_lossy: What was sent does not arrive.
+            torques_act: Whether the motors follow `torques`.
+            is_lossy: Whether the command of this cycle is lost.
         """
         arrived = self._is_fresh and not is_lossy
         self._is_fresh = False

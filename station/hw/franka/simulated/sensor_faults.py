@@ -1,4 +1,4 @@
-"""Faults of one simulated arm: what fails on request, and for how many cycles."""
+"""Faults of one simulated arm, which occur on request for a number of cycles."""
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.arm_simulation import FaultKind, SimulatedFault
@@ -15,7 +15,7 @@ _NAN = float("nan")
 
 
 class SensorFaults:
-    """Makes things go wrong in the simulation. Control thread only.
+    """Injects faults into the simulation. Control thread only.
 
     Args:
         world: The world.
@@ -32,13 +32,13 @@ class SensorFaults:
         self._blind: dict[int, int] = {}
 
     def inject(self, fault: SimulatedFault) -> None:
-        """Begin with a fault; another of its kind ends.
+        """Begin a fault; a present fault of the same kind ends.
 
-        A delayed cycle is one of the loop: only its length is checked here.
+        The control loop carries out a delayed cycle; only its length is checked here.
 
         Raises:
             InvalidCommandError: A cycle would be delayed for too long.
-            HardwareInterfaceError: There is nothing for a collision to hit.
+            HardwareInterfaceError: The world lacks the body that a collision hits.
         """
         index = fault.joint - 1
         match fault.kind:
@@ -63,7 +63,7 @@ class SensorFaults:
             self._free(index)
 
     def active(self) -> list[SimulatedFault]:
-        """Return the faults that last, with the cycles that are left."""
+        """Return the active faults with their remaining cycles."""
         found = []
         if self._lost:
             found.append(SimulatedFault(FaultKind.LOST_PACKETS, self._lost))

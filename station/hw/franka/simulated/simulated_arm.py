@@ -1,4 +1,4 @@
-"""A Franka arm simulated in a MuJoCo world, with the arm's own safety around it."""
+"""A Franka arm simulated in a MuJoCo world, with the arm's protective functions."""
 
 from collections.abc import Sequence
 
@@ -50,11 +50,11 @@ _SUPERVISED = (
 class SimulatedArm(RobotArm):
     """An arm in a `World`; several arms may share one.
 
-    The world makes a step when the first of its arms asks for a state that it has not
-    reached yet, so arms that are all read once per cycle stay in lockstep.
+    The world makes a step when one of its arms asks for a state beyond the present one.
+    Arms that are all read once per cycle therefore stay in lockstep.
 
-    A motion under torque control starts from rest: while the arm still moves it is
-    slowed down by the internal controller first, and torques act thereafter.
+    A motion under torque control starts from rest: the internal controller brings a
+    moving arm to rest first, and only then the torques act.
 
     Args:
         world: The world, with gravity compensation for this arm.
@@ -68,7 +68,7 @@ class SimulatedArm(RobotArm):
 
     Attributes:
         frames: Frames and derived state.
-        supervisor: The errors and where they came from.
+        supervisor: Finds and keeps the errors.
     """
 
     def __init__(
@@ -291,9 +291,9 @@ class SimulatedArm(RobotArm):
         self._drive.before_step()
 
     def after_reset(self) -> None:
-        """Take over the pose that the world was set to, at rest.
+        """Read the pose to which the world was set, with all velocities zero.
 
-        A running motion goes on; it waits for its next command.
+        A running motion goes on with its next command.
         """
         state = self.state
         self._sensors.rest()

@@ -1,4 +1,4 @@
-"""The controls that only a simulated arm has: its buttons, pushes and faults."""
+"""The controls that only a simulated arm has: buttons, pushes and faults."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""The Franka hand's fingers in a MuJoCo world: they hold the width they are told."""
+"""The fingers of a Franka hand in a MuJoCo world."""
 
 from math import nan, sqrt
 
@@ -10,22 +10,22 @@ OPEN_WIDTH = 0.08
 finger joints in panda.urdf, 0.04 m each."""
 _STIFFNESS = 5000.0
 _SPEED = 0.2
-"""How fast each finger goes to its place [m/s]. Source: the velocity limit of the
+"""Largest velocity of each finger [m/s]. Source: the velocity limit of the
 finger joints in panda.urdf."""
 
 
 class SimulatedGripper:
-    """Holds the fingers in place, or presses as strongly as it is told.
+    """Holds the fingers at a width, or presses with a given force.
 
-    The two fingers move as one: the second follows the first.
+    The second finger mimics the first finger.
 
     Args:
         world: The world; its gravity compensation covers the fingers.
-        finger_joint: The driven finger joint; the other one mimics it.
+        finger_joint: The driven finger joint; the other finger joint mimics this one.
         width: Distance between the fingers [m], 0 to `OPEN_WIDTH`.
 
     Attributes:
-        effort_limit: What the URDF lets the motor give each finger [N].
+        effort_limit: Largest force of the motor on each finger, from the URDF [N].
     """
 
     def __init__(
@@ -53,19 +53,19 @@ class SimulatedGripper:
         return self._finger.lower_limits[0], self._finger.upper_limits[0]
 
     def read_position(self) -> float:
-        """Return how far each finger is from the middle [m]."""
+        """Return the distance of each finger from the middle [m]."""
         return self._finger.read_positions()[0]
 
     def read_velocity(self) -> float:
-        """Return how fast each finger moves [m/s], > 0 when opening."""
+        """Return the velocity of each finger [m/s], > 0 when opening."""
         return self._finger.read_velocities()[0]
 
     def read_force(self) -> float:
-        """Return what the motor gave each finger in the last step [N]."""
+        """Return the force of the motor on each finger in the last step [N]."""
         return self._finger.read_motor_forces()[0] / 2.0
 
     def read_time(self) -> float:
-        """Return for how long the world has moved [s]; a reset does not change it."""
+        """Return the simulated time since the world exists [s], resets included."""
         return self._world.step_count * self._world.timestep
 
     def hold(
@@ -75,15 +75,14 @@ class SimulatedGripper:
 
         Args:
             width: Distance between the fingers [m].
-            speed: How fast the width changes, > 0 [m/s].
-            force: What each finger presses with at most, > 0 [N]; `effort_limit` when
-                None.
+            speed: Rate at which the width changes, > 0 [m/s].
+            force: Largest force of each finger, > 0 [N]; None takes `effort_limit`.
         """
         if not self._servo[0]:
             self._set_servo(_STIFFNESS, self._damping)
             self._place = self.read_position()
         self._step = speed / 2.0 * self._world.timestep
-        # A place out of reach would be a larger force, and grow while blocked.
+        # A target farther ahead would press harder, and blocked fingers ever harder.
         self._reach = 2.0 * (self.effort_limit if force is None else force) / _STIFFNESS
         self._target = width / 2.0
 
@@ -92,7 +91,7 @@ class SimulatedGripper:
 
         Args:
             force: On each finger [N], > 0 opens.
-            is_damped: Brake the fingers' motion.
+            is_damped: Whether to damp the motion of the fingers.
         """
         self._set_servo(0.0, self._damping if is_damped else 0.0)
         self._force = force

@@ -125,10 +125,10 @@ def test_mode_is_described_in_words() -> None:
         ("my_robot_joint7", "my_robot"),
         ("a_joint_joint3", "a_joint"),
         ("left_robot", "left"),
-        ("_joint1", ""),
-        ("_robot", ""),
-        ("joint1", ""),
+        ("_joint1", None),
+        ("_robot", None),
+        ("joint1", None),
     ],
 )
-def test_arm_is_found_in_a_resource_name(resource: str, arm_id: str) -> None:
+def test_arm_is_found_in_a_resource_name(resource: str, arm_id: str | None) -> None:
     assert arm_id_of(resource) == arm_id

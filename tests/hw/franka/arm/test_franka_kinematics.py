@@ -95,7 +95,7 @@ def test_flange_of_the_stretched_arm_points_down() -> None:
     assert rotation == pytest.approx(np.diag([1.0, -1.0, -1.0]), abs=1e-12)
 
 
-def test_flange_at_the_start_pose_is_where_it_is_published() -> None:
+def test_flange_pose_at_the_start_equals_the_published_pose() -> None:
     origin = frame_pose(Frame.FLANGE, INITIAL_POSITIONS)[12:15]
     assert origin == pytest.approx([0.306891, 0.0, 0.590282], abs=1e-6)
 

@@ -30,5 +30,5 @@ def test_inertia_of_no_mass_does_not_count() -> None:
     assert total.inertia == pytest.approx(body.inertia)
 
 
-def test_nothing_and_nothing_is_nothing() -> None:
+def test_two_empty_loads_combine_to_an_empty_load() -> None:
     assert combine_loads(Load(), Load()) == Load()

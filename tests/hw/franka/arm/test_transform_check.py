@@ -19,7 +19,9 @@ from station.hw.franka.arm.transform_check import (
         (12, float("nan"), "finite"),
     ],
 )
-def test_what_is_no_transform_is_told(index, value, problem):
+def test_a_matrix_that_is_no_transform_is_refused_with_the_reason(
+    index, value, problem
+):
     pose = list(IDENTITY)
     pose[index] = value
     assert problem in transform_problem(pose)

@@ -37,7 +37,7 @@ def test_impossible_inertia_is_refused(services, inertia):
         services.set_load(1.0, [0.0] * 3, inertia)
 
 
-def test_recovery_without_an_error_says_so(services):
+def test_recovery_without_an_error_reports_that_nothing_was_done(services):
     assert services.error_recovery() is False
 
 
@@ -61,7 +61,7 @@ def test_arm_that_is_not_simulated_has_no_controls_of_a_simulation(real):
     assert real.simulation() is None
 
 
-def test_settings_and_recovery_are_those_of_any_arm(real):
+def test_services_work_with_an_arm_that_is_not_simulated(real):
     real.set_joint_impedance([1000.0] * 7)
     real.set_K_frame([1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0.1, 1.0])
     assert real.get_robot_state().EE_T_K[14] == 0.1

@@ -42,7 +42,7 @@ def commands() -> JointCommands:
     return commands
 
 
-def test_begin_commands_what_keeps_the_arm_where_it_is() -> None:
+def test_first_commands_keep_the_arm_at_its_pose() -> None:
     state = RobotState()
     commands = JointCommands(state, NAMES)
     commands.efforts[2] = commands.velocities[2] = 3.0

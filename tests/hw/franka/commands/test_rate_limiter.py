@@ -33,7 +33,7 @@ def test_low_pass_of_100_hz_has_the_published_gain() -> None:
     assert low_pass(1.0, 0.0, 100.0) == pytest.approx(0.3859, abs=5e-5)
 
 
-def test_low_pass_settles_like_the_first_order_it_is() -> None:
+def test_low_pass_settles_like_a_first_order_filter() -> None:
     value = 0.0
     for _ in range(100):
         value = low_pass(1.0, value, 10.0)

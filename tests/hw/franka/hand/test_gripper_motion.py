@@ -71,13 +71,13 @@ def test_a_move_ends_when_the_width_is_reached(motor, motion):
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motion.activity is GripperActivity.IDLE
     assert motion.width() == pytest.approx(0.02, abs=1.1e-3)
 
 
 @pytest.mark.parametrize("speed", [0.1, 0.01, 0.002])
-def test_what_blocks_is_found_at_once_however_slow_the_motion(motor, motion, speed):
+def test_an_obstacle_ends_a_move_at_once_at_every_speed(motor, motion, speed):
     motor.narrowest = 0.07
     motion.move(0.02, speed)
 
@@ -88,13 +88,13 @@ def test_what_blocks_is_found_at_once_however_slow_the_motion(motor, motion, spe
     assert motor.pressed == [0.0]
 
 
-def test_a_grasp_presses_inwards_and_goes_on_doing_so(motor, motion):
+def test_a_grasp_keeps_pressing_inwards(motor, motion):
     motor.narrowest = 0.03
     motion.grasp(GraspRequest(0.03, 20.0))
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motion.activity is GripperActivity.HOLDING
     assert motion.is_grasped()
     assert motor.pressed == [-20.0]
@@ -107,11 +107,11 @@ def test_a_grasp_from_within_presses_outwards(motor, motion):
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motor.pressed == [20.0]
 
 
-def test_what_is_lost_is_grasped_no_more(motor, motion):
+def test_an_object_that_slips_out_is_no_longer_grasped(motor, motion):
     motor.narrowest = 0.03
     motion.grasp(GraspRequest(0.03, 20.0))
     run(motor, motion)
@@ -122,17 +122,17 @@ def test_what_is_lost_is_grasped_no_more(motor, motion):
     assert motion.activity is GripperActivity.HOLDING
 
 
-def test_homing_closes_then_opens(motor, motion):
+def test_homing_closes_the_hand_and_then_opens_it(motor, motion):
     motor.widest = 0.0795
     motion.home()
 
     outcome, _ = run(motor, motion)
 
-    assert outcome.message == ""
+    assert outcome.message is None
     assert motion.max_width == pytest.approx(0.0795)
 
 
-def test_homing_ends_at_what_is_in_the_way(motor, motion):
+def test_homing_ends_at_an_obstacle(motor, motion):
     motor.narrowest = 0.03
     motion.home()
 

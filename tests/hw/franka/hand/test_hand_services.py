@@ -40,7 +40,7 @@ def grasp(station, width=WIDTH, force=20.0, **more):
     return run_until_done(station)
 
 
-def test_it_begins_open_and_idle(empty):
+def test_the_gripper_begins_open_and_idle(empty):
     state = Grippers(empty.robots).state("panda")
 
     assert state.width == pytest.approx(0.08, abs=1e-4)
@@ -48,7 +48,7 @@ def test_it_begins_open_and_idle(empty):
     assert state.command is state.last is None
 
 
-def test_it_moves_to_a_width_as_fast_as_asked(empty):
+def test_the_gripper_moves_to_a_width_at_the_requested_speed(empty):
     Grippers(empty.robots).move("panda", 0.02, 0.05)
     begun = Grippers(empty.robots).state("panda")
     state = run_until_done(empty)
@@ -157,7 +157,7 @@ def test_grasping_again_changes_the_force_and_does_not_let_go(station):
     assert contact_force(station, "panda_leftfinger") == pytest.approx(40.0, rel=0.01)
 
 
-def test_a_new_command_ends_the_one_before(empty):
+def test_a_new_gripper_command_ends_the_command_before(empty):
     Grippers(empty.robots).move("panda", 0.0)
     empty.loop.step(300)
     state = Grippers(empty.robots).move("panda", 0.08)
@@ -195,7 +195,7 @@ def test_stop_lets_go(station):
     assert contact_force(station, "panda_leftfinger") < 0.1
 
 
-def test_the_box_is_lifted_and_a_stop_does_not_drop_it(station):
+def test_a_stop_of_the_station_does_not_drop_a_lifted_box(station):
     station.switch_controllers(SwitchRequest(["arm"]))
     start = list(Arms(station.robots).state("panda").q)
     grasp(station, force=20.0)
@@ -274,7 +274,7 @@ def test_a_controller_that_takes_the_fingers_wins(empty):
         ({"width": float("nan")}, "width"),
     ],
 )
-def test_numbers_out_of_range_are_refused_and_change_nothing(empty, numbers, field):
+def test_numbers_out_of_range_are_refused_and_change_no_setting(empty, numbers, field):
     Grippers(empty.robots).move("panda", 0.0)
     request = GraspRequest(**{"width": 0.03, "force": 20.0, **numbers})
 

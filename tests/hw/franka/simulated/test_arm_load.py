@@ -19,7 +19,7 @@ def load() -> ArmLoad:
     return arm
 
 
-def test_weight_is_what_the_jacobian_says(load: ArmLoad) -> None:
+def test_weight_of_a_point_load_acts_through_the_jacobian(load: ArmLoad) -> None:
     jacobian = np.reshape(zero_jacobian(Frame.FLANGE, Q), (7, 6))
     assert load.weight(Q) == pytest.approx(2.0 * 9.81 * jacobian[:, 2], abs=1e-9)
 

@@ -147,7 +147,7 @@ def test_touch_that_gets_much_harder_is_a_collision_again(arm):
     assert "cartesian_reflex" in error_names(arm.state.current_errors)
 
 
-def test_what_is_out_of_range_at_a_recovery_may_get_better_and_not_worse():
+def test_value_out_of_range_at_a_recovery_is_an_error_again_when_it_gets_worse():
     # The limits are 0.05 rad tighter here, so that no mechanical stop pushes back.
     outside = (2.87, *INITIAL_POSITIONS[1:])
     tight = SupervisorLimits(position_tolerance=-0.05)
@@ -196,7 +196,7 @@ def test_moving_arm_cannot_be_guided(arm):
         arm.simulation().set_guiding(pressed=True)
 
 
-def test_every_mode_says_what_to_do_or_nothing(arm):
+def test_every_mode_has_its_remedy_or_none(arm):
     for mode in RobotMode:
         arm.state.robot_mode = mode
         needs_something = mode in HALTED and mode is not RobotMode.OTHER

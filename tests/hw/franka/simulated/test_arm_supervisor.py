@@ -48,7 +48,7 @@ def test_power_is_off_unless_limited():
     assert (error.name, error.value) == ("power_limit_violation", 100.0)
 
 
-def test_errors_are_kept_until_cleared_and_those_of_the_motion_longer():
+def test_errors_of_the_last_motion_are_kept_when_the_present_errors_are_cleared():
     state = RobotState()
     supervisor = supervise(state)
     supervisor.record([1.0])

@@ -29,7 +29,7 @@ def follow(state: RobotState, motion: CartesianMotion, cycles: int, elbow=None):
         state.q_d[:], state.dq_d[:] = q, dq
 
 
-def test_end_effector_is_where_it_was_commanded_to_be():
+def test_end_effector_reaches_the_commanded_pose():
     state = RobotState(q_d=list(START))
     motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
     motion.begin()

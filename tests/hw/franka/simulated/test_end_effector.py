@@ -16,7 +16,7 @@ def urdf():
     return load_urdf(load_robot_files("example-robot-data:panda"))
 
 
-def test_hand_and_fingers_are_one_body(urdf):
+def test_hand_and_fingers_combine_to_one_body(urdf):
     body = end_effector_of(urdf, "panda_", 0.08)
 
     assert body.mass == pytest.approx(0.73 + 2 * 0.015)

@@ -49,7 +49,7 @@ def dynamics() -> FrankaDynamics:
         (START, HAND, [0, -3.91847, -0.67981, 21.90309, 0.68448, 2.27324, 0]),
     ],
 )
-def test_gravity_is_the_published_one(
+def test_gravity_torques_equal_published_values(
     dynamics: FrankaDynamics, q: list[float], load: Load, expected: list[float]
 ) -> None:
     assert dynamics.gravity(q, load) == pytest.approx(expected, abs=1e-5)
@@ -82,7 +82,7 @@ def test_links_have_the_published_masses() -> None:
         (HAND, [0.52854, 1.55004, 0.98210, 0.95045, 0.04334, 0.05279, 0.00668]),
     ],
 )
-def test_mass_diagonal_is_the_published_one(
+def test_mass_diagonal_equals_published_values(
     dynamics: FrankaDynamics, load: Load, expected: list[float]
 ) -> None:
     mass = np.reshape(dynamics.mass(START, load), (7, 7))
@@ -95,7 +95,9 @@ def test_mass_is_symmetric_and_positive(dynamics: FrankaDynamics) -> None:
     assert np.linalg.eigvalsh(mass).min() > 0.0
 
 
-def test_point_load_adds_what_its_jacobian_says(dynamics: FrankaDynamics) -> None:
+def test_point_load_adds_its_mass_through_the_jacobian(
+    dynamics: FrankaDynamics,
+) -> None:
     point = Load(2.0)
     jacobian = np.reshape(zero_jacobian(Frame.FLANGE, Q), (7, 6))[:, :3]
     added = np.subtract(dynamics.mass(Q, point), dynamics.mass(Q))

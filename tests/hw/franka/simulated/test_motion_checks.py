@@ -56,7 +56,7 @@ def test_fr3_reports_no_position_limit_but_a_velocity_of_zero():
     assert check(-1e-3, -1e-3, FR3_LIMITS, beyond) == []
 
 
-def test_torque_may_start_from_what_acted_or_from_what_was_sent():
+def test_first_torque_may_continue_the_acting_or_the_sent_torque():
     def names(tau):
         found = torque_errors([tau] * 7, [87.0] * 7, [90.0] * 7, PANDA_LIMITS, PERIOD)
         return {error.name for error in found}

@@ -27,7 +27,7 @@ def test_packets_are_lost_for_as_long_as_asked(faults):
     assert [faults.loses_packet() for _ in range(5)] == [True] * 3 + [False] * 2
 
 
-def test_what_lasts_is_listed_until_it_is_cleared(faults):
+def test_lasting_faults_are_listed_until_they_are_cleared(faults):
     faults.inject(SimulatedFault(FaultKind.LOST_PACKETS, 3))
     faults.inject(SimulatedFault(FaultKind.NAN_SENSOR, 5, joint=4))
     faults.inject(SimulatedFault(FaultKind.STUCK_JOINT, 7, joint=2))

@@ -20,7 +20,7 @@ def test_fingers_go_to_the_width_and_stay(width: float) -> None:
     assert world.data.qpos[7:] == pytest.approx(expected, abs=3e-4)
 
 
-def test_pressing_lets_the_width_go_and_holding_stops_it() -> None:
+def test_pressing_fingers_close_and_holding_fingers_keep_their_width() -> None:
     description = load_robot_files("example-robot-data:panda")
     simulation = simulate([ArmPlacement("panda", description)])
     world, gripper = simulation.world, simulation.grippers["panda"]
