@@ -13,6 +13,8 @@ ROOT = Path(__file__).parents[2]
 
 # Parts that their declared whole pins and documents as its own.
 PART_OF = {"pydantic-core": "pydantic"}
+# Suites of tests are imported by whoever has pytest; the station runs without it.
+BROUGHT_BY_USERS = {"station.testing": "pytest"}
 
 
 def third_party_imports() -> dict[str, str]:
@@ -23,7 +25,9 @@ def third_party_imports() -> dict[str, str]:
         if module.partition(".")[0] != "station":
             continue
         for imported in graph.find_modules_directly_imported_by(module):
-            imports[imported.partition(".")[0]] = module
+            name = imported.partition(".")[0]
+            if BROUGHT_BY_USERS.get(".".join(module.split(".")[:2])) != name:
+                imports[name] = module
     return imports
 
 
