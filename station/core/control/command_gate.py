@@ -65,6 +65,7 @@ class CommandGate:
         self._resting: list[tuple[list[float], slice, list[float]]] = []
         self._rows: list[tuple[list[float], slice, list[float]]] = []
         self._looks = cycle(self._rows)
+        self._owned_names: set[str] = set()
         self._names: dict[Slot, str] = {
             (id(storage), index): guard.name
             for guard in self._guards
@@ -188,7 +189,9 @@ class CommandGate:
         """Find out which commands nobody owns, and let them rest.
 
         A resource that had no owner before keeps its rest command: resting anew where
-        it is measured would let a joint under load creep a little at every switch.
+        it is measured would let a joint under load creep a little at every switch. One
+        that had an owner has moved meanwhile, so all of its commands rest anew, those
+        of other interfaces as well.
         """
         owned = _count_owners(loaded)
         before = {
@@ -204,7 +207,7 @@ class CommandGate:
                 if slot in owned:
                     continue
                 free[slot] = (storage, index)
-                if slot in before:
+                if slot in before and guard.name not in self._owned_names:
                     storage[index] = before[slot]
                 else:
                     begun.append(position)
@@ -213,6 +216,7 @@ class CommandGate:
         pieces = as_pieces([free[slot] for slot in sorted(free)])
         self._resting = [(storage, piece, storage[piece]) for storage, piece in pieces]
         running = [one for one in loaded if one.controller.state is _RUNNING]
+        self._owned_names = {g.name for one in running for g in one.commands.guards}
         owners = [one for one in running if not one.commands.is_shared]
         for one in owners:
             one.commands.write_again()

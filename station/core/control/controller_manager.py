@@ -40,10 +40,6 @@ from station.core.parameters import Parameters
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
-SWITCH_GRACE = 1.0
-"""How much later than its timeout a switch is given up [s wall time] (CM-74)."""
-WAIT_SLICE = 0.05
-"""How often a waiting caller looks whether the loop's thread came or went [s]."""
 
 
 class ControllerManager:

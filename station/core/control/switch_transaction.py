@@ -130,10 +130,12 @@ class SwitchTransaction:
     def _give_up(self, time: float, problem: str) -> bool:
         """End a switch that the hardware did not carry out."""
         pending = self._pending
-        for one in pending.start:
-            if one.info.name not in pending.given_up:
+        for one in _once(pending.start):
+            name, runs = one.info.name, one.controller.state is _RUNNING
+            # With best effort the request may name a controller that runs already.
+            if name not in pending.given_up and not runs:
                 self._lifecycle.abort(one, time, problem)
-                pending.failed[one.info.name] = problem
+                pending.failed[name] = problem
         if not pending.start:
             self._keep_unreleased(problem)
             return True
@@ -249,8 +251,9 @@ class SwitchTransaction:
         """Undo a `do_switch` that raised, before anything was stopped."""
         pending, plan = self._pending, self._pending.plan
         for one in _once(pending.start):
-            self._lifecycle.abort(one, time, problem)
-            pending.failed[one.info.name] = problem
+            if one.controller.state is not _RUNNING:
+                self._lifecycle.abort(one, time, problem)
+                pending.failed[one.info.name] = problem
         undone = self._lifecycle.do_switch(self._restored, plan.start)
         done, _ = self._ask(self._hw.switch_result, "switch_result")
         if undone is None and done:

@@ -370,3 +370,28 @@ def test_what_only_equals_the_command_of_an_owner_does_not_reach_the_robot(
 
     assert [type(one) for one in sent] == [float] * 3
     assert bench.state("owner") == "running"
+
+
+def test_a_released_joint_rests_where_it_is_in_all_its_interfaces(bench):
+    bench.load("mover", "j1", kind="Velocity")
+    bench.switch(["mover"])
+    joints = bench.robot.joints
+    joints.position[0] = 0.8  # the controller has moved it there
+    bench.step()
+
+    bench.switch(stop=["mover"])
+
+    assert joints.position_command[0] == pytest.approx(0.8)
+    assert joints.velocity_command[0] == 0.0
+
+
+def test_a_failed_start_leaves_alone_what_the_request_names_and_runs_already(bench):
+    bench.load("running", "j1")
+    bench.load("new", "j2")
+    bench.switch(["running"])
+    bench.robot.script.failing = {"new"}
+
+    result = bench.switch(["running", "new"], strictness=BEST_EFFORT)
+
+    assert set(result.failed) == {"new"}
+    assert bench.state("running") == "running"
