@@ -41,7 +41,6 @@ from station.core.parameters import Parameters
 __all__ = ["ControllerManager", "ControllerStatus"]
 
 
-
 class ControllerManager:
     """The controllers of one robot.
 
