@@ -222,6 +222,9 @@ def test_somebody_outside_of_all_controllers_cannot_command_a_free_joint(bench):
         assert bench.robot.joints.effort_command[2] == 0.0
 
     assert bench.state("arm") == "running"
+    count, last = bench.manager.command_violations
+    assert count > 0
+    assert "'j3'" in last
 
 
 def test_a_free_joint_keeps_its_rest_while_others_switch(bench):
@@ -268,20 +271,6 @@ def test_the_types_of_a_strict_refusal_name_the_command(bench):
 
     with pytest.raises(SwitchRefusedError, match=r"\(1\+2j\) for 'j1'"):
         bench.switch(["arm"])
-
-
-def test_whoever_keeps_writing_a_free_command_is_noticed_soon(bench):
-    bench.load("arm", "j1")
-    bench.switch(["arm"])
-    bench.step()
-    for _ in range(10):
-        bench.robot.joints.effort_command[2] = 4.0
-        bench.step()
-
-    count, last = bench.manager.command_violations
-    assert count > 0
-    assert "'j3'" in last
-    assert bench.state("arm") == "running"
 
 
 @pytest.mark.parametrize("callback", ["starting", "stopping", "waiting", "aborting"])
