@@ -77,7 +77,7 @@ def idle(_: Station) -> Iterator[None]:
 def moving(station: Station) -> Iterator[None]:
     """A controller moves joint 1."""
     station.switch_controllers(SwitchRequest(start=[ARM]))
-    station.set_command(ARM, [0.3, *POSE[1:]])
+    station.motion.set_command(ARM, [0.3, *POSE[1:]])
     sleep(0.05)
     yield
 

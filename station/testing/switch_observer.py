@@ -87,6 +87,7 @@ class SwitchObserver:
         self._settling = settling
         self._places = command_places(robot)
         self._resting: dict[tuple[int, int], float] = {}
+        self._owned_names: set[str] = set()
         self._unowned_since: dict[str, tuple[int, float]] = {}
         self._cycles = [manager.cycle]
         self._running = [frozenset(info.name for info in manager.running())]
@@ -188,7 +189,11 @@ class SwitchObserver:
             if slot in owned:
                 self._resting.pop(slot, None)
                 continue
-            if slot not in self._resting:
+            # A resource that had an owner through any interface has moved meanwhile, so
+            # its commands may rest anew; one without keeps its rest.
+            before = self._resting.get(slot)
+            had_owner = place.claim[1] in self._owned_names
+            if before is None or (had_owner and value != before):
                 self._resting[slot] = value
                 rest = place.rest()
                 if math.isfinite(rest) and not math.isclose(
@@ -198,12 +203,13 @@ class SwitchObserver:
                         f"command {value!r} of {place.claim} without an owner does not "
                         f"rest at {rest!r}"
                     )
-            elif value != self._resting[slot]:
+            elif value != before:
                 self._note(
                     f"command {place.claim} without an owner changed from "
                     f"{self._resting[slot]!r} to {value!r}"
                 )
                 self._resting[slot] = value
+        self._owned_names = {resource for _, resource in claims}
 
     def _look_at_joints(self, running: Sequence[ControllerInfo], cycle: int) -> None:
         states = self._robot.get(JointStateInterface)

@@ -55,10 +55,10 @@ def test_a_square_streamed_at_fifty_hertz_is_driven(robot) -> None:
     for axis, side in ((1, 0.1), (2, 0.1), (1, -0.1), (2, -0.1)):
         for _ in range(50):
             pose[axis] += side / 50.0
-            station.set_command("cartesian", pose)
+            station.motion.set_command("cartesian", pose)
             step(station, EVERY)
         for _ in range(50):
-            station.set_command("cartesian", pose)
+            station.motion.set_command("cartesian", pose)
             step(station, EVERY)
         corners.append(math.dist(position(station), pose[:3]))
     check_content(station)
@@ -77,7 +77,7 @@ def test_a_jog_button_held_to_the_end_of_the_workspace_is_no_error(
     twist = [0.0] * 6
     twist[axis] = sign * (0.3 if axis < 3 else 1.0)
     for _ in range(250):
-        station.set_command("cartesian", twist)
+        station.motion.set_command("cartesian", twist)
         step(station, EVERY)
 
     check_content(station)
@@ -87,7 +87,7 @@ def test_a_jog_button_held_to_the_end_of_the_workspace_is_no_error(
 def test_a_stop_ends_a_jog_and_nothing_resumes() -> None:
     station = start("Jog")
     for _ in range(10):
-        station.set_command("cartesian", [0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
+        station.motion.set_command("cartesian", [0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
         step(station, EVERY)
     station.stop("test")
     step(station, 500)
@@ -105,7 +105,7 @@ def test_starting_moves_nothing_and_silence_ends_a_motion() -> None:
     assert position(station) == pytest.approx(begin, abs=5e-4)
     pose = list(station.controller_sample("cartesian").desired)
     pose[1] += 0.2
-    station.set_command("cartesian", pose)
+    station.motion.set_command("cartesian", pose)
     track = []
     for _ in range(40):
         step(station, EVERY)
@@ -123,7 +123,7 @@ def test_late_cycles_are_no_error(robot) -> None:
     pose = list(station.controller_sample("cartesian").desired)
     for number in range(150):
         pose[1] += 0.002 * math.cos(number / 20.0)
-        station.set_command("cartesian", pose)
+        station.motion.set_command("cartesian", pose)
         step(station, 8)
         # The loop is late by some cycles: the arm has gone on by itself.
         station.loop.period = 1e-3 * random.randrange(2, 9)
@@ -151,12 +151,12 @@ def test_stalls_in_a_streamed_square_are_no_error(robot, seed) -> None:
     for axis, side in ((1, 0.1), (2, 0.1), (1, -0.1), (2, -0.1)):
         for _ in range(50):
             pose[axis] += side / 50.0
-            station.set_command("cartesian", pose)
+            station.motion.set_command("cartesian", pose)
             step(station, random.randrange(1, EVERY))
             if random.random() < 0.3:
                 stall(station, random)
     for _ in range(50):
-        station.set_command("cartesian", pose)
+        station.motion.set_command("cartesian", pose)
         step(station, EVERY)
 
     check_content(station)
@@ -172,7 +172,7 @@ def test_stalls_while_a_jog_button_is_held_are_no_error(axis) -> None:
     for number in range(300):
         if number % 100 == 0:  # to the end of the workspace, and back
             twist[axis] = (0.3 if axis < 3 else 1.0) * (-1.0) ** (number // 100)
-        station.set_command("cartesian", twist)
+        station.motion.set_command("cartesian", twist)
         step(station, random.randrange(1, EVERY))
         if random.random() < 0.3:
             stall(station, random)

@@ -87,21 +87,21 @@ def test_commanded_pose_is_reached_within_two_seconds(
 ) -> None:
     switch(station, name, None)
     goal = [q + 0.3 for q in INITIAL_POSITIONS]
-    station.set_command(name, goal)
+    station.motion.set_command(name, goal)
     station.loop.step(2_000)
     assert positions(station) == pytest.approx(goal, abs=0.02)
 
 
 def test_commanded_velocity_is_reached(station: Station) -> None:
     switch(station, "velocity", None)
-    station.set_command("velocity", [0.2] * 7)
+    station.motion.set_command("velocity", [0.2] * 7)
     station.loop.step(1_000)
     assert list(station.latest().velocity) == pytest.approx([0.2] * 7, abs=0.01)
 
 
 def test_switch_in_motion_stays_calm(station: Station) -> None:
     switch(station, "velocity", None)
-    station.set_command("velocity", [0.5] * 7)
+    station.motion.set_command("velocity", [0.5] * 7)
     station.loop.step(500)
     before = positions(station)
     switch(station, "effort_position", "velocity")
@@ -122,7 +122,7 @@ def test_second_controller_on_the_joints_is_refused_with_the_holder(
 
 def test_stop_holds_the_arm_in_the_next_cycle(station: Station) -> None:
     switch(station, "effort", None)
-    station.set_command("effort", [5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    station.motion.set_command("effort", [5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     station.loop.step(200)
     station.stop("test")
     station.loop.step(500)

@@ -29,7 +29,7 @@ def station() -> Station:
 def test_a_pose_0_3_rad_away_is_reached_within_two_seconds(station, step):
     positions = station.latest().position[:7]
     goal = [q + dq for q, dq in zip(positions, step, strict=True)]
-    station.set_command(NAME, goal)
+    station.motion.set_command(NAME, goal)
     station.loop.step(2000)
     assert station.controller(NAME).fault == ""
     assert station.latest().position[:7] == pytest.approx(goal, abs=0.02)
@@ -37,7 +37,7 @@ def test_a_pose_0_3_rad_away_is_reached_within_two_seconds(station, step):
 
 def test_gains_that_make_the_arm_swing_do_not_end_the_motion(station):
     station.set_gains(NAME, {"panda_joint1/p": 1500.0, "panda_joint1/d": 10.0})
-    station.set_command(NAME, [0.3, *station.latest().position[1:7]])
+    station.motion.set_command(NAME, [0.3, *station.latest().position[1:7]])
     swing = []
     for _ in range(400):
         station.loop.step()

@@ -33,11 +33,11 @@ def test_robot_moves_with_its_position_group_controller(robot):
     station = run(robot).station
     name = "position_group_controller"
     station.switch_controllers(SwitchRequest(start=[name]))
-    joints = [element.name for element in station.set_point(name).elements]
+    joints = [element.name for element in station.motion.set_point(name).elements]
     before = station.latest().position[: len(joints)]
     target = [position + 0.15 for position in before]
 
-    station.set_command(name, target)
+    station.motion.set_command(name, target)
     station.loop.step(1200)
 
     assert station.joint_names[: len(joints)] == joints
@@ -72,10 +72,12 @@ def test_far_commands_leave_no_joint_out_of_its_bounds(robot):
     for name in names:
         station.switch_controllers(SwitchRequest(start=[name], stop=running))
         running = [name]
-        elements = station.set_point(name).elements
+        elements = station.motion.set_point(name).elements
         for far in ([e.maximum for e in elements], [e.minimum for e in elements]):
             # Beyond these the station refuses a command.
-            station.set_command(name, [max(-100.0, min(100.0, end)) for end in far])
+            station.motion.set_command(
+                name, [max(-100.0, min(100.0, end)) for end in far]
+            )
             for _ in range(500):
                 station.loop.step(1)
                 check_bounds(station, limits)
@@ -102,7 +104,7 @@ def test_command_that_is_cut_off_shows_in_hardware_and_status():
     station.switch_controllers(SwitchRequest(start=[name]))
     assert station.status().clamps == ()
 
-    station.set_command(name, [3.0, -1.2, 1.4, -1.8, -1.57, 0.0])
+    station.motion.set_command(name, [3.0, -1.2, 1.4, -1.8, -1.57, 0.0])
     station.loop.step(10)
 
     (clamp,) = station.status().clamps

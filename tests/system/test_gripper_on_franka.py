@@ -40,7 +40,9 @@ def finger(station: Station) -> float:
 def test_it_closes_opens_and_leaves_the_arm_where_it_is(station):
     before = list(station.latest().position)
     for position in (0.01, 0.035):
-        goal = station.submit_goal("gripper", {"command": {"position": position}})
+        goal = station.motion.submit_goal(
+            "gripper", {"command": {"position": position}}
+        )
         station.loop.step(800)
         assert goal.status is GoalStatus.SUCCEEDED
         assert finger(station) == pytest.approx(position, abs=1.1e-3)
@@ -49,7 +51,7 @@ def test_it_closes_opens_and_leaves_the_arm_where_it_is(station):
 
 def test_something_between_the_fingers_is_told_within_half_a_second(station):
     station.loop.hw.simulated_world().world.data.qfrc_applied[7] = 300.0
-    goal = station.submit_goal(
+    goal = station.motion.submit_goal(
         "gripper", {"command": {"position": 0.005, "max_effort": 5.0}}
     )
 
@@ -61,7 +63,7 @@ def test_something_between_the_fingers_is_told_within_half_a_second(station):
 
 
 def test_a_stop_holds_the_fingers_and_ends_the_goal(station):
-    goal = station.submit_goal("gripper", {"command": {"position": 0.005}})
+    goal = station.motion.submit_goal("gripper", {"command": {"position": 0.005}})
     station.loop.step(20)
     station.stop("test")
     station.loop.step(300)

@@ -48,7 +48,7 @@ def test_a_stream_of_thirty_set_points_a_second_is_followed(kind: str) -> None:
     worst = 0.0
     for number in range(100):
         target = [q + 0.3 * sin(number / 30.0) for q in start]
-        station.set_command("arm", target)
+        station.motion.set_command("arm", target)
         step(station, 33)
         sample = station.controller_sample("arm")
         worst = max(worst, *(abs(each) for each in sample.error))
@@ -66,7 +66,7 @@ def test_a_held_button_jogs_a_joint_and_letting_go_stops_it(kind: str) -> None:
     station = make_station(kind, "Jog")
     start = list(station.latest().position)
     for _ in range(10):
-        station.set_command("arm", [0.2] + [0.0] * 6)
+        station.motion.set_command("arm", [0.2] + [0.0] * 6)
         step(station, 50)
     assert station.latest().velocity[0] == pytest.approx(0.2, abs=0.02)
     step(station, 600)

@@ -53,7 +53,7 @@ def touch(station: Station) -> float:
 def drive_into_table(station: Station) -> tuple[int, int]:
     """Return when the force crossed the threshold and when the arm stopped [cycle]."""
     station.switch_controllers(SwitchRequest(("speed",), ()))
-    station.set_command("speed", DOWN)
+    station.motion.set_command("speed", DOWN)
     crossed = 0
     for _ in range(2_000):
         station.loop.step()
@@ -66,7 +66,7 @@ def drive_into_table(station: Station) -> tuple[int, int]:
 
 def move_away(station: Station) -> None:
     station.switch_controllers(SwitchRequest(("speed",), ()))
-    station.set_command("speed", UP)
+    station.motion.set_command("speed", UP)
     station.loop.step(300)
     assert station.latest().mode == "move", Arms(station.robots).report("panda")
     station.switch_controllers(SwitchRequest((), ("speed",)))

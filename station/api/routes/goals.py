@@ -31,19 +31,19 @@ def submit_goal(name: str, request: GoalRequest, station: StationDep) -> Goal:
 
     A stop, a reset or a recovery ends the goal; nothing resumes it.
     """
-    return answers.goal(station.submit_goal(name, request.goal, request.epoch))
+    return answers.goal(station.motion.submit_goal(name, request.goal, request.epoch))
 
 
 @router.get("/controllers/{name}/goals", responses=problems(404, 422))
 def list_goals(name: str, station: StationDep) -> Goals:
     """List the latest goals of a controller, oldest first."""
-    return Goals(goals=[answers.goal(goal) for goal in station.goals(name)])
+    return Goals(goals=[answers.goal(goal) for goal in station.motion.goals(name)])
 
 
 @router.get("/controllers/{name}/goals/{goal_id}", responses=problems(404, 422))
 def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     """Return one goal: its progress, or how and why it ended."""
-    return answers.goal(station.goal(name, goal_id))
+    return answers.goal(station.motion.goal(name, goal_id))
 
 
 @router.delete(
@@ -56,7 +56,7 @@ def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
 
     A goal that has ended does not change.
     """
-    return answers.goal(station.cancel_goal(name, goal_id))
+    return answers.goal(station.motion.cancel_goal(name, goal_id))
 
 
 @router.post(
@@ -72,7 +72,7 @@ def follow_trajectory(
     This is the topic `command` of a joint trajectory controller. Without points the
     joints stop and hold.
     """
-    epoch = station.follow_trajectory(name, request.trajectory, request.epoch)
+    epoch = station.motion.follow_trajectory(name, request.trajectory, request.epoch)
     return CommandAccepted(epoch=epoch)
 
 
@@ -86,7 +86,7 @@ def query_state(
     ] = None,
 ) -> DesiredState:
     """Return the desired joint state of a trajectory controller at a time."""
-    state = station.query_state(name, time)
+    state = station.motion.query_state(name, time)
     return answers.desired_state(
         state, station.manager.get_controller(name).joint_names
     )

@@ -21,7 +21,7 @@ router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonR
 @router.get("/controllers/{name}/command", responses=problems(404, 422))
 def get_command(name: str, station: StationDep) -> CommandInfo:
     """Return the elements of a controller's set-point, and the last set-point."""
-    return answers.command_info(station.set_point(name))
+    return answers.command_info(station.motion.set_point(name))
 
 
 @router.put(
@@ -33,7 +33,7 @@ def put_command(
     name: str, request: CommandRequest, station: StationDep
 ) -> CommandAccepted:
     """Give a running controller a set-point; the newest wins."""
-    epoch = station.set_command(
+    epoch = station.motion.set_command(
         name, request.command, request.epoch, request.timeout, request.rates
     )
     return CommandAccepted(epoch=epoch)

@@ -35,10 +35,8 @@ FRESH = 0.25
 """A last cycle older than this means that the loop hangs [s]."""
 
 
-class Station(MotionCommands):
+class Station:
     """One robot, its controllers and its loop, for any number of threads.
-
-    What makes the robot move is in the base class.
 
     Args:
         loop: The loop; started and stopped by its owner.
@@ -48,7 +46,10 @@ class Station(MotionCommands):
         reserved: Names at the root of the tree that no controller may have.
 
     Attributes:
+        loop: The loop.
+        manager: Its controller manager.
         boot_id: Random name of this run.
+        motion: What makes the robot move: set-points, trajectories and goals.
         robots: The robots, their services and recovery.
         simulation: Pause, step and reset of a simulated robot.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
@@ -63,7 +64,9 @@ class Station(MotionCommands):
         robot_type: str = "",
         reserved: frozenset[str] = frozenset(),
     ) -> None:
-        super().__init__(loop, manager)
+        self.loop = loop
+        self.manager = manager
+        self.motion = MotionCommands(loop, manager)
         self.robots = Robots(loop, manager)
         self.simulation = SimulationControl(loop)
         self.boot_id = uuid.uuid4().hex

@@ -39,7 +39,7 @@ def test_force_deflects_the_spring_by_its_stiffness(station):
 def test_arm_follows_the_equilibrium_pose(station):
     pose = Arms(station.robots).state("panda").O_T_EE
     goal = [pose[12] + 0.03, pose[13] - 0.05, pose[14], 0.0, 1.0, 0.0, 0.0]
-    station.set_command("example", goal)
+    station.motion.set_command("example", goal)
     run_without_errors(station, 5.0)
 
     reached = Arms(station.robots).state("panda").O_T_EE[12:15]

@@ -60,7 +60,9 @@ def test_torques_follow_the_formula_when_the_spring_is_deflected():
 def test_spring_begins_without_force():
     station = start_example("CartesianImpedance")
     pose = Arms(station.robots).state("panda").O_T_EE
-    station.set_command("example", [pose[12] + 0.5, *pose[13:15], 0.0, 1.0, 0.0, 0.0])
+    station.motion.set_command(
+        "example", [pose[12] + 0.5, *pose[13:15], 0.0, 1.0, 0.0, 0.0]
+    )
     station.loop.step(2)
     first = max(map(abs, station.loop.hw.commands.efforts))
     station.loop.step(50)

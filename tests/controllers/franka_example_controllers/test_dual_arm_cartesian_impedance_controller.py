@@ -62,7 +62,7 @@ def test_relative_pose_is_kept_while_the_centering_frame_moves(station):
     goal = np.add(told["position"], [0.05, 0.03, 0.04])
     for step in range(1, 21):  # slowly, as a person would pull the frame
         target = told["position"] + step / 20 * (goal - told["position"])
-        station.set_command("example", [*target, *told["orientation"]])
+        station.motion.set_command("example", [*target, *told["orientation"]])
         station.loop.step(200)
         moved = right_to_left(station)[:3, 3] - before[:3, 3]
         assert np.linalg.norm(moved) < 0.005

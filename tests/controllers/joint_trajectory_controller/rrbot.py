@@ -174,12 +174,14 @@ class RRBot:
     def send(self, *points, joints=JOINTS, stamp=0.0, **fields) -> Goal:
         """Send a goal, as the action's client does."""
         message = trajectory(*points, joints=joints, stamp=stamp)
-        return self.station.submit_goal(self.name, {"trajectory": message, **fields})
+        return self.station.motion.submit_goal(
+            self.name, {"trajectory": message, **fields}
+        )
 
     def publish(self, *points, joints=JOINTS, stamp=0.0):
         """Send a trajectory to the topic."""
         message = trajectory(*points, joints=joints, stamp=stamp)
-        self.station.follow_trajectory(self.name, message)
+        self.station.motion.follow_trajectory(self.name, message)
 
     def run(self, seconds):
         """Let time pass."""

@@ -22,8 +22,8 @@ REST = {"velocities": [0.0, 0.0], "accelerations": [0.0, 0.0]}
 def refusal(rrbot, message):
     """Send a goal that is refused; return what is said about it."""
     with pytest.raises(InvalidTrajectoryError) as caught:
-        rrbot.station.submit_goal(rrbot.name, {"trajectory": message})
-    assert rrbot.station.goals(rrbot.name) == []
+        rrbot.station.motion.submit_goal(rrbot.name, {"trajectory": message})
+    assert rrbot.station.motion.goals(rrbot.name) == []
     return caught.value.details["error_code"]
 
 
@@ -39,7 +39,7 @@ def test_the_state_tells_all_joints_but_no_measured_accelerations(rrbot):
 
 
 def test_the_desired_state_of_a_time_tells_all_joints(rrbot):
-    state = rrbot.station.query_state(rrbot.name, rrbot.now)
+    state = rrbot.station.motion.query_state(rrbot.name, rrbot.now)
     assert rrbot.station.manager.get_controller(rrbot.name).joint_names == JOINTS
     for values in (state.position, state.velocity, state.acceleration):
         assert len(values) == len(JOINTS)
@@ -88,7 +88,7 @@ def test_a_published_trajectory_is_followed_to_its_end(rrbot):
     rrbot.publish(*WAYPOINTS)
     rrbot.run(4.5)
     assert rrbot.is_at(END)
-    state, query = rrbot.state(), rrbot.station.query_state(rrbot.name)
+    state, query = rrbot.state(), rrbot.station.motion.query_state(rrbot.name)
     assert state["error"]["positions"] == pytest.approx([0.0, 0.0], abs=EPS)
     assert state["error"]["velocities"] == pytest.approx([0.0, 0.0], abs=EPS)
     assert query.position == state["desired"]["positions"]

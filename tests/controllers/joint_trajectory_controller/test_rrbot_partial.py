@@ -70,7 +70,7 @@ def test_what_is_wrong_with_all_joints_is_wrong_with_some(rrbot, spoil, code):
     message = trajectory(HOME)
     spoil(message)
     with pytest.raises(InvalidTrajectoryError) as caught:
-        rrbot.station.submit_goal(rrbot.name, {"trajectory": message})
+        rrbot.station.motion.submit_goal(rrbot.name, {"trajectory": message})
     assert caught.value.details["error_code"] == code
 
 
@@ -84,7 +84,7 @@ def test_a_published_trajectory_for_one_joint_is_followed(rrbot):
     rrbot.publish(*PARTIAL, joints=["joint2"])
     rrbot.run(4.5)
     assert rrbot.is_at([0.0, -pi / 2])
-    query = rrbot.station.query_state(rrbot.name)
+    query = rrbot.station.motion.query_state(rrbot.name)
     assert query.position == rrbot.desired()
 
 

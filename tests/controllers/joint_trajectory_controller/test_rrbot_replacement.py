@@ -67,7 +67,7 @@ def test_an_empty_goal_stops_where_the_joints_are_and_succeeds(moving):
 def test_a_cancelled_goal_is_preempted_and_the_joints_stop(rrbot):
     goal = rrbot.send(*WAYPOINTS)
     rrbot.run(1.1)
-    rrbot.station.cancel_goal(rrbot.name, goal.identifier)
+    rrbot.station.motion.cancel_goal(rrbot.name, goal.identifier)
     rrbot.run(0.02)
     assert goal.status is GoalStatus.PREEMPTED
     rrbot.run(rrbot.stop_duration + 0.5)
@@ -122,7 +122,7 @@ def test_a_goal_that_was_over_before_it_came_is_refused(rrbot):
     rrbot.run(1.0)
     with pytest.raises(InvalidTrajectoryError, match="in the past"):
         rrbot.send(HOME, stamp=rrbot.now - HOME[0])
-    assert rrbot.station.goals(rrbot.name) == []
+    assert rrbot.station.motion.goals(rrbot.name) == []
 
 
 def test_only_the_points_to_come_are_executed(rrbot):

@@ -37,19 +37,19 @@ def positions(station: Station) -> list[float]:
 
 
 def test_a_goal_is_reached_and_found_again(arm):
-    goal = arm.submit_goal("arm", GOAL)
+    goal = arm.motion.submit_goal("arm", GOAL)
     arm.loop.step(600)
 
     assert goal.status is GoalStatus.SUCCEEDED
-    assert arm.goals("arm") == [goal]
-    assert arm.goal("arm", goal.identifier) is goal
+    assert arm.motion.goals("arm") == [goal]
+    assert arm.motion.goal("arm", goal.identifier) is goal
     assert positions(arm) == pytest.approx([0.4, -0.4], abs=1e-6)
 
 
 def test_a_cancelled_goal_ends_and_the_joints_hold(arm):
-    goal = arm.submit_goal("arm", GOAL)
+    goal = arm.motion.submit_goal("arm", GOAL)
     arm.loop.step(200)
-    arm.cancel_goal("arm", goal.identifier)
+    arm.motion.cancel_goal("arm", goal.identifier)
     arm.loop.step(2)
     here = positions(arm)
     arm.loop.step(600)
@@ -57,16 +57,16 @@ def test_a_cancelled_goal_ends_and_the_joints_hold(arm):
     assert goal.status is GoalStatus.PREEMPTED
     assert positions(arm) == pytest.approx(here, abs=1e-9)
     with pytest.raises(GoalNotFoundError):
-        arm.cancel_goal("arm", "99")
+        arm.motion.cancel_goal("arm", "99")
 
 
 def test_a_trajectory_is_followed_and_asked_about(arm):
-    assert arm.follow_trajectory("arm", TRAJECTORY) == arm.epoch
+    assert arm.motion.follow_trajectory("arm", TRAJECTORY) == arm.epoch
     arm.loop.step()
 
-    later = arm.query_state("arm", arm.loop.time + 1.0)
+    later = arm.motion.query_state("arm", arm.loop.time + 1.0)
     assert later.position == pytest.approx([0.4, -0.4])
-    assert arm.query_state("arm").position == pytest.approx([0.0, 0.0], abs=1e-4)
+    assert arm.motion.query_state("arm").position == pytest.approx([0.0, 0.0], abs=1e-4)
     arm.loop.step(600)
     assert positions(arm) == pytest.approx([0.4, -0.4], abs=1e-6)
 
@@ -74,12 +74,14 @@ def test_a_trajectory_is_followed_and_asked_about(arm):
 @pytest.mark.parametrize("time", [float("nan"), float("inf"), -1.0])
 def test_impossible_times_are_refused(arm, time):
     with pytest.raises(InvalidTrajectoryError):
-        arm.query_state("arm", time)
+        arm.motion.query_state("arm", time)
 
 
 SUBMISSIONS = [
-    lambda station, epoch=None: station.submit_goal("arm", GOAL, epoch),
-    lambda station, epoch=None: station.follow_trajectory("arm", TRAJECTORY, epoch),
+    lambda station, epoch=None: station.motion.submit_goal("arm", GOAL, epoch),
+    lambda station, epoch=None: station.motion.follow_trajectory(
+        "arm", TRAJECTORY, epoch
+    ),
 ]
 
 
@@ -116,7 +118,7 @@ def test_a_new_epoch_voids_what_is_under_way(arm, submit):
 
     assert here != pytest.approx([0.0, 0.0], abs=1e-3)
     assert positions(arm) == pytest.approx(here, abs=1e-9)
-    assert all(goal.is_final() for goal in arm.goals("arm"))
+    assert all(goal.is_final() for goal in arm.motion.goals("arm"))
 
 
 @pytest.mark.parametrize("submit", SUBMISSIONS)
@@ -134,11 +136,11 @@ def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeyp
     arm.loop.step(600)
 
     assert positions(arm) == pytest.approx([0.0, 0.0], abs=1e-9)
-    assert all(goal.status is GoalStatus.PREEMPTED for goal in arm.goals("arm"))
+    assert all(goal.status is GoalStatus.PREEMPTED for goal in arm.motion.goals("arm"))
 
 
 def test_nothing_resumes_after_a_stop(arm):
-    goal = arm.submit_goal("arm", GOAL)
+    goal = arm.motion.submit_goal("arm", GOAL)
     arm.loop.step(200)
     arm.stop("test")
     arm.loop.step(2)
@@ -154,16 +156,16 @@ def test_nothing_resumes_after_a_stop(arm):
 
 
 def test_controllers_without_a_port_say_so(station):
-    for call in (station.goals, station.query_state):
+    for call in (station.motion.goals, station.motion.query_state):
         with pytest.raises(InvalidCommandError, match="'group' takes no"):
             call("group")
     with pytest.raises(InvalidCommandError, match="'arm' takes no set-points"):
-        station.set_point("arm")
+        station.motion.set_point("arm")
 
 
 def test_a_new_epoch_lets_set_point_controllers_rest(station):
     station.switch_controllers(SwitchRequest(start=("group",)))
-    station.set_command("group", [0.3, 0.3])
+    station.motion.set_command("group", [0.3, 0.3])
     station.loop.step(3)
     station.loop.hw.joints.mode[:] = ["", ""]  # as if moved from outside
     station.loop.hw.joints.position[:] = [0.1, 0.1]
@@ -182,7 +184,7 @@ def test_a_goal_before_the_first_update_is_no_jump(station):
         {"joint": "j1", "goal_tolerance": 0.001},
     )
     station.switch_controllers(SwitchRequest(start=("gripper",)))
-    goal = station.submit_goal("gripper", {"command": {"position": 1.5}})
+    goal = station.motion.submit_goal("gripper", {"command": {"position": 1.5}})
     station.loop.step(5)
 
     assert station.controller("gripper").fault == ""
@@ -201,11 +203,11 @@ def test_a_set_point_that_is_overtaken_by_a_new_epoch_is_void(station, monkeypat
         real(*arguments)
 
     monkeypatch.setattr(port, "post", post)
-    station.set_command("group", [0.3, 0.3])
+    station.motion.set_command("group", [0.3, 0.3])
     station.loop.step(3)
 
     assert positions(station) == [0.0, 0.0]
     monkeypatch.undo()
-    station.set_command("group", [0.3, 0.3])
+    station.motion.set_command("group", [0.3, 0.3])
     station.loop.step(3)
     assert positions(station) == [0.3, 0.3]

@@ -146,7 +146,7 @@ def test_recovery_of_a_moving_arm_returns_when_it_is_at_rest(station):
     group = "velocity_controllers/JointGroupVelocityController"
     station.load_controller("speed", group, {"joints": JOINTS})
     station.switch_controllers(SwitchRequest(("speed",), ()))
-    station.set_command("speed", [0.3] * 7)
+    station.motion.set_command("speed", [0.3] * 7)
     station.loop.step(300)
     Arms(station.robots).set_user_stop("panda", pressed=True)
     station.loop.step()

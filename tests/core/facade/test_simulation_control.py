@@ -102,7 +102,7 @@ def test_a_stop_works_while_paused(station):
 def test_a_set_point_times_out_on_the_wall_clock_while_paused(station):
     station.switch_controllers(SwitchRequest(["group"]))
     _pause(station)
-    station.set_command("group", [1.0, 1.0], timeout=0.05)
+    station.motion.set_command("group", [1.0, 1.0], timeout=0.05)
 
     _let_the_wall_clock_run(station, 0.1)
     station.simulation.step(10)
@@ -152,7 +152,7 @@ def test_only_what_is_paused_can_be_stepped(station):
 def test_a_reset_puts_the_joints_where_asked_and_voids_what_was_commanded(station):
     station.switch_controllers(SwitchRequest(["group"]))
     epoch = station.epoch
-    station.set_command("group", [1.0, 1.0])
+    station.motion.set_command("group", [1.0, 1.0])
     station.loop.run_in_cycle(lambda: None)
 
     station.simulation.reset({"j2": -0.5})
@@ -161,7 +161,7 @@ def test_a_reset_puts_the_joints_where_asked_and_voids_what_was_commanded(statio
     assert station.latest().position == [0.0, -0.5]
     assert station.controller("group").state is ControllerState.RUNNING
     with pytest.raises(StaleEpochError):
-        station.set_command("group", [1.0, 1.0], epoch=epoch)
+        station.motion.set_command("group", [1.0, 1.0], epoch=epoch)
 
 
 def test_station_time_goes_on_through_a_reset_and_the_worlds_begins_anew(station):
@@ -178,7 +178,7 @@ def test_station_time_goes_on_through_a_reset_and_the_worlds_begins_anew(station
 
 def test_a_goal_ends_with_a_reset(station):
     station.switch_controllers(SwitchRequest(["arm"]))
-    goal = station.submit_goal("arm", {"trajectory": TRAJECTORY})
+    goal = station.motion.submit_goal("arm", {"trajectory": TRAJECTORY})
 
     station.simulation.reset()
     _let_the_wall_clock_run(station, 1.0)

@@ -140,16 +140,16 @@ def test_a_controller_without_a_type_is_refused(station):
 
 
 def test_a_set_point_reaches_the_robot_in_the_next_cycle(running):
-    assert running.set_command("spring", [0.5]) == running.epoch
+    assert running.motion.set_command("spring", [0.5]) == running.epoch
     running.loop.step()
     assert running.loop.hw.effort_command == [1.0]
-    assert running.set_point("spring").values == (0.5,)
+    assert running.motion.set_point("spring").values == (0.5,)
 
 
 @pytest.mark.parametrize("values", [[], [0.1, 0.2], [float("nan")], [1.5]])
 def test_a_malformed_set_point_is_refused_and_changes_nothing(running, values):
     with pytest.raises(InvalidCommandError):
-        running.set_command("spring", values)
+        running.motion.set_command("spring", values)
     running.loop.step()
     assert running.loop.hw.effort_command == [0.0]
 
@@ -157,7 +157,7 @@ def test_a_malformed_set_point_is_refused_and_changes_nothing(running, values):
 def test_a_set_point_for_a_controller_that_does_not_run_is_refused(station):
     station.load_controller("spring", "test/Spring", {"joint": "j"})
     with pytest.raises(ControllerStateError, match="is initialized"):
-        station.set_command("spring", [0.5])
+        station.motion.set_command("spring", [0.5])
 
 
 def test_a_set_point_of_an_older_epoch_is_void(running):
@@ -167,11 +167,11 @@ def test_a_set_point_of_an_older_epoch_is_void(running):
     running.release_stop(arm=True)
     running.switch_controllers(SwitchRequest(start=("spring",)))
     with pytest.raises(StaleEpochError, match=f"epoch {epoch}"):
-        running.set_command("spring", [0.5], epoch)
+        running.motion.set_command("spring", [0.5], epoch)
 
 
 def test_unknown_controllers_are_named(station):
-    for call in (station.gains, station.controller, station.set_point):
+    for call in (station.gains, station.controller, station.motion.set_point):
         with pytest.raises(ControllerNotFoundError, match="nobody"):
             call("nobody")
 
@@ -204,7 +204,7 @@ def test_a_stop_stops_the_controllers_and_refuses_motion(running):
     assert running.controller("spring").state is ControllerState.STOPPED
     assert running.status().stop_state is StopState.STOPPED
     with pytest.raises(StoppedError):
-        running.set_command("spring", [0.5])
+        running.motion.set_command("spring", [0.5])
     with pytest.raises(StoppedError):
         running.switch_controllers(SwitchRequest(start=("spring",)))
 
@@ -248,7 +248,7 @@ def _die(station):
 @pytest.mark.parametrize(
     "ask",
     [
-        lambda station: station.set_command("spring", [0.5]),
+        lambda station: station.motion.set_command("spring", [0.5]),
         lambda station: station.set_gains("spring", {"k": 1.0}),
         lambda station: station.switch_controllers(SwitchRequest(start=("spring",))),
         lambda station: station.switch_controllers(SwitchRequest(stop=("spring",))),

@@ -204,7 +204,7 @@ def test_a_stop_of_the_station_does_not_drop_a_lifted_box(station):
         part = (cycle + 1) / 2_000
         goal = list(start)
         goal[1] -= 0.2 * part * part * (3.0 - 2.0 * part)
-        station.set_command("arm", goal, timeout=0.0)
+        station.motion.set_command("arm", goal, timeout=0.0)
         station.loop.step()
     station.stop("test")
     station.loop.step(500)
