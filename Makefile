@@ -43,13 +43,12 @@ client: $(READY_DEV)
 	.venv/bin/python tools/generate_client.py
 
 check: static
-	.venv/bin/python -m pytest -n auto -m "not slow and not browser" $(PYTEST_ARGS)
+	.venv/bin/python -m pytest -n auto -m "not slow and not alone" $(PYTEST_ARGS)
+	.venv/bin/python -m pytest -m "alone and not slow" $(PYTEST_ARGS)
 
-# Slow tests and those with a browser start whole stations and look at the clock: they
-# run one after the other.
 test: check
 	@sh tools/browser.sh
-	.venv/bin/python -m pytest -m "slow or browser" $(PYTEST_ARGS)
+	.venv/bin/python -m pytest -m slow $(PYTEST_ARGS)
 
 lock: EXPORT := --quiet --no-config --locked --no-emit-project
 lock: $(READY)

@@ -24,6 +24,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.browser)
         if folder in {"browser", "system"}:
             item.add_marker(pytest.mark.slow)
+        if folder in {"browser", "system", "ui"}:
+            item.add_marker(pytest.mark.alone)
 
 
 @pytest.fixture(autouse=True)

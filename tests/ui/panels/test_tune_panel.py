@@ -9,7 +9,9 @@ from station.ui.panels.tune_panel import TunePanel
 def panel(bench):
     bench.station.load("arm", running=True)
     panel = bench.panel(TunePanel)
-    assert bench.wait(lambda: "panda_joint1/p" in panel._sliders)
+    # The sliders are made one after the other, in a thread of the dashboard.
+    both = {"panda_joint1/p", "panda_joint1/d"}
+    assert bench.wait(lambda: both <= set(panel._sliders))
     return panel
 
 
