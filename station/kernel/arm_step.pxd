@@ -1,0 +1,41 @@
+from station.kernel.cycle_log cimport CycleLog
+from station.kernel.desired_motion cimport DesiredMotion
+from station.kernel.joint_memory cimport JointMemory
+from station.kernel.joint_motors cimport JointMotors
+from station.kernel.joint_watch cimport JointWatch
+from station.kernel.command_check cimport CommandCheck
+from station.kernel.simulator_memory cimport SimulatorMemory
+
+cdef int _IDLE, _MOVE, _GUIDING, _RECOVERY
+cdef int _POSITIONS, _VELOCITIES, _CARTESIAN
+cdef int _CONTACT, _UNUSUAL
+
+cdef class ArmStep:
+    cdef JointMemory memory
+    cdef readonly Py_ssize_t size
+    cdef double[::1] mode
+    cdef DesiredMotion motion
+    cdef JointMotors motors
+    cdef CommandCheck check
+    cdef JointWatch watch
+    cdef CycleLog log
+    cdef SimulatorMemory simulator
+    cdef public int generator
+    cdef public bint wants_torques
+    cdef public bint torques_act
+    cdef public bint has_curves
+    cdef public bint has_load
+    cdef public bint has_faults
+    cdef public bint is_cartesian
+    cdef public bint is_following
+    cdef public bint is_fresh
+    cdef public bint is_begun
+    cdef public bint is_lossy
+    cdef public long long cycle
+    cdef public double time
+    cpdef bint receive_torques(self, double[::1] values)
+    cpdef bint receive_joints(self, double[::1] values)
+    cpdef bint receive(self, double[::1] values, double[::1] place)
+    cpdef bint before(self)
+    cpdef bint take_command(self)
+    cpdef int after(self, double time)

@@ -1,0 +1,7 @@
+cdef class CommandPiece:
+    cdef readonly double[::1] memory
+    cdef readonly double[::1] values
+    cdef readonly Py_ssize_t size
+    cpdef bint take(self)
+    cpdef bint differs(self)
+    cpdef write(self)

@@ -1,0 +1,259 @@
+"""Low-pass filter and rate limits of joint commands, as libfranka has them.
+
+Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
+limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
+"""
+
+from collections.abc import Iterable
+
+from station.kernel.doubles import Doubles, doubles, own, zeros
+from station.kernel.functions import square_root
+from station.kernel.joint_memory import JointMemory
+
+
+def filtered(value: float, previous: float, gain: float) -> float:
+    """Return the first-order low-pass of a command.
+
+    Args:
+        value: The new command.
+        previous: The filter's last output.
+        gain: Share of the new command, 0 to 1.
+    """
+    return gain * value + (1.0 - gain) * previous
+
+
+def limited(
+    velocity: float,
+    last_velocity: float,
+    last_acceleration: float,
+    acceleration: float,
+    jerk: float,
+    lowest_velocity: float,
+    highest_velocity: float,
+    period: float,
+) -> float:
+    """Return the velocity nearest to a command that all limits allow.
+
+    Close to the velocity limit the acceleration is limited further, so that it can
+    reach zero at the limit without exceeding the jerk limit.
+
+    Args:
+        velocity: The new command [rad/s].
+        last_velocity: The last command [rad/s].
+        last_acceleration: Its acceleration [rad/s^2].
+        acceleration: Largest acceleration, > 0 [rad/s^2].
+        jerk: Largest jerk, > 0 [rad/s^3].
+        lowest_velocity: Lowest velocity [rad/s].
+        highest_velocity: Highest velocity [rad/s].
+        period: Duration of a cycle, > 0 [s].
+    """
+    change = ((velocity - last_velocity) / period - last_acceleration) / period
+    if jerk < change:
+        change = jerk
+    if change < -jerk:
+        change = -jerk
+    wanted = last_acceleration + change * period
+    slope = jerk / acceleration
+    highest = slope * (highest_velocity - last_velocity)
+    if acceleration < highest:
+        highest = acceleration
+    lowest = slope * (lowest_velocity - last_velocity)
+    if lowest < -acceleration:
+        lowest = -acceleration
+    if highest < wanted:
+        wanted = highest
+    if wanted < lowest:
+        wanted = lowest
+    return last_velocity + wanted * period
+
+
+class CommandRates:
+    """Filters and limits the commands of n joints, one kind per cycle.
+
+    Args:
+        memory: State of the joints; the desired values in it are the last commands.
+        positions: Commanded positions within the joint limits [rad], shape (n,).
+        velocities: Commanded velocities [rad/s].
+        efforts: Commanded torques [Nm].
+        velocity: Largest speeds [rad/s], shape (n,).
+        acceleration: Largest accelerations [rad/s^2].
+        jerk: Largest jerks [rad/s^3].
+        torque_rate: Largest rates of torques [Nm/s].
+        lower: Lowest positions of goals [rad].
+        upper: Highest positions of goals [rad].
+        braking_share: Share of the acceleration with which a joint approaches its goal.
+        approach_gain: Velocity per distance near the goal [1/s].
+        period: Duration of a cycle, > 0 [s].
+
+    Attributes:
+        gain: Share of a new command in the low-pass; 1 is off.
+        is_limiting: Whether the rates are limited.
+        lowest: Lowest velocities at the present positions [rad/s], shape (n,).
+        highest: Highest velocities at the present positions [rad/s].
+        goals: The controllers' positions within their range [rad].
+        has_goals: Whether `goals` were noted in an earlier cycle of this motion.
+        result: The command to send, shape (n,).
+    """
+
+    def __init__(
+        self,
+        memory: JointMemory,
+        *,
+        positions: Doubles,
+        velocities: Doubles,
+        efforts: Doubles,
+        velocity: Iterable[float],
+        acceleration: Iterable[float],
+        jerk: Iterable[float],
+        torque_rate: Iterable[float],
+        lower: Iterable[float],
+        upper: Iterable[float],
+        braking_share: float,
+        approach_gain: float,
+        period: float,
+    ) -> None:
+        size = memory.size
+        self.memory = memory
+        self.size = size
+        self.positions = positions
+        self.velocities = velocities
+        self.efforts = efforts
+        self.velocity = own(velocity)
+        self.acceleration = own(acceleration)
+        self.jerk = own(jerk)
+        self.torque_step = own([rate * period for rate in torque_rate])
+        self.lower = own(lower)
+        self.upper = own(upper)
+        self.braking_share = braking_share
+        self.approach_gain = approach_gain
+        self.period = period
+        self.gain = 1.0
+        self.is_limiting = False
+        self.highest = doubles(self.velocity)
+        self.lowest = doubles([-value for value in self.velocity])
+        self.goals = zeros(size)
+        self.last_goals = zeros(size)
+        self.has_goals = False
+        self.result = zeros(size)
+
+    def note_goals(self) -> None:
+        """Note the commanded positions, which joint limits may change, as goals."""
+        q, goals, lower, upper = self.positions, self.goals, self.lower, self.upper
+        for i in range(self.size):
+            goal, low, high = q[i], lower[i], upper[i]
+            if high < goal:
+                goal = high
+            if goal < low:
+                goal = low
+            goals[i] = goal
+
+    def filter_torques(self) -> None:
+        """Compute the torques to send."""
+        tau = self.efforts
+        last, result, gain = self.memory.tau_J_d, self.result, self.gain
+        steps, is_limiting = self.torque_step, self.is_limiting
+        for i in range(self.size):
+            value, previous = tau[i], last[i]
+            if gain < 1.0:
+                value = gain * value + (1.0 - gain) * previous
+            if is_limiting:
+                step = steps[i]
+                change = value - previous
+                if step < change:
+                    change = step
+                if change < -step:
+                    change = -step
+                value = previous + change
+            result[i] = value
+
+    def filter_velocities(self) -> None:
+        """Compute the velocities to send."""
+        memory, result, dq = self.memory, self.result, self.velocities
+        dq_d, ddq_d, gain, period = memory.dq_d, memory.ddq_d, self.gain, self.period
+        accelerations, jerks = self.acceleration, self.jerk
+        lowest, highest = self.lowest, self.highest
+        for i in range(self.size):
+            value = dq[i]
+            if gain < 1.0:
+                value = filtered(value, dq_d[i], gain)
+            if self.is_limiting:
+                value = limited(
+                    value,
+                    dq_d[i],
+                    ddq_d[i],
+                    accelerations[i],
+                    jerks[i],
+                    lowest[i],
+                    highest[i],
+                    period,
+                )
+            result[i] = value
+
+    def filter_positions(self, passes: bool) -> None:  # noqa: FBT001 - a C function
+        """Compute the positions to send, towards the noted goals.
+
+        Args:
+            passes: Whether the low-pass lets this command pass unchanged.
+        """
+        memory, result, gain = self.memory, self.result, self.gain
+        q = self.positions
+        q_d, dq_d, ddq_d, period = memory.q_d, memory.dq_d, memory.ddq_d, self.period
+        if passes:
+            gain = 1.0
+        if not self.is_limiting:
+            for i in range(self.size):
+                value = q[i]
+                if gain < 1.0:
+                    value = gain * value + (1.0 - gain) * q_d[i]
+                result[i] = value
+            return
+        goals, last_goals = self.goals, self.last_goals
+        if not self.has_goals:
+            last_goals[:] = goals
+            self.has_goals = True
+        speeds, accelerations, jerks = self.velocity, self.acceleration, self.jerk
+        lows, highs = self.lowest, self.highest
+        share, approach = 2.0 * self.braking_share, self.approach_gain
+        for i in range(self.size):
+            last, goal, acceleration = q_d[i], goals[i], accelerations[i]
+            position = q[i]
+            if gain < 1.0:
+                position = gain * position + (1.0 - gain) * last
+            # The step after which the joint can still stop at its goal.
+            goal_velocity = (goal - last_goals[i]) / period
+            if goal_velocity > speeds[i] or goal_velocity < -speeds[i]:
+                goal_velocity = 0.0  # a goal that makes a step
+            distance = goal - last
+            if distance < 0.0:
+                distance = -distance
+            closing = square_root(share * acceleration * distance)
+            if approach * distance < closing:
+                closing = approach * distance
+            low = last + (goal_velocity - closing) * period
+            high = last + (goal_velocity + closing) * period
+            if high < position:
+                position = high
+            if position < low:
+                position = low
+            # As `limited`, written out: a call costs more than all of it.
+            velocity, last_acceleration, jerk = dq_d[i], ddq_d[i], jerks[i]
+            change = (position - last) / period
+            change = ((change - velocity) / period - last_acceleration) / period
+            if jerk < change:
+                change = jerk
+            if change < -jerk:
+                change = -jerk
+            wanted = last_acceleration + change * period
+            slope = jerk / acceleration
+            high = slope * (highs[i] - velocity)
+            if acceleration < high:
+                high = acceleration
+            low = slope * (lows[i] - velocity)
+            if low < -acceleration:
+                low = -acceleration
+            if high < wanted:
+                wanted = high
+            if wanted < low:
+                wanted = low
+            result[i] = last + (velocity + wanted * period) * period
+        last_goals[:] = goals

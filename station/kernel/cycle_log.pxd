@@ -1,0 +1,13 @@
+from station.kernel.joint_memory cimport JointMemory
+
+cdef class CycleLog:
+    cdef JointMemory memory
+    cdef readonly Py_ssize_t size
+    cdef readonly Py_ssize_t width
+    cdef Py_ssize_t capacity
+    cdef double[::1] rows
+    cdef public double[::1] command
+    cdef public Py_ssize_t command_size
+    cdef readonly long long count
+    cpdef clear(self)
+    cpdef note(self, double time)

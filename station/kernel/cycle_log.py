@@ -1,0 +1,72 @@
+"""The last cycles of an arm, kept in a ring for the report of an error."""
+
+from station.kernel.doubles import zeros
+from station.kernel.joint_memory import JointMemory
+
+CAPACITY = 50
+"""Number of cycles kept."""
+COMMAND = 16
+"""Largest number of values in a command."""
+
+
+class CycleLog:
+    """Keeps time, state and command of the last cycles. No allocation.
+
+    Args:
+        memory: State of the joints.
+
+    Attributes:
+        count: Number of cycles noted since the last `clear`.
+        command: The last command, in the first `command_size` places.
+        command_size: Number of values in it.
+    """
+
+    def __init__(self, memory: JointMemory) -> None:
+        self.memory = memory
+        self.size = memory.size
+        self.capacity = CAPACITY
+        self.command = zeros(COMMAND)
+        self.command_size = 0
+        self.width = 2 + 5 * self.size + COMMAND
+        self.rows = zeros(CAPACITY * self.width)
+        self.count = 0
+
+    def clear(self) -> None:
+        """Forget all cycles."""
+        self.count = 0
+
+    def note(self, time: float) -> None:
+        """Keep this cycle.
+
+        Args:
+            time: Time of the arm [s].
+        """
+        memory, rows, size = self.memory, self.rows, self.size
+        start = (self.count % self.capacity) * self.width
+        rows[start] = time
+        rows[start + 1] = self.command_size
+        start += 2
+        rows[start : start + size] = memory.q
+        start += size
+        rows[start : start + size] = memory.dq
+        start += size
+        rows[start : start + size] = memory.tau_J
+        start += size
+        rows[start : start + size] = memory.q_d
+        start += size
+        rows[start : start + size] = memory.tau_J_d
+        start += size
+        rows[start : start + len(self.command)] = self.command
+        self.count += 1
+
+    def cycles(self) -> list[tuple[float, list[list[float]], list[float]]]:
+        """Return time, (q, dq, tau_J, q_d, tau_J_d) and command, oldest cycle first."""
+        found = []
+        size = self.size
+        for number in range(max(0, self.count - CAPACITY), self.count):
+            start = (number % CAPACITY) * self.width
+            row = [self.rows[i] for i in range(start, start + self.width)]
+            state = [row[2 + i * size : 2 + (i + 1) * size] for i in range(5)]
+            command = row[2 + 5 * size : 2 + 5 * size + int(row[1])]
+            found.append((row[0], state, command))
+        return found

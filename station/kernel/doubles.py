@@ -1,0 +1,104 @@
+"""Doubles in contiguous memory, which Python, NumPy, MuJoCo and the kernel see alike.
+
+A view is indexed and iterated like a list of floats, `.tolist()` copies it, and a slice
+of it is a view again. Its length is fixed, and it holds doubles and nothing else.
+"""
+
+from array import array
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import station.kernel
+
+if TYPE_CHECKING:
+    Doubles: TypeAlias = memoryview[float]
+    Storage: TypeAlias = list[float] | memoryview[float]
+    Indices: TypeAlias = memoryview[int]
+else:
+    # Python 3.11 knows no parameters of this type at run time.
+    Doubles: TypeAlias = memoryview
+    Storage: TypeAlias = list | memoryview
+    Indices: TypeAlias = memoryview
+
+
+def doubles(values: Iterable[float]) -> Doubles:
+    """Return new memory with these values, shape (n,)."""
+    return memoryview(bytearray(array("d", values).tobytes())).cast("d")
+
+
+def zeros(size: int) -> Doubles:
+    """Return new memory with `size` zeros."""
+    return memoryview(bytearray(8 * size)).cast("d")
+
+
+def as_doubles(values: Any) -> Doubles:  # noqa: ANN401 - whatever has such memory
+    """Return the memory of an array of doubles, e.g. of NumPy."""
+    return memoryview(values)
+
+
+def own(values: Iterable[float]) -> Any:  # noqa: ANN401 - a `Storage` of two kinds
+    """Return memory for a kernel object alone, with these values; see `own_zeros`."""
+    return doubles(values) if station.kernel.STATUS.is_compiled else [*values]
+
+
+def own_zeros(size: int) -> Storage:
+    """Return memory for a kernel object alone, with `size` zeros.
+
+    Interpreted it is a list, whose elements Python reads in half the time.
+    """
+    return zeros(size) if station.kernel.STATUS.is_compiled else [0.0] * size
+
+
+def indices(values: Iterable[int]) -> Indices:
+    """Return new memory with whole numbers that count other things, shape (n,)."""
+    return memoryview(array("l", values))
+
+
+def put(view: Doubles, values: Iterable[float]) -> None:
+    """Copy values into a view.
+
+    Args:
+        view: Where to, shape (n,).
+        values: Numbers, shape (n,).
+
+    Raises:
+        TypeError: A value is no number.
+        ValueError: There are more or fewer than n values; nothing was copied.
+    """
+    view[:] = array("d", values)
+
+
+def read_piece(storage: Storage, piece: slice) -> list[float]:
+    """Return a copy of some values of a storage, which may be a list or doubles."""
+    return [*storage[piece]]
+
+
+def write_piece(storage: Storage, piece: slice, values: list[float]) -> None:
+    """Write some values of a storage, which may be a list or doubles."""
+    if isinstance(storage, list):
+        storage[piece] = values
+    else:
+        storage[piece] = array("d", values)
+
+
+class Block:
+    """One flat block of doubles with named parts.
+
+    Args:
+        sizes: Name of each part to its number of doubles.
+
+    Attributes:
+        memory: The whole block, shape (n,).
+    """
+
+    def __init__(self, sizes: dict[str, int]) -> None:
+        self.memory = zeros(sum(sizes.values()))
+        self._parts: dict[str, Doubles] = {}
+        start = 0
+        for name, size in sizes.items():
+            self._parts[name] = self.memory[start : start + size]
+            start += size
+
+    def __getitem__(self, name: str) -> Doubles:
+        """Return the view of a part; always the same object."""
+        return self._parts[name]

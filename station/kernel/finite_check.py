@@ -1,0 +1,30 @@
+"""Whether all numbers of some memory are finite."""
+
+from station.kernel.doubles import Doubles
+
+
+class FiniteCheck:
+    """Looks for a number that is not finite.
+
+    Args:
+        memory: The numbers, shape (n,).
+    """
+
+    def __init__(self, memory: Doubles) -> None:
+        self.memory = memory
+        self.size = len(memory)
+
+    def first_bad(self) -> int:
+        """Return the index of the first number that is not finite; -1 for none."""
+        memory, size = self.memory, self.size
+        total = 0.0
+        for i in range(size):
+            total += memory[i]
+        if total - total == 0.0:
+            return -1  # the usual case; a sum that overflows is looked at closer
+        for i in range(size):
+            value = memory[i]
+            # A difference of infinities is no number, and no number equals itself.
+            if value - value != 0.0:
+                return i
+        return -1

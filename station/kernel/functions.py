@@ -1,0 +1,38 @@
+"""Functions of one number, the same ones of the C library in both modes."""
+
+import cython
+
+if cython.compiled:
+    from cython.cimports.libc.math import atan2 as _atan2
+    from cython.cimports.libc.math import cos as _cos
+    from cython.cimports.libc.math import sin as _sin
+    from cython.cimports.libc.math import sqrt as _sqrt
+else:
+    from math import atan2 as _atan2
+    from math import cos as _cos
+    from math import sin as _sin
+    from math import sqrt as _sqrt
+
+
+def square_root(value: float) -> float:
+    """Return the square root of a number >= 0."""
+    root: float = _sqrt(value)
+    return root
+
+
+def sine(angle: float) -> float:
+    """Return the sine of a finite angle [rad]."""
+    result: float = _sin(angle)
+    return result
+
+
+def cosine(angle: float) -> float:
+    """Return the cosine of a finite angle [rad]."""
+    result: float = _cos(angle)
+    return result
+
+
+def arctangent(y: float, x: float) -> float:
+    """Return the angle of the point (x, y) from the x axis [rad], -pi to pi."""
+    angle: float = _atan2(y, x)
+    return angle

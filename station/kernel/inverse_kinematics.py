@@ -1,0 +1,72 @@
+"""Inverse kinematics of an arm that keeps the position of one joint, a step at a time.
+
+Six coordinates of the end effector do not determine the motion of seven joints. The
+position of one joint, the elbow, is therefore given too, which makes the motion unique.
+"""
+
+from station.kernel.arm_chain import new_links, place_links, torques_of, zero_jacobian
+from station.kernel.doubles import Doubles, zeros
+from station.kernel.rigid_motion import compose, twist_between
+from station.kernel.wrench_equation import WrenchEquation
+
+# Damping of a step, relative to the matrix: for full accuracy, and for poses near a
+# singularity, where an undamped step would be too large.
+FINE_DAMPING = 1e-9
+_COARSE_DAMPING = 1e-3
+_LARGEST_STEP = 0.05
+
+
+class InverseKinematics:
+    """Newton steps of the joints towards a pose; every array is kept and not copied.
+
+    Args:
+        chain: The chain of n joints, see `arm_chain`.
+        q: Joint positions [rad], shape (n,).
+        tool: End effector in the flange frame, 16 numbers.
+        target: Pose to reach, 16 numbers.
+        step: Where a step goes [rad], shape (n,).
+    """
+
+    def __init__(
+        self, chain: Doubles, q: Doubles, tool: Doubles, target: Doubles, step: Doubles
+    ) -> None:
+        size, links = len(q), new_links(chain)
+        self.chain = chain
+        self.q = q
+        self.tool = tool
+        self.target = target
+        self.step = step
+        self.links = links
+        self.flange = links[16 * size :]
+        self.pose = zeros(16)
+        self.jacobian = zeros(6 * size)
+        self.error = zeros(6)
+        self.wrench = zeros(6)
+        self.equation = WrenchEquation()
+
+    def advance(self, elbow: float) -> None:
+        """Write the step that leads to the target, with joint 3 at a position [rad]."""
+        step, jacobian, error = self.step, self.jacobian, self.error
+        place_links(self.chain, self.q, self.links)
+        compose(self.flange, self.tool, self.pose)
+        zero_jacobian(self.links, self.pose, jacobian)
+        twist_between(self.pose, self.target, 1.0, error)
+        bend = elbow - self.q[2]
+        for row in range(6):
+            error[row] -= bend * jacobian[12 + row]
+            jacobian[12 + row] = 0.0
+        self.solve(FINE_DAMPING)
+        for joint in range(len(step)):
+            if not -_LARGEST_STEP < step[joint] < _LARGEST_STEP:
+                self.solve(_COARSE_DAMPING)
+                break
+        step[2] = bend
+
+    def solve(self, damping: float) -> None:
+        """Write the least motion of the joints that corrects the error."""
+        if self.equation.factorise(self.jacobian, damping):
+            self.equation.solve(self.error, self.wrench)
+            torques_of(self.jacobian, self.wrench, self.step)
+        else:
+            for joint in range(len(self.step)):
+                self.step[joint] = 0.0

@@ -1,0 +1,24 @@
+cdef double _HALF_TURN
+cdef double _TURN
+cdef double _LIMIT_ROUNDING
+
+cpdef double shortest_angular_distance(double start, double end) noexcept
+cpdef double shortest_angular_distance_with_limits(
+    double start, double end, double lower, double upper
+) noexcept
+
+
+cdef class JointErrors:
+    cdef Py_ssize_t n
+    cdef double[::1] desired
+    cdef double[::1] measured
+    cdef double[::1] errors
+    cdef double[::1] ways
+    cdef double[::1] lower
+    cdef double[::1] upper
+    cdef double[::1] bounds
+
+    cpdef void set_way(self, Py_ssize_t k, double way, double lower, double upper) noexcept
+    cpdef void set_bound(self, Py_ssize_t k, double bound) noexcept
+    cpdef void compare(self) noexcept
+    cpdef bint exceeds(self) noexcept

@@ -1,0 +1,29 @@
+cdef long _BIT
+cdef double _POSITION, _VELOCITY, _ACCELERATION, _EFFORT, _SOFT_POSITION
+
+
+cdef class LimitedJoints:
+    cdef double[::1] position, velocity, command
+    cdef double[::1] min_position, max_position, max_velocity, max_acceleration
+    cdef double[::1] max_jerk, max_effort
+    cdef double[::1] soft_min, soft_max, k_position, k_velocity
+    cdef double[::1] previous, velocity_before, acceleration_before
+    cdef double[::1] asked, reason
+
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class EffortSaturation(LimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class EffortSoftLimits(LimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class VelocitySaturation(LimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class VelocitySoftLimits(LimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept

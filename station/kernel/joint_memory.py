@@ -1,0 +1,65 @@
+"""The memory that the parts of a simulated arm's cycle share."""
+
+from station.kernel.doubles import Doubles, zeros
+
+
+class JointMemory:
+    """State and commands of n joints, each quantity of shape (n,).
+
+    The names are libfranka's. Each part of the cycle reads and writes in place. What is
+    not given is the object's own.
+
+    Args:
+        size: Number of joints.
+        q: Reported positions [rad].
+        dq: Reported velocities [rad/s].
+        theta: Positions as they are, whatever the sensors report [rad].
+        dtheta: Velocities as they are [rad/s].
+        tau_J: Link-side torques [Nm].
+        dtau_J: Rates of the torques [Nm/s].
+        q_d: Desired positions [rad].
+        dq_d: Desired velocities [rad/s].
+        ddq_d: Desired accelerations [rad/s^2].
+        tau_J_d: Desired torques [Nm].
+
+    Attributes:
+        target: Commanded positions [rad] or velocities [rad/s].
+        target_dq: The velocities that lead to commanded positions [rad/s].
+        torques: Commanded torques [Nm].
+        sent: Commanded torques of the cycle before [Nm].
+    """
+
+    def __init__(
+        self,
+        size: int,
+        *,
+        q: Doubles | None = None,
+        dq: Doubles | None = None,
+        theta: Doubles | None = None,
+        dtheta: Doubles | None = None,
+        tau_J: Doubles | None = None,  # noqa: N803 - libfranka's name
+        dtau_J: Doubles | None = None,  # noqa: N803 - libfranka's name
+        q_d: Doubles | None = None,
+        dq_d: Doubles | None = None,
+        ddq_d: Doubles | None = None,
+        tau_J_d: Doubles | None = None,  # noqa: N803 - libfranka's name
+    ) -> None:
+        self.size = size
+        self.q = _given(q, size)
+        self.dq = _given(dq, size)
+        self.theta = _given(theta, size)
+        self.dtheta = _given(dtheta, size)
+        self.tau_J = _given(tau_J, size)
+        self.dtau_J = _given(dtau_J, size)
+        self.q_d = _given(q_d, size)
+        self.dq_d = _given(dq_d, size)
+        self.ddq_d = _given(ddq_d, size)
+        self.tau_J_d = _given(tau_J_d, size)
+        self.target = zeros(size)
+        self.target_dq = zeros(size)
+        self.torques = zeros(size)
+        self.sent = zeros(size)
+
+
+def _given(memory: Doubles | None, size: int) -> Doubles:
+    return zeros(size) if memory is None else memory

@@ -1,0 +1,16 @@
+from station.kernel.joint_memory cimport JointMemory
+from station.kernel.simulator_memory cimport SimulatorMemory
+
+cdef class JointMotors:
+    cdef readonly Py_ssize_t size
+    cdef JointMemory memory
+    cdef SimulatorMemory simulator
+    cdef double period
+    cdef public double[::1] stiffness
+    cdef public double[::1] damping
+    cdef public double[::1] load_weight
+    cdef double[::1] unloaded
+    cpdef apply_torques(self)
+    cpdef apply_impedance(self)
+    cpdef tell_impedance(self)
+    cpdef sense(self)

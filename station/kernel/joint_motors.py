@@ -1,0 +1,118 @@
+"""The motors and torque sensors of an arm's joints in a simulation, over flat memory.
+
+    impedance: control = K q_d + D dq_d + bias - compensation + M_ii ddq_d
+
+The terms of the impedance in q and dq are part of the simulator's motor model.
+"""
+
+from station.kernel.doubles import zeros
+from station.kernel.joint_memory import JointMemory
+from station.kernel.simulator_memory import SimulatorMemory
+
+
+class JointMotors:
+    """Computes controls and reads torques of n joints; all memory is given or in place.
+
+    Args:
+        memory: State and commands of the joints.
+        simulator: The simulator's memory of the joints.
+        period: Duration of a step [s], > 0.
+
+    Attributes:
+        stiffness: Stiffness of the impedance [Nm/rad], shape (n,).
+        damping: Damping of the impedance [Nm s/rad], shape (n,).
+        load_weight: Torques that carry a configured load [Nm], shape (n,).
+    """
+
+    def __init__(
+        self, memory: JointMemory, simulator: SimulatorMemory, period: float
+    ) -> None:
+        self.memory = memory
+        self.simulator = simulator
+        self.size = memory.size
+        self.period = period
+        self.stiffness = zeros(self.size)
+        self.damping = zeros(self.size)
+        self.load_weight = zeros(self.size)
+        self.unloaded = zeros(self.size)  # controls of the impedance without a load
+
+    def apply_torques(self) -> None:
+        """Let the motors give the commanded torques, within their limits."""
+        torques, tau_d = self.memory.torques, self.memory.tau_J_d
+        limits, controls = self.simulator.limits, self.simulator.controls
+        load = self.load_weight
+        for i in range(self.size):
+            tau, limit = torques[i], limits[i]
+            if limit < tau:
+                tau = limit
+            if tau < -limit:
+                tau = -limit
+            tau_d[i] = tau
+            controls[i] = tau + load[i]
+
+    def apply_impedance(self) -> None:
+        """Let the motors follow the desired motion."""
+        memory = self.memory
+        q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
+        stiffness, damping = self.stiffness, self.damping
+        simulator = self.simulator
+        bias, compensation = simulator.bias, simulator.compensation
+        inertia, diagonal = simulator.inertia, simulator.diagonal
+        controls, load, unloaded = simulator.controls, self.load_weight, self.unloaded
+        for i in range(self.size):
+            control = (
+                stiffness[i] * q_d[i]
+                + damping[i] * dq_d[i]
+                + bias[i]
+                - compensation[i]
+                + inertia[diagonal[i]] * ddq_d[i]
+            )
+            unloaded[i] = control
+            controls[i] = control + load[i]
+
+    def tell_impedance(self) -> None:
+        """Note as `tau_J_d` what the impedance asks for, within the limits."""
+        memory = self.memory
+        q, dq, tau_d = memory.theta, memory.dtheta, memory.tau_J_d
+        stiffness, damping = self.stiffness, self.damping
+        limits = self.simulator.limits
+        unloaded = self.unloaded
+        for i in range(self.size):
+            tau = unloaded[i] - stiffness[i] * q[i] - damping[i] * dq[i]
+            limit = limits[i]
+            if limit < tau:
+                tau = limit
+            if tau < -limit:
+                tau = -limit
+            tau_d[i] = tau
+
+    def sense(self) -> None:
+        """Read positions, velocities and link-side torques after a step.
+
+        A torque sensor behind the gears measures the torques of motor and brake minus
+        the torques that accelerate the rotor and overcome friction. The simulator
+        applies the damping of the impedance with the velocity at the end of the step,
+        while the motor's reading contains the velocity at the beginning.
+        """
+        memory = self.memory
+        q, dq, theta, dtheta = memory.q, memory.dq, memory.theta, memory.dtheta
+        tau, dtau = memory.tau_J, memory.dtau_J
+        simulator, period = self.simulator, self.period
+        positions, velocities = simulator.positions, simulator.velocities
+        motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
+        compensation, damping = simulator.compensation, self.damping
+        passive, armature = simulator.passive_damping, simulator.armature
+        limits = simulator.limits
+        for i in range(self.size):
+            velocity, force = velocities[i], motor_forces[i]
+            change = velocity - dtheta[i]
+            torque = force + brake_forces[i] + compensation[i] - passive[i] * velocity
+            torque -= armature[i] * change / period
+            own = damping[i]
+            if own != 0.0 and -limits[i] < force < limits[i]:
+                torque -= own * change
+            dtau[i] = (torque - tau[i]) / period
+            tau[i] = torque
+            dtheta[i] = velocity
+            dq[i] = velocity
+            theta[i] = q[i] = positions[i]

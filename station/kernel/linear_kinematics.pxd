@@ -1,0 +1,28 @@
+from station.kernel.wrench_equation cimport WrenchEquation
+
+cdef class LinearKinematics:
+    cdef Py_ssize_t size
+    cdef double[::1] q
+    cdef double[::1] jacobian
+    cdef double[::1] dq
+    cdef double[::1] motion
+    cdef double[::1] inverse
+    cdef WrenchEquation equation
+
+    cpdef void invert(self) noexcept
+    cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
+    cpdef void follow(self, double[::1] motion, double[::1] result) noexcept
+    cpdef void drift(self, double[::1] dq, double[::1] result) noexcept
+    cpdef long fastest_joint(
+        self,
+        double[::1] twist,
+        double[::1] accelerations,
+        double[::1] velocity,
+        double[::1] acceleration,
+    ) noexcept
+
+cpdef double way_between(double[::1] first, double[::1] second) noexcept
+cpdef long limited_joint(
+    double[::1] q, double[::1] last, double[::1] lower, double[::1] upper
+) noexcept
+cpdef double moved(double[::1] q, double[::1] step, double[::1] result) noexcept

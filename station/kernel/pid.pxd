@@ -1,0 +1,29 @@
+cpdef void add_feed_forward(
+    double[::1] commands, double[::1] rates, double[::1] shares
+) noexcept
+
+
+cdef class PidGroup:
+    cdef Py_ssize_t n
+    cdef double[::1] errors
+    cdef double[::1] rates
+    cdef double[::1] commands
+    cdef double[::1] integrals
+    cdef double[::1] last
+    cdef double[::1] p
+    cdef double[::1] i
+    cdef double[::1] d
+    cdef double[::1] i_max
+    cdef double[::1] i_min
+    cdef double[::1] antiwindup
+
+    cpdef void set_gains(
+        self, Py_ssize_t k, double p, double i, double d, double i_max, double i_min
+    ) noexcept
+    cpdef void set_antiwindup(self, Py_ssize_t k, bint bounds_integral) noexcept
+    cpdef void reset(self) noexcept
+    cpdef void reset_to(self, Py_ssize_t k, double rate, double integral) noexcept
+    cpdef double integral(self, Py_ssize_t k) noexcept
+    cpdef long compute(self, double period) noexcept
+    cpdef long compute_with_rates(self, double period) noexcept
+    cdef long follow(self, double period, bint rates_known) noexcept

@@ -1,0 +1,5 @@
+cdef class SpeedCheck:
+    cdef double[::1] velocities
+    cdef double[::1] shares
+    cdef readonly Py_ssize_t size
+    cpdef bint holds(self)

@@ -1,0 +1,222 @@
+"""The usual cycle of an arm: the same in both modes, and unusual ones left alone."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from station.kernel.arm_codes import (
+    CARTESIAN,
+    CONTACT,
+    GUIDING,
+    IDLE,
+    MOVE,
+    NO_MOTION,
+    POSITIONS,
+    RECOVERY,
+    UNUSUAL,
+    VELOCITIES,
+)
+from station.kernel.doubles import doubles, put, zeros
+from tests.kernel.both_modes import (
+    arrays,
+    assert_same,
+    interpreted,
+    needs_both,
+    sibling,
+)
+
+SIZE = 7
+PERIOD = 0.001
+QUANTITIES = ("theta", "dtheta", "tau_J", "q_d", "dq_d", "ddq_d", "tau_J_d", "target")
+SIMULATED = ("positions", "velocities", "motor_forces", "bias", "compensation")
+
+
+class Arm:
+    """The parts of an arm's cycle, made of one mode's modules."""
+
+    def __init__(self, module) -> None:
+        def part(name):
+            return sibling(module, name)
+
+        self.names = {name: zeros(SIZE) for name in ("q", "dq", "dtau_J", *QUANTITIES)}
+        self.names.pop("target")
+        self.memory = part("joint_memory").JointMemory(SIZE, **self.names)
+        self.simulated = {name: zeros(SIZE) for name in SIMULATED}
+        self.controls, self.constraints = zeros(SIZE), zeros(SIZE)
+        simulator = part("simulator_memory").SimulatorMemory(
+            SIZE,
+            **self.simulated,
+            controls=self.controls,
+            constraint_forces=self.constraints,
+            limits=doubles([87.0] * SIZE),
+            inertia=doubles([0.5] * SIZE),
+        )
+        self.mode = doubles([float(IDLE)])
+        bounds = {"lower": [-2.8] * SIZE, "upper": [2.8] * SIZE}
+        speeds = {"velocity": [2.0] * SIZE}
+        self.motion = part("desired_motion").DesiredMotion(
+            self.memory, **bounds, deceleration=[10.0] * SIZE, period=PERIOD
+        )
+        self.motors = part("joint_motors").JointMotors(self.memory, simulator, PERIOD)
+        put(self.motors.stiffness, [600.0] * SIZE)
+        put(self.motors.damping, [30.0] * SIZE)
+        self.watch = part("joint_watch").JointWatch(
+            self.memory,
+            **bounds,
+            **speeds,
+            torque=[87.0] * SIZE,
+            reach=1.3,
+            speed=50.0,
+            power=1e4,
+            deviation=(1.0, 1.0, 1.0),
+            period=PERIOD,
+        )
+        self.watch.room = 1.0
+        self.log = part("cycle_log").CycleLog(self.memory)
+        self.step = module.ArmStep(
+            self.memory,
+            self.mode,
+            motion=self.motion,
+            motors=self.motors,
+            check=part("command_check").CommandCheck(
+                self.memory,
+                **bounds,
+                **speeds,
+                acceleration=[10.0] * SIZE,
+                jerk=[5000.0] * SIZE,
+                torque_rate=1000.0,
+                period=PERIOD,
+            ),
+            watch=self.watch,
+            log=self.log,
+            simulator=simulator,
+        )
+
+    def set_mode(self, mode: int, generator: int = NO_MOTION) -> None:
+        self.mode[0] = mode
+        self.step.generator = generator
+
+    def everything(self) -> list[float]:
+        """Return all numbers that a cycle can change."""
+        found = [*self.controls, self.watch.room, self.watch.total_power]
+        for values in self.names.values():
+            found += values
+        for time, state, command in self.log.cycles():
+            found += [time, *command, *(number for part in state for number in part)]
+        return found
+
+
+@pytest.fixture
+def arm() -> Arm:
+    return Arm(interpreted("arm_step"))
+
+
+@pytest.mark.parametrize("mode", [GUIDING, RECOVERY])
+def test_a_mode_that_is_not_usual_is_left_to_the_caller(arm, mode):
+    arm.set_mode(mode)
+    before = arm.everything()
+    assert not arm.step.before()
+    assert arm.everything() == before
+
+
+@pytest.mark.parametrize(
+    "flag", ["has_load", "has_faults", "is_cartesian", "wants_torques"]
+)
+def test_what_asks_for_more_is_left_to_the_caller(arm, flag):
+    setattr(arm.step, flag, True)
+    assert not arm.step.before()
+
+
+def test_an_idle_arm_is_held_by_its_impedance(arm):
+    put(arm.names["q_d"], [0.1] * SIZE)
+    assert arm.step.before()
+    assert list(arm.controls) == pytest.approx([60.0] * SIZE)
+
+
+def test_a_command_is_followed_once_and_a_missing_one_is_left_to_the_caller(arm):
+    arm.set_mode(MOVE, VELOCITIES)
+    assert arm.step.before()  # nothing has arrived yet: the arm holds
+    assert arm.step.receive_joints(doubles([0.004] * SIZE))
+    assert arm.step.before()
+    assert list(arm.names["dq_d"]) == [0.004] * SIZE
+    assert arm.step.is_begun
+    assert not arm.step.before()
+
+
+def test_torques_reach_the_controls_within_the_limits(arm):
+    arm.set_mode(MOVE)
+    arm.step.wants_torques = arm.step.torques_act = True
+    put(arm.names["tau_J_d"], [86.8] * SIZE)
+    assert arm.step.receive_torques(doubles([87.5] * SIZE))
+    assert arm.step.before()
+    assert list(arm.controls) == [87.0] * SIZE
+
+
+def test_a_torque_step_is_left_to_the_caller_unchanged(arm):
+    arm.set_mode(MOVE)
+    arm.step.wants_torques = arm.step.torques_act = True
+    arm.step.receive_torques(doubles([1.1] * SIZE))
+    before = arm.everything()
+    assert not arm.step.before()
+    assert arm.everything() == before
+    assert arm.step.is_fresh
+
+
+@pytest.mark.parametrize(
+    "command", [[float("nan")] * SIZE, [0.0] * 6, [float("inf")] * 7]
+)
+def test_a_command_that_is_not_seven_finite_numbers_is_not_taken(arm, command):
+    assert not arm.step.receive_joints(doubles(command))
+    assert not arm.step.is_fresh
+
+
+@pytest.mark.parametrize("generator", [POSITIONS, CARTESIAN])
+def test_a_first_position_and_every_pose_are_left_to_the_caller(arm, generator):
+    arm.set_mode(MOVE, generator)
+    arm.step.receive_joints(doubles([0.0] * SIZE))
+    assert not arm.step.before()
+
+
+def test_a_contact_and_a_reading_out_of_range_are_told(arm):
+    assert arm.step.after(0.001) == 0
+    arm.constraints[3] = 1.0
+    assert arm.step.after(0.002) == CONTACT
+    arm.simulated["positions"][0] = 3.0
+    assert arm.step.after(0.003) == CONTACT + UNUSUAL
+
+
+@needs_both
+@settings(max_examples=60, deadline=None)
+@given(
+    mode=st.sampled_from([IDLE, MOVE]),
+    generator=st.sampled_from([NO_MOTION, POSITIONS, VELOCITIES]),
+    has_torques=st.booleans(),
+    begun=st.booleans(),
+    memory=st.lists(arrays(SIZE), min_size=8, max_size=8),
+    simulated=st.lists(arrays(SIZE), min_size=5, max_size=5),
+    commands=st.lists(arrays(SIZE), min_size=1, max_size=3),
+)
+def test_both_modes_give_the_same_bits(
+    mode, generator, has_torques, begun, memory, simulated, commands
+):
+    def scenario(module):
+        arm = Arm(module)
+        arm.set_mode(mode, generator)
+        arm.step.wants_torques = arm.step.torques_act = has_torques
+        arm.step.is_begun = begun
+        for name, values in zip(QUANTITIES, memory, strict=True):
+            if name in arm.names:
+                put(arm.names[name], values)
+        for name, values in zip(SIMULATED, simulated, strict=True):
+            put(arm.simulated[name], values)
+        found = []
+        for number, command in enumerate(commands):
+            if has_torques:
+                found.append(arm.step.receive_torques(doubles(command)))
+            found.append(arm.step.receive_joints(doubles(command)))
+            found.append(arm.step.before())
+            found.append(arm.step.after(0.001 * number))
+            arm.motion.extrapolate()
+        return [*found, *arm.everything()]
+
+    assert_same("arm_step", scenario)

@@ -1,0 +1,51 @@
+"""The kernel that is said to run is the one that runs, to the same results."""
+
+import math
+import os
+import subprocess
+import sys
+
+import pytest
+
+from station.kernel import STATUS, functions
+from station.kernel.built import SWITCH
+from station.kernel.manifest import module_file
+
+PRINT_RESULTS = """
+from station.kernel import STATUS, functions
+values = [0.0, 5e-324, 0.1, 1.0, 2.0, 3.0, 1e8, 1e300]
+names = ["square_root", "sine", "cosine"]
+print(STATUS.mode)
+print([getattr(functions, name)(value).hex() for name in names for value in values])
+"""
+
+
+def run_python(mode):
+    result = subprocess.run(
+        [sys.executable, "-c", PRINT_RESULTS],
+        env={**os.environ, SWITCH: mode},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return result.stdout.splitlines()
+
+
+def test_modules_are_those_that_the_status_tells():
+    name = module_file("functions") if STATUS.is_compiled else "functions.py"
+
+    assert functions.__file__.endswith(f"/{name}")
+
+
+def test_functions_return_what_the_standard_library_does():
+    assert functions.square_root(2.0) == math.sqrt(2.0)
+    assert functions.sine(0.3) == math.sin(0.3)
+    assert functions.cosine(0.3) == math.cos(0.3)
+
+
+@pytest.mark.skipif(not STATUS.is_compiled, reason=STATUS.text())
+def test_both_kernels_return_the_same_bits():
+    (mode, compiled), (other_mode, interpreted) = run_python("1"), run_python("0")
+
+    assert (mode, other_mode) == ("compiled", "interpreted")
+    assert compiled == interpreted
