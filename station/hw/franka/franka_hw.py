@@ -29,7 +29,7 @@ from station.core.errors import (
     SwitchRefusedError,
 )
 from station.core.franka import FrankaServicesInterface
-from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     ResourceConflict,
@@ -50,7 +50,7 @@ from station.hw.franka.arm.control_mode import (
     is_supported,
 )
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
-from station.hw.franka.arm.sensor_check import blind_sensor
+from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
@@ -67,6 +67,7 @@ from station.hw.franka.franka_parameters import (
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
 from station.hw.urdf_loader import load_urdf
+from station.kernel.arm_codes import MOVE
 
 if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
@@ -75,7 +76,7 @@ _logger = logging.getLogger(__name__)
 # Longest period of the loop with which the gains that franka_control configures for
 # effort controllers are stable [s].
 _SLOWEST_TORQUE_PERIOD = 0.004
-_MODE_NAMES = {mode: mode.name.lower() for mode in RobotMode}
+_MODE_NAMES = {float(mode.value): mode.name.lower() for mode in RobotMode}
 
 
 class FrankaHW(RobotHW):
@@ -124,6 +125,9 @@ class FrankaHW(RobotHW):
             from station.hw.franka.simulated.arm_placement import simulate_one
 
             self.enter_world(simulate_one(self._parameters, root_params), arm_id)
+        self._driven, self._cycle_time = self.arm, self.arm.cycle_time
+        self._mode = self.arm.state.doubles(MODE)
+        self._sensors = SensorCheck(self.arm.state)
         description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -132,14 +136,17 @@ class FrankaHW(RobotHW):
             self.arm.state, self._parameters.joint_names, self._parameters.limit_mode
         )
         self.cartesian = CartesianCommands(self.arm, arm_id, limits)
-        self._sender = CommandSender(
-            self.arm, self.commands, self.cartesian, CommandFilter(limits)
-        )
-        self._motion = MotionStart(self.arm, self._sender)
         urdf = load_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
+        self._sender = CommandSender(
+            self.arm,
+            self.commands,
+            self.cartesian,
+            CommandFilter(limits, self.arm.state, self.commands),
+        )
+        self._motion = MotionStart(self.arm, self._sender)
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
             self.register_interface(interface)
@@ -201,7 +208,7 @@ class FrankaHW(RobotHW):
 
     @override
     def mode(self) -> str:
-        return _MODE_NAMES[self.arm.state.robot_mode]
+        return _MODE_NAMES[self._mode[0]]
 
     @override
     def read(self, time: float, period: float) -> None:
@@ -213,31 +220,40 @@ class FrankaHW(RobotHW):
         and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
         so that short delays lose no packet.
         """
-        arm = self.arm
+        arm = self._driven
         self._time_due += period
-        cycles = round(self._time_due / arm.cycle_time)
-        self._time_due -= cycles * arm.cycle_time
+        cycles = round(self._time_due / self._cycle_time)
+        self._time_due -= cycles * self._cycle_time
+        if cycles == 1 == self._nominal_cycles:
+            arm.read_once()
+        else:
+            self._catch_up(cycles)
+        if self._motion.is_waiting:
+            self._motion.advance(cycles)
+        # A controller that used a reading that is not finite would command garbage.
+        self._blind = self._sensors.blind_sensor()
+        if self._blind is not None:
+            arm.stop_motion()
+        if self._fingers is not None:
+            self._fingers.read()
+
+    def _catch_up(self, cycles: int) -> None:
+        """Read the arm once for each of several cycles, or none."""
         late = min(cycles - self._nominal_cycles, self._parameters.most_lost_packets)
         bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
         lost = 0 if bridged else max(0, late)
         for cycle in range(min(cycles, self._nominal_cycles + late)):
             if cycle > lost:
                 self._sender.send_again()
-            arm.read_once()
-        self._motion.advance(cycles)
-        # A controller that used a reading that is not finite would command garbage.
-        self._blind = blind_sensor(arm.state)
-        if self._blind is not None:
-            arm.stop_motion()
-        if self._fingers is not None:
-            self._fingers.read()
+            self._driven.read_once()
 
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
         if self._fingers is not None:
             self._fingers.write()
-        self._sender.send_limited(period)
+        if self._mode[0] == MOVE:
+            self._sender.send_limited(period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -356,9 +372,10 @@ class FrankaHW(RobotHW):
 
     @override
     def is_interrupted(self) -> bool:
-        if self.control_mode is ControlMode.NONE or self._motion.is_waiting:
+        motion = self._motion
+        if not motion.is_active or motion.is_waiting:
             return False
-        return self.arm.state.robot_mode is not RobotMode.MOVE
+        return self._mode[0] != MOVE
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:
@@ -369,7 +386,7 @@ class FrankaHW(RobotHW):
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
         errors = "; ".join(error.description for error in arm.errors())
         causes = self._sender.refusal or errors
-        mode = _MODE_NAMES[arm.state.robot_mode]
+        mode = self.mode()
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
 

@@ -10,6 +10,7 @@ from station.core.hardware.interfaces import JointHandle
 from station.core.hardware.limits import (
     JointLimits,
     JointLimitsHandle,
+    JointLimitsInterface,
     LimitMode,
     joint_limits_from_parameters,
     joint_limits_from_urdf,
@@ -59,6 +60,11 @@ class JointCommandLimits:
         self._handles: dict[tuple[str, str], JointLimitsHandle] = {}
         self.reports: list[JointLimitsReport] = []
         self._active: list[JointLimitsHandle] = []
+        self._interfaces = {
+            quantity: JointLimitsInterface[JointLimitsHandle]()
+            for quantity in COMMAND_INTERFACES
+        }
+        self._enforced: list[JointLimitsInterface[JointLimitsHandle]] = []
 
     def add(self, joint: str, commands: _Handles) -> None:
         """Limit a joint from now on.
@@ -80,9 +86,9 @@ class JointCommandLimits:
             max_effort=inf if limits.max_effort is None else limits.max_effort,
         )
         for quantity, handle in commands.items():
-            self._handles[joint, quantity] = make_limits_handle(
-                self._mode, quantity, handle, limits, soft
-            )
+            limited = make_limits_handle(self._mode, quantity, handle, limits, soft)
+            self._handles[joint, quantity] = limited
+            self._interfaces[quantity].register_handle(limited)
 
     def activate(self, commands: Sequence[tuple[str, str]]) -> None:
         """Choose the commands that are limited, and forget all previous commands.
@@ -95,6 +101,12 @@ class JointCommandLimits:
             if handle not in self._active:
                 handle.reset()
         self._active = active
+        self._enforced = []
+        for quantity, interface in self._interfaces.items():
+            names = {joint for joint, kind in commands if kind == quantity}
+            interface.activate(names)
+            if names:
+                self._enforced.append(interface)
 
     def reset(self) -> None:
         """Forget all previous commands."""
@@ -107,8 +119,8 @@ class JointCommandLimits:
         Args:
             period: Time since the last cycle [s], > 0.
         """
-        for handle in self._active:
-            handle.enforce_limits(period)
+        for interface in self._enforced:
+            interface.enforce_limits(period)
 
     def velocities(self) -> dict[str, float]:
         """Return the velocity limit of each added joint [rad/s or m/s]; inf for none.

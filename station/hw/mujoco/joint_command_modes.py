@@ -8,6 +8,7 @@ from station.core.hardware.transmissions import RawJointData
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.simulated_pid import SimulatedPid
+from station.kernel.doubles import Storage
 
 _QUANTITY_OF_INTERFACE = {
     interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()
@@ -38,7 +39,7 @@ class JointCommandModes:
         self,
         joints: RawJointData,
         pids: dict[str, SimulatedPid],
-        modes: list[DriveMode],
+        modes: Storage,
     ) -> None:
         count = len(joints.names)
         self._joints = joints
@@ -151,6 +152,6 @@ class JointCommandModes:
                 self.in_use.append((self._joints.names[index], quantity))
             has_pid = bool(quantity) and self._pids[index] is not None
             driven_by = "effort" if has_pid else quantity or "position"
-            self._drives[index] = DriveMode(driven_by)
+            self._drives[index] = DriveMode[driven_by.upper()]
             quantities.add(driven_by)
         self.quantities = sorted(quantities)

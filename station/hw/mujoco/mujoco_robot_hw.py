@@ -18,6 +18,7 @@ from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.robot_files import RobotFiles, load_robot_files
+from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
     HardwareInterfaceError,
@@ -62,6 +63,7 @@ from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
 from station.hw.urdf_loader import load_urdf
+from station.kernel.doubles import put
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
 # steps are lost, so that a very late cycle does not make the next cycle late, too.
@@ -141,7 +143,11 @@ class MujocoRobotHW(RobotHW):
             self.register_interface(interface)
         self.read(0.0, 0.0)
         self._modes.restart()
-        self._shared_world = SharedWorld(self.world)
+        keyframes = {
+            name: {joint: p for joint, p in state.items() if joint in self._names}
+            for name, state in group_states(description.srdf_path).items()
+        }
+        self._shared_world = SharedWorld(self.world, keyframes)
         self._shared_world.add_robot(self)
 
     @override
@@ -279,7 +285,9 @@ class MujocoRobotHW(RobotHW):
         self._motors = SimulatedMotors(actuators, self._names, targets)
         self._motors.register(self)
         self.transmission_maps = RobotTransmissions()
-        loader = TransmissionInterfaceLoader(self, self.transmission_maps)
+        loader = TransmissionInterfaceLoader(
+            self, self.transmission_maps, joints=self._names
+        )
         for info in infos:
             self._load(loader, info, description)
         self._joints = loader.raw_joint_data
@@ -359,7 +367,7 @@ class MujocoRobotHW(RobotHW):
         for name, handles in commands.items():
             self._limits.add(name, handles)
         velocities = self._limits.velocities()
-        self._drives.velocity_limits[:] = [velocities[name] for name in self._names]
+        put(self._drives.velocity_limits, [velocities[name] for name in self._names])
         self.world.limit_velocities(velocities | _velocities_of_mimics(urdf))
 
 

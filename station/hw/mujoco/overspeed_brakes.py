@@ -23,6 +23,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from station.kernel.doubles import as_doubles
+from station.kernel.speed_check import SpeedCheck
+
 OVERSPEED = 1.015
 """Share of its velocity limit above which a joint is braked."""
 MAX_SQUARED_VELOCITY = 1e10
@@ -56,6 +59,7 @@ class OverspeedBrakes:
         # As `_shares`, but with a share for joints without a limit as well, so that one
         # sum shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
+        self._are_sane = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane)).holds
         self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
         self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
         self._has_acted = False
@@ -78,15 +82,9 @@ class OverspeedBrakes:
     def is_quiet(self) -> bool:
         """Return whether no brake acts or must act, and all velocities are possible.
 
-        One sum over the relative velocities: it is at most 1 only if each of them is at
-        most 1 and none is NaN. The answer False alone does not mean that a joint is
-        too fast.
+        The answer False alone does not mean that a joint is too fast.
         """
-        if self._has_acted:
-            return False
-        relative = self._relative
-        np.multiply(self._qvel, self._sane, out=relative)
-        return bool(relative.dot(relative) <= 1.0)
+        return not self._has_acted and self._are_sane()
 
     def act(self) -> None:
         """Slow down the joints that were too fast at the end of the last step."""

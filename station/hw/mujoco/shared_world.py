@@ -26,13 +26,19 @@ class SharedWorld(SimulatedWorld):
 
     Args:
         world: The MuJoCo world.
+        keyframes: Poses that have a name: joint name to position [rad or m].
 
     Attributes:
         world: As given.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(
+        self,
+        world: World,
+        keyframes: Mapping[str, Mapping[str, float]] | None = None,
+    ) -> None:
         self.world = world
+        self._keyframes = keyframes or {}
         self._robots: list[RobotInWorld] = []
 
     def add_robot(self, robot: RobotInWorld) -> None:
@@ -48,6 +54,10 @@ class SharedWorld(SimulatedWorld):
         self.world.reset(positions)
         for robot in self._robots:
             robot.begin_anew()
+
+    @override
+    def keyframes(self) -> Mapping[str, Mapping[str, float]]:
+        return self._keyframes
 
     @override
     def scene(self) -> Sequence[SceneObjectReport]:

@@ -33,6 +33,7 @@ from station.core.hardware.transmissions import (
     TransmissionHandle,
     TransmissionInfo,
 )
+from station.kernel.doubles import Storage
 
 QUANTITIES = ("position", "velocity", "effort")
 
@@ -54,7 +55,7 @@ class SimulatedMotors:
         self,
         names: Sequence[str],
         joint_names: Sequence[str],
-        targets: Mapping[str, list[float]],
+        targets: Mapping[str, Storage],
     ) -> None:
         self._names = list(names)
         self._joint_names = list(joint_names)
@@ -112,8 +113,8 @@ class SimulatedMotors:
             command, target = ActuatorData(), JointData()
             values = self._commands[quantity]
             command.set_quantity(quantity, [(values, i) for i in actuators])
-            values = self._targets[quantity]
-            target.set_quantity(quantity, [(values, i) for i in joints])
+            targets = self._targets[quantity]
+            target.set_quantity(quantity, [(targets, i) for i in joints])
             self._to_targets[quantity].append(
                 TransmissionHandle(
                     info.name,

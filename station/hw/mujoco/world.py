@@ -1,7 +1,7 @@
 """The simulated world: owns MuJoCo's model and data, and advances them in time."""
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 import mujoco
@@ -50,6 +50,10 @@ class World:
 
     Attributes:
         brakes: The brakes that keep joints within their velocity limits.
+        pushes: The pushes that act at present, by body.
+        step_count: Number of steps made since the world exists; a reset does not change
+            it.
+        diverged_because: Why the world has diverged; None if it has not.
     """
 
     def __init__(
@@ -62,12 +66,13 @@ class World:
         self._advance, self.keeps_interpreter_lock = make_stepper(model, self.data)
         self._qvel = self.data.qvel
         self._actors: list[WorldActor] = []
+        self._preparations: list[Callable[[], None]] = []
         self.brakes = OverspeedBrakes(model, self.data)
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
-        self._step_count = 0
-        self._diverged_because: str | None = None
-        self._pushes: dict[int, AppliedPush] = {}  # by body
+        self.step_count = 0
+        self.diverged_because: str | None = None
+        self.pushes: dict[int, AppliedPush] = {}  # by body
         mujoco.set_mju_user_warning(_warnings.append)
         mujoco.mj_forward(model, self.data)
 
@@ -76,19 +81,10 @@ class World:
         """Simulated time since the last reset [s]."""
         return float(self.data.time)
 
-    @property
-    def step_count(self) -> int:
-        """Number of steps made since the world exists; a reset does not change it."""
-        return self._step_count
-
-    @property
-    def diverged_because(self) -> str | None:
-        """Why the world has diverged; None if it has not."""
-        return self._diverged_because
-
     def add_actor(self, actor: WorldActor) -> None:
         """Let `actor` act before every step, after those added before it."""
         self._actors.append(actor)
+        self._preparations.append(actor.before_step)
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
@@ -101,7 +97,7 @@ class World:
             self.model,
             self.data,
             names,
-            pushes=self._pushes,
+            pushes=self.pushes,
             brake_forces=self.brakes.forces,
         )
 
@@ -133,25 +129,25 @@ class World:
             HardwareInterfaceError: The world has no such body.
         """
         applied = AppliedPush(self.model, self.data, push, steps)
-        self._pushes[applied.body] = applied
+        self.pushes[applied.body] = applied
 
     def end_pushes(self) -> None:
         """End every push."""
-        for applied in self._pushes.values():
+        for applied in self.pushes.values():
             applied.end()
-        self._pushes.clear()
+        self.pushes.clear()
 
     def step(self) -> None:
         """Let every actor act, then advance by one time step.
 
         A diverged world only counts the step.
         """
-        self._step_count += 1
-        if self._diverged_because is not None:
+        self.step_count += 1
+        if self.diverged_because is not None:
             return
-        for actor in self._actors:
-            actor.before_step()
-        if self._pushes:
+        for prepare in self._preparations:
+            prepare()
+        if self.pushes:
             self._count_pushes()
         self._advance()
         if self.brakes.is_quiet():
@@ -159,7 +155,7 @@ class World:
         # Written with `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
-            self._diverged_because = (
+            self.diverged_because = (
                 f"the simulation diverged at {self.time:.3f} s: a joint velocity was "
                 f"not finite or impossibly high ({detail})"
             )
@@ -198,17 +194,17 @@ class World:
         """
         self._initial_qpos = self._qpos_with(positions or {})
         self._return_to_start()
-        self._diverged_because = None
+        self.diverged_because = None
         for actor in self._actors:
             actor.after_reset()
 
     def _count_pushes(self) -> None:
-        for body, applied in list(self._pushes.items()):
+        for body, applied in list(self.pushes.items()):
             if applied.is_over():
-                del self._pushes[body]
+                del self.pushes[body]
 
     def _return_to_start(self) -> None:
-        self._pushes.clear()
+        self.pushes.clear()
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)

@@ -1,5 +1,6 @@
 """Read and drive some joints of the simulated world, in plain floats."""
 
+from array import array
 from collections.abc import Callable, Sequence, Sized
 
 import mujoco
@@ -7,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.core.errors import HardwareInterfaceError
+from station.kernel.doubles import Doubles, as_doubles, doubles
+from station.kernel.simulator_memory import SimulatorMemory
 
 _SINGLE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
@@ -42,6 +45,8 @@ class WorldJoints:
         lower_limits: Lowest positions [rad or m]; infinite where unlimited.
         upper_limits: Highest positions [rad or m]; infinite where unlimited.
         effort_limits: Largest motor forces [Nm or N]; infinite where unlimited.
+        memory: MuJoCo's own memory by the names of `kernel.joint_drives.Drives`.
+        places: Indices of the joints in it, shape (n,) each.
 
     Raises:
         HardwareInterfaceError: A joint is unknown, has several degrees of freedom, or
@@ -80,24 +85,56 @@ class WorldJoints:
         highest = model.actuator_forcerange[motors, 1]
         self.effort_limits: list[float] = np.where(limited, highest, np.inf).tolist()
         self._set_controls = _writer(data.ctrl, motors)
-        # Each row of the inertia matrix ends with its diagonal element.
-        diagonal = model.M_rowadr + model.M_rownnz - 1
-        self.read_inertia = _reader(data.M, diagonal[dofs].tolist())
+        self.memory = _memory(model, data)
+        self.places = _places(model, positions, dofs, motors)
+        self.read_inertia = _reader(data.M, self.places["inertia"].tolist())
         self.timestep = float(model.opt.timestep)
         self._data = data
         self._pushes = pushes
-        self._joints = joints
-        self._dofs = dofs
+        self._joints, self._dofs = joints, dofs
+        self._positions = positions
+        self._brake_forces = brake_forces
         self._dof_damping = model.dof_damping
         self._read_constraints = _reader(data.qfrc_constraint, dofs)
         self._read_smooth = _reader(data.qfrc_smooth, dofs)
         self._read_passive = _reader(data.qfrc_passive, dofs)
         self._read_actuators = _reader(data.qfrc_actuator, dofs)
-        self._bias = model.actuator_biasprm
-        self._force_limited = model.actuator_forcelimited
-        self._force_range = model.actuator_forcerange
+        self._model = model
         self._motors = motors
         self._set_negative_damping = _writer(model.actuator_biasprm[:, 2], motors)
+
+    def simulator_memory(self) -> SimulatorMemory:
+        """Return MuJoCo's memory of these joints.
+
+        Raises:
+            HardwareInterfaceError: The joints or motors do not lie side by side.
+        """
+        data, dofs, motors = self._data, self._dofs, self._motors
+        positions = self._positions
+        if not all(map(_as_slice, (positions, dofs, motors))):
+            raise HardwareInterfaceError(
+                f"The joints {', '.join(self.names)} do not follow one another in the "
+                "simulated world.",
+                remedy="Let nothing else move between them.",
+                details={"joints": list(self.names)},
+            )
+        diagonal = self.places["inertia"].tolist()
+        return SimulatorMemory(
+            len(dofs),
+            positions=_view(data.qpos, positions),
+            velocities=_view(data.qvel, dofs),
+            motor_forces=_view(data.actuator_force, motors),
+            brake_forces=_view(self._brake_forces, dofs),
+            bias=_view(data.qfrc_bias, dofs),
+            compensation=_view(data.qfrc_gravcomp, dofs),
+            constraint_forces=_view(data.qfrc_constraint, dofs),
+            inertia=as_doubles(data.M),
+            diagonal=memoryview(array("l", diagonal)),
+            controls=_view(data.ctrl, motors),
+            limits=doubles(self.effort_limits),
+            passive_damping=doubles(self.damping),
+            armature=doubles(self.armature),
+        )
 
     def set_controls(self, controls: list[float]) -> None:
         """Set the motors' controls [Nm or N], shape (n,), for the next steps."""
@@ -156,8 +193,8 @@ class WorldJoints:
                 motors are pure force sources.
         """
         for motor, k, d in zip(self._motors, stiffness, damping, strict=True):
-            self._bias[motor, 1] = -k
-            self._bias[motor, 2] = -d
+            self._model.actuator_biasprm[motor, 1] = -k
+            self._model.actuator_biasprm[motor, 2] = -d
 
     def set_effort_limits(self, limits: list[float]) -> None:
         """Limit the forces of the motors.
@@ -166,8 +203,8 @@ class WorldJoints:
             limits: Largest forces, > 0 [Nm or N], shape (n,).
         """
         for motor, limit in zip(self._motors, limits, strict=True):
-            self._force_limited[motor] = True
-            self._force_range[motor] = [-limit, limit]
+            self._model.actuator_forcelimited[motor] = True
+            self._model.actuator_forcerange[motor] = [-limit, limit]
         self.effort_limits = list(limits)
 
     def set_damping(self, damping: list[float]) -> None:
@@ -244,6 +281,39 @@ def _find_motor(model: mujoco.MjModel, name: str) -> int:
             details={"joint": name},
         )
     return motor
+
+
+def _view(values: NDArray[np.float64], indices: list[int]) -> Doubles:
+    return as_doubles(values)[indices[0] : indices[0] + len(indices)]
+
+
+def _memory(model: mujoco.MjModel, data: mujoco.MjData) -> "dict[str, Doubles]":
+    return {
+        "qpos": memoryview(data.qpos),
+        "qvel": memoryview(data.qvel),
+        "bias": memoryview(data.qfrc_bias),
+        "weight": memoryview(data.qfrc_gravcomp),
+        "inertia": memoryview(data.M),
+        "control": memoryview(data.ctrl),
+        "damping": memoryview(model.actuator_biasprm.reshape(-1)),
+    }
+
+
+def _places(
+    model: mujoco.MjModel, positions: list[int], dofs: list[int], motors: list[int]
+) -> "dict[str, memoryview[int]]":
+    # Each row of the inertia matrix ends with its diagonal element.
+    diagonal = model.M_rowadr + model.M_rownnz - 1
+    # The motors' velocity coefficients are a column of their table.
+    columns = model.actuator_biasprm.shape[1]
+    places = {
+        "qpos": positions,
+        "dof": dofs,
+        "inertia": diagonal[dofs].tolist(),
+        "control": motors,
+        "damping": [columns * motor + 2 for motor in motors],
+    }
+    return {name: memoryview(array("q", values)) for name, values in places.items()}
 
 
 def _as_slice(indices: list[int]) -> slice | None:

@@ -45,7 +45,7 @@ class ScriptedArm(RobotArm):
     def __init__(self) -> None:
         self.cycle_time = 0.001
         self.state = RobotState()
-        self.state.q[:] = self.state.q_d[:] = INITIAL_POSITIONS
+        self.state.q = self.state.q_d = INITIAL_POSITIONS
         self.state.robot_mode = RobotMode.IDLE
         self.sent: list[list[float]] = []
         self.behavior: CollisionBehavior | None = None
@@ -68,7 +68,7 @@ class ScriptedArm(RobotArm):
     def read_once(self) -> RobotState:
         state = self.state
         state.time += self.cycle_time
-        state.dq[:] = state.dq_d[:] = [0.0] * 7
+        state.dq = state.dq_d = [0.0] * 7
         if state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
             state.robot_mode = RobotMode.IDLE
         if state.robot_mode is not RobotMode.MOVE or not self.sent:
@@ -84,21 +84,21 @@ class ScriptedArm(RobotArm):
         state, self._command = self.state, []
         match self._generator:
             case MotionGeneratorMode.JOINT_POSITION:
-                state.q[:] = state.q_d[:] = command
+                state.q = state.q_d = command
             case MotionGeneratorMode.JOINT_VELOCITY:
-                state.dq[:] = state.dq_d[:] = command
-                state.q[:] = state.q_d[:] = [
+                state.dq = state.dq_d = command
+                state.q = state.q_d = [
                     q + dq * self.cycle_time
                     for q, dq in zip(state.q, command, strict=True)
                 ]
             case MotionGeneratorMode.CARTESIAN_POSITION:
-                state.O_T_EE_c[:] = command
+                state.O_T_EE_c = command
             case MotionGeneratorMode.CARTESIAN_VELOCITY:
-                state.O_dP_EE_c[:] = command
+                state.O_dP_EE_c = command
                 shift = [value * self.cycle_time for value in command]
-                state.O_T_EE_c[:] = displace(state.O_T_EE_c, shift[:3], shift[3:])
+                state.O_T_EE_c = displace(state.O_T_EE_c, shift[:3], shift[3:])
             case MotionGeneratorMode.NONE:
-                state.tau_J_d[:] = command
+                state.tau_J_d = command
         self._recent.append(
             ArmRecord(
                 state.time,
@@ -142,7 +142,7 @@ class ScriptedArm(RobotArm):
         self._controller, self._generator = controller_mode, motion_generator_mode
         self._errors, self.sent, self._lost = [], [], 0
         self.refresh_state()
-        self.state.O_T_EE_c[:] = self.state.O_T_EE
+        self.state.O_T_EE_c = self.state.O_T_EE
         self.state.robot_mode = RobotMode.MOVE
 
     @override
@@ -206,8 +206,8 @@ class ScriptedArm(RobotArm):
     @override
     def refresh_state(self) -> None:
         state = self.state
-        state.O_T_EE[:] = PlainModel().end_effector(state.q, state.F_T_EE)
-        state.O_T_EE_d[:] = PlainModel().end_effector(state.q_d, state.F_T_EE)
+        state.O_T_EE = PlainModel().end_effector(state.q, state.F_T_EE)
+        state.O_T_EE_d = PlainModel().end_effector(state.q_d, state.F_T_EE)
 
     @override
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
@@ -220,13 +220,13 @@ class ScriptedArm(RobotArm):
     @override
     def set_end_effector_frame(self, frame: Sequence[float]) -> None:
         self._refuse_while_moving()
-        self.state.NE_T_EE[:] = frame
-        self.state.F_T_EE[:] = compose(self.state.F_T_NE, frame)
+        self.state.NE_T_EE = frame
+        self.state.F_T_EE = compose(self.state.F_T_NE, frame)
 
     @override
     def set_stiffness_frame(self, frame: Sequence[float]) -> None:
         self._refuse_while_moving()
-        self.state.EE_T_K[:] = frame
+        self.state.EE_T_K = frame
 
     @override
     def set_load(self, load: Load) -> None:

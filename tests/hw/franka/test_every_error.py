@@ -15,6 +15,7 @@ from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_na
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.kernel.doubles import put
 from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD
 
@@ -102,7 +103,7 @@ def position_jump(jump: float, *, after: int = 5) -> Drive:
         rest = list(bench.state.q_d)
         for cycle in range(after + 5):
             moved = jump if cycle >= after else 0.0
-            bench.hw.commands.positions[:] = [rest[0] + moved, *rest[1:]]
+            put(bench.hw.commands.positions, [rest[0] + moved, *rest[1:]])
             yield
 
     return drive

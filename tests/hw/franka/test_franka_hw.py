@@ -25,6 +25,7 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.kernel.doubles import put
 
 PERIOD = 0.001
 ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
@@ -339,7 +340,7 @@ def test_a_slower_loop_moves_the_arm_alike(hw, arm_cycles):
     hw.read(0.0, period)
     target = [q + 0.05 for q in hw.robot_state.q_d]
     for cycle in range(1, round(seconds / period) + 1):
-        hw.commands.positions[:] = target
+        put(hw.commands.positions, target)
         hw.write(cycle * period, period)
         hw.read(cycle * period, period)
     assert hw.robot_state.q_d == pytest.approx(target, abs=1e-3)
@@ -349,7 +350,7 @@ def test_each_cycle_of_the_arm_gets_a_command_whatever_the_rate_of_the_loop(hw):
     hw.check_period(4 * PERIOD)
     switch(hw, "jt")
     step_until_torques_act(hw)
-    hw.commands.efforts[:] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.0]
+    put(hw.commands.efforts, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.0])
     hw.write(1.0, 4 * PERIOD)
     hw.read(1.004, 4 * PERIOD)
     # The Panda's torques may change by 1 Nm per cycle; the low-pass takes a little off.

@@ -17,6 +17,7 @@ from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.arm.load import Load
+from station.kernel.doubles import Storage
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""
@@ -113,7 +114,7 @@ class RobotArm(ABC):
         """End the motion: slow down to rest and hold. Does nothing without a motion."""
 
     @abstractmethod
-    def command_joint_torques(self, tau: list[float]) -> None:
+    def command_joint_torques(self, tau: Storage) -> None:
         """Command torques, shape (7,); the arm adds gravity compensation.
 
         Args:
@@ -125,7 +126,7 @@ class RobotArm(ABC):
         """
 
     @abstractmethod
-    def command_joint_positions(self, q: list[float]) -> None:
+    def command_joint_positions(self, q: Storage) -> None:
         """Command positions, shape (7,).
 
         Args:
@@ -137,7 +138,7 @@ class RobotArm(ABC):
         """
 
     @abstractmethod
-    def command_joint_velocities(self, dq: list[float]) -> None:
+    def command_joint_velocities(self, dq: Storage) -> None:
         """Command velocities, shape (7,).
 
         Args:

@@ -8,11 +8,11 @@ apart are left out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
 
-from station.hw.franka.arm.franka_kinematics import link_poses
-
-Point = tuple[float, float, float]
+from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
+from station.kernel.arm_chain import new_links, place_links
+from station.kernel.capsules import nearest_pair, place_segments
+from station.kernel.doubles import doubles, indices, put, zeros
 
 _HAND = 8
 _EIGHTH_TURN = 0.5**0.5
@@ -57,71 +57,57 @@ class Clearance:
     links: str
 
 
+def _ends_and_radius(
+    center: Sequence[float], axis: Sequence[float], radius: float, length: float
+) -> list[float]:
+    """Return a capsule in the form of the kernel, 7 numbers."""
+    half = length / 2.0
+    ends = [
+        c + sign * half * a
+        for sign in (-1, 1)
+        for c, a in zip(center, axis, strict=True)
+    ]
+    return [*ends, radius]
+
+
+_LINKS = [link for link, *_ in _CAPSULES]
+_SHAPES = doubles(
+    value
+    for _, center, axis, radius, length in _CAPSULES
+    for value in _ends_and_radius(center, axis, radius, length)
+)
+# The hand is fixed to link 7; the kernel counts the links from 0.
+_OWNERS = indices(min(link, DOF) - 1 for link in _LINKS)
+_PAIRS = [
+    (i, j)
+    for i, link in enumerate(_LINKS)
+    for j, other in enumerate(_LINKS)
+    if i < j and other in _NEAR.get(link, ())
+]
+_ARM_PAIRS = [pair for pair in _PAIRS if _LINKS[pair[1]] != _HAND]
+_PAIRS_WITH_HAND = indices(index for pair in _PAIRS for index in pair)
+_PAIRS_WITHOUT_HAND = indices(index for pair in _ARM_PAIRS for index in pair)
+
+
 def clearance(q: Sequence[float], *, has_hand: bool) -> Clearance:
-    """Return how close the closest two links are; about 0.1 ms.
+    """Return how close the closest two links are.
 
     Args:
         q: Joint positions [rad], shape (7,).
         has_hand: Whether a hand is mounted.
     """
-    segments = _segments(q)
-    best, pair = float("inf"), (0, 0)
-    for i, (link, start, end, radius) in enumerate(segments):
-        for other, other_start, other_end, other_radius in segments[i + 1 :]:
-            if other not in _NEAR.get(link, ()) or (other == _HAND and not has_hand):
-                continue
-            gap = _distance(start, end, other_start, other_end) - radius - other_radius
-            if gap < best:
-                best, pair = gap, (link, other)
-    return Clearance(best, f"{_name(pair[0])} and {_name(pair[1])}")
-
-
-def _segments(q: Sequence[float]) -> list[tuple[int, Point, Point, float]]:
-    """Return link, both sphere centres in the base frame, and radius."""
-    poses = link_poses(q)
-    found = []
-    for link, (x, y, z), (ax, ay, az), radius, length in _CAPSULES:
-        half = length / 2.0
-        ends = [
-            (x - half * ax, y - half * ay, z - half * az),
-            (x + half * ax, y + half * ay, z + half * az),
-        ]
-        if link:
-            ends = [_place(poses[min(link, 7) - 1], end) for end in ends]
-        found.append((link, ends[0], ends[1], radius))
-    return found
-
-
-def _place(pose: Sequence[float], point: Point) -> Point:
-    x, y, z = point
-    return (
-        pose[0] * x + pose[4] * y + pose[8] * z + pose[12],
-        pose[1] * x + pose[5] * y + pose[9] * z + pose[13],
-        pose[2] * x + pose[6] * y + pose[10] * z + pose[14],
+    position, links = zeros(DOF), new_links(CHAIN)
+    put(position, q)
+    place_links(CHAIN, position, links)
+    segments, found = zeros(6 * len(_OWNERS)), zeros(1)
+    place_segments(_SHAPES, _OWNERS, links, segments)
+    pairs = _PAIRS_WITH_HAND if has_hand else _PAIRS_WITHOUT_HAND
+    number = nearest_pair(_SHAPES, segments, pairs, found)
+    return Clearance(
+        found[0],
+        f"{_name(_LINKS[pairs[2 * number]])} and "
+        f"{_name(_LINKS[pairs[2 * number + 1]])}",
     )
-
-
-def _distance(p: Point, q: Point, a: Point, b: Point) -> float:
-    """Return the distance between the segments pq and ab, both of some length [m]."""
-    ux, uy, uz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-    vx, vy, vz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    wx, wy, wz = p[0] - a[0], p[1] - a[1], p[2] - a[2]
-    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
-    uv = ux * vx + uy * vy + uz * vz
-    uw, vw = ux * wx + uy * wy + uz * wz, vx * wx + vy * wy + vz * wz
-    square = uu * vv - uv * uv
-    # Nearest points of the lines, then back onto the segments; parallel ones: any.
-    s = _clip((uv * vw - uw * vv) / square) if square > 1e-12 else 0.0
-    t = (uv * s + vw) / vv
-    if t < 0.0 or t > 1.0:
-        t = _clip(t)
-        s = _clip((uv * t - uw) / uu)
-    x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
-    return sqrt(x * x + y * y + z * z)
-
-
-def _clip(value: float) -> float:
-    return max(0.0, min(1.0, value))
 
 
 def _name(link: int) -> str:

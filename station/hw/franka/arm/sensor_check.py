@@ -1,24 +1,27 @@
 """Find joint readings that are not finite."""
 
-from math import isfinite
-
 from station.core.franka.franka_robot_state import RobotState
+from station.kernel.finite_check import FiniteCheck
+
+_READINGS = ("position", "velocity", "torque")
 
 
-def blind_sensor(state: RobotState) -> str | None:
-    """Return the first joint reading that is not finite; None when all are. Cheap.
+class SensorCheck:
+    """Looks at the joint readings of an arm once per cycle.
 
     Args:
         state: The arm's state.
     """
-    if isfinite(sum(state.q) + sum(state.dq) + sum(state.tau_J)):
-        return None
-    for what, readings in (
-        ("position", state.q),
-        ("velocity", state.dq),
-        ("torque", state.tau_J),
-    ):
-        for i, value in enumerate(readings):
-            if not isfinite(value):
-                return f"the {what} of joint{i + 1} reads {value}"
-    return None
+
+    def __init__(self, state: RobotState) -> None:
+        self._readings = state.readings()
+        self._first_bad = FiniteCheck(self._readings).first_bad
+
+    def blind_sensor(self) -> str | None:
+        """Return the first joint reading that is not finite; None when all are."""
+        index = self._first_bad()
+        if index < 0:
+            return None
+        reading, joint = divmod(index, 7)
+        value = self._readings[index]
+        return f"the {_READINGS[reading]} of joint{joint + 1} reads {value}"

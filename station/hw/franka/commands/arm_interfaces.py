@@ -36,7 +36,5 @@ def model_interface(arm: RobotArm, arm_id: str) -> FrankaModelInterface:
     """
     models, model = FrankaModelInterface(), arm.load_model()
     for name in (f"{arm_id}_model", f"{arm_id}_robot"):
-        models.register_handle(
-            FrankaModelHandle(name, model, arm.state, arm.refresh_state)
-        )
+        models.register_handle(FrankaModelHandle(name, model, arm.state))
     return models

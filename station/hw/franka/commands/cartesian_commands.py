@@ -100,6 +100,8 @@ class CartesianCommands:
 
     def are_finite(self) -> bool:
         """Return whether all commands that are taken are finite."""
+        if not self.has_pose and not self.has_twist:
+            return True
         total = 0.0
         if self.has_pose:
             total += sum(self._pose) + sum(self._pose_elbow)

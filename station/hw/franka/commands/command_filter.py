@@ -1,29 +1,23 @@
 """Filter and limit joint commands between FrankaHW and the arm."""
 
-from collections.abc import Sequence
-from math import sqrt
-
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.rate_limiter import (
-    MAX_CUTOFF_FREQUENCY,
     PERIOD,
-    RateLimits,
-    VelocityRange,
-    limit_position,
-    limit_rate,
-    limit_velocity,
-    low_pass,
+    low_pass_gain,
     rate_limits_of,
     velocity_range_of,
 )
+from station.kernel.command_rates import CommandRates
+from station.kernel.doubles import Doubles
+from station.kernel.joint_memory import JointMemory
 
 # A joint approaches its goal with half of the acceleration limit, and near the goal
 # with a velocity in proportion to the distance [1/s]. Where the two meet, the
 # deceleration is up to twice as large, which is why half of the limit is kept.
 _BRAKING_SHARE = 0.5
 _APPROACH_GAIN = 50.0
-_ANY_POSITION = [None] * 7
 
 
 class CommandFilter:
@@ -40,15 +34,35 @@ class CommandFilter:
 
     Args:
         limits: The arm's own limits.
+        state: The arm's state.
+        commands: The commands after the joint limits.
     """
 
-    def __init__(self, limits: ArmLimits) -> None:
+    def __init__(
+        self, limits: ArmLimits, state: RobotState, commands: JointCommands
+    ) -> None:
         self._arm_limits = limits
-        self._limits = rate_limits_of(limits)
+        self._state = state
         self._is_first = False
-        self._cutoff_frequency = MAX_CUTOFF_FREQUENCY
-        self._is_limiting = False
-        self._last_goals: list[float] | None = None
+        rates = rate_limits_of(limits)
+        lower, upper = commands.range()
+        names = ("tau_J_d", "q_d", "dq_d", "ddq_d")
+        self._kernel = CommandRates(
+            JointMemory(7, **{name: state.doubles(name) for name in names}),
+            positions=commands.positions,
+            velocities=commands.velocities,
+            efforts=commands.efforts,
+            velocity=[one.velocity for one in rates],
+            acceleration=[one.acceleration for one in rates],
+            jerk=[one.jerk for one in rates],
+            torque_rate=[one.torque_rate for one in rates],
+            lower=lower,
+            upper=upper,
+            braking_share=_BRAKING_SHARE,
+            approach_gain=_APPROACH_GAIN,
+            period=PERIOD,
+        )
+        self._result: Doubles = self._kernel.result
 
     def begin(self, *, cutoff_frequency: float, rate_limiting: bool) -> None:
         """Forget all previous commands; called when a motion starts.
@@ -57,105 +71,42 @@ class CommandFilter:
             cutoff_frequency: Cutoff frequency of the low-pass [Hz], > 0.
             rate_limiting: Whether to limit the rates of commands.
         """
-        self._cutoff_frequency = cutoff_frequency
-        self._is_limiting = rate_limiting
-        self._last_goals = None
+        self._kernel.gain = low_pass_gain(cutoff_frequency)
+        self._kernel.is_limiting = rate_limiting
+        self._kernel.has_goals = False
         self._is_first = True
 
-    def torques(self, tau: list[float], state: RobotState) -> list[float]:
-        """Return the torques to send [Nm], shape (7,)."""
-        cutoff = self._cutoff_frequency
-        result = [
-            low_pass(value, previous, cutoff)
-            for value, previous in zip(tau, state.tau_J_d, strict=True)
-        ]
-        if not self._is_limiting:
-            return result
-        return [
-            limit_rate(value, previous, limits.torque_rate)
-            for value, previous, limits in zip(
-                result, state.tau_J_d, self._limits, strict=True
-            )
-        ]
+    def note_goals(self) -> None:
+        """Note the commanded positions as goals; before the joint limits act on them.
 
-    def velocities(self, dq: list[float], state: RobotState) -> list[float]:
-        """Return the velocities to send [rad/s], shape (7,)."""
-        cutoff = self._cutoff_frequency
-        result = [
-            low_pass(value, previous, cutoff)
-            for value, previous in zip(dq, state.dq_d, strict=True)
-        ]
-        if not self._is_limiting:
-            return result
-        ranges = self._velocity_ranges(state.q_d)
-        return [
-            limit_velocity(value, velocity, acceleration, limits, allowed)
-            for value, velocity, acceleration, limits, allowed in zip(
-                result, state.dq_d, state.ddq_d, self._limits, ranges, strict=True
-            )
-        ]
-
-    def positions(
-        self, q: list[float], state: RobotState, *, goals: list[float]
-    ) -> list[float]:
-        """Return the positions to send [rad], shape (7,).
-
-        Args:
-            q: The command after the joint limits [rad], shape (7,).
-            state: The arm's state.
-            goals: The command of the controller, within the position limits [rad],
-                shape (7,).
+        With rate limits the arm approaches a goal so that it can stop there.
         """
-        cutoff = self._cutoff_frequency
+        if self._kernel.is_limiting:
+            self._kernel.note_goals()
+
+    def torques(self) -> Doubles:
+        """Return the torques to send [Nm], shape (7,); the same memory every time."""
+        self._kernel.filter_torques()
+        return self._result
+
+    def velocities(self) -> Doubles:
+        """Return the velocities to send [rad/s], shape (7,)."""
+        if self._arm_limits.curves:
+            self._note_ranges()
+        self._kernel.filter_velocities()
+        return self._result
+
+    def positions(self) -> Doubles:
+        """Return the positions to send [rad], shape (7,)."""
         passes = self._is_first and not self._arm_limits.filters_first_pose
         self._is_first = False
-        result = [
-            low_pass(value, previous, cutoff)
-            for value, previous in zip(q, q if passes else state.q_d, strict=True)
-        ]
-        if not self._is_limiting:
-            return result
-        last_goals = self._last_goals or goals
-        self._last_goals = list(goals)
-        ranges = self._velocity_ranges(state.q_d)
-        for i, limits in enumerate(self._limits):
-            q_d = state.q_d[i]
-            goal_velocity = (goals[i] - last_goals[i]) / PERIOD
-            value = _stoppable(result[i], q_d, goals[i], goal_velocity, limits)
-            result[i] = limit_position(
-                value, q_d, state.dq_d[i], state.ddq_d[i], limits, ranges[i]
-            )
-        return result
+        if self._arm_limits.curves:
+            self._note_ranges()
+        self._kernel.filter_positions(passes)
+        return self._result
 
-    def _velocity_ranges(self, q_d: Sequence[float]) -> Sequence[VelocityRange | None]:
-        """Return the velocities that the positions allow; None without limits."""
-        if not self._arm_limits.curves:
-            return _ANY_POSITION
-        return [
-            velocity_range_of(self._arm_limits, i, position)
-            for i, position in enumerate(q_d)
-        ]
-
-
-def _stoppable(
-    position: float, q_d: float, goal: float, goal_velocity: float, limits: RateLimits
-) -> float:
-    """Return the step after which a joint can still stop at its goal.
-
-    Args:
-        position: Requested position of this cycle [rad].
-        q_d: Present desired position [rad].
-        goal: Position at which the motion ends [rad].
-        goal_velocity: Velocity of the goal [rad/s]; 0 for a goal that makes a step.
-        limits: The joint's limits.
-    """
-    if abs(goal_velocity) > limits.velocity:
-        goal_velocity = 0.0
-    distance = abs(goal - q_d)
-    closing = min(
-        sqrt(2.0 * _BRAKING_SHARE * limits.acceleration * distance),
-        _APPROACH_GAIN * distance,
-    )
-    lowest = q_d + (goal_velocity - closing) * PERIOD
-    highest = q_d + (goal_velocity + closing) * PERIOD
-    return max(lowest, min(highest, position))
+    def _note_ranges(self) -> None:
+        """Note the velocities that the present positions allow."""
+        for i, position in enumerate(self._state.q_d):
+            lowest, highest = velocity_range_of(self._arm_limits, i, position)
+            self._kernel.lowest[i], self._kernel.highest[i] = lowest, highest

@@ -1,13 +1,14 @@
 """Send the commands of controllers to the arm, limited and filtered."""
 
 from station.core.errors import InvalidCommandError
-from station.core.franka.franka_robot_state import RobotMode
+from station.core.franka.franka_robot_state import MODE
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.joint_commands import JointCommands
+from station.kernel.arm_codes import MOVE
 
 
 class CommandSender:
@@ -34,8 +35,8 @@ class CommandSender:
         self._commands = commands
         self._cartesian = cartesian
         self._filter = command_filter
+        self._mode = arm.state.doubles(MODE)
         self._settings: CommandSettings | None = None
-        self._goals: list[float] = []
         self.refusal: str | None = None
 
     def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
@@ -49,29 +50,27 @@ class CommandSender:
         self.refusal = None
         self._commands.begin(mode)
         self._cartesian.begin(mode)
-        self._goals = self._commands.goals()
         self._filter.begin(
             cutoff_frequency=settings.cutoff_frequency,
             rate_limiting=settings.rate_limiting,
         )
+        self._filter.note_goals()
 
     def send_limited(self, period: float) -> None:
-        """Limit and send the controllers' commands.
+        """Limit and send the controllers' commands, while a motion runs.
 
         The motion ends, and `refusal` has the reason, when a command is not finite.
 
         Args:
             period: Time since the last cycle [s], >= 0.
         """
-        commands = self._commands
-        if self._arm.state.robot_mode is not RobotMode.MOVE:
-            return
-        if not (commands.are_finite() and self._cartesian.are_finite()):
+        commands, cartesian = self._commands, self._cartesian
+        if not commands.are_finite() or not cartesian.are_finite():
             self.refusal = "a command is not finite"
             self._arm.stop_motion()
             return
         if commands.has_positions:
-            self._goals = commands.goals()
+            self._filter.note_goals()
         if period > 0.0:
             commands.enforce_limits(period)
         self.send(is_new=True)
@@ -99,18 +98,15 @@ class CommandSender:
         Args:
             is_new: Controllers have updated since the last send.
         """
-        arm, commands, state = self._arm, self._commands, self._arm.state
-        if state.robot_mode is not RobotMode.MOVE:
+        arm, commands, filtered = self._arm, self._commands, self._filter
+        if self._mode[0] != MOVE:
             return
-        goals, filtered = self._goals, self._filter
         if commands.has_positions:
-            q = filtered.positions(commands.positions, state, goals=goals)
-            arm.command_joint_positions(q)
+            arm.command_joint_positions(filtered.positions())
         if commands.has_velocities:
-            dq = filtered.velocities(commands.velocities, state)
-            arm.command_joint_velocities(dq)
+            arm.command_joint_velocities(filtered.velocities())
         if commands.has_efforts:
-            arm.command_joint_torques(filtered.torques(commands.efforts, state))
+            arm.command_joint_torques(filtered.torques())
         if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
             try:
                 self._cartesian.send(self._settings, is_new=is_new)

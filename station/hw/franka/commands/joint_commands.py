@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf
 
 from station.core.description.urdf import Joint
 from station.core.franka.franka_robot_state import RobotState
@@ -30,6 +30,8 @@ from station.core.hardware.robot_report import (
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.rate_limiter import RateLimits
+from station.kernel.doubles import Block, put
+from station.kernel.finite_check import FiniteCheck
 
 _DOF = 7
 # Distance from the ends of its range at which a joint that is limited by rate stops
@@ -76,9 +78,13 @@ class JointCommands:
     ) -> None:
         self._state = state
         self._limit_mode = limit_mode
-        self.positions = [0.0] * _DOF
-        self.velocities = [0.0] * _DOF
-        self.efforts = [0.0] * _DOF
+        block = Block({"positions": _DOF, "velocities": _DOF, "efforts": _DOF})
+        self.positions = block["positions"]
+        self.velocities = block["velocities"]
+        self.efforts = block["efforts"]
+        self._first_bad_position = FiniteCheck(self.positions).first_bad
+        self._first_bad_velocity = FiniteCheck(self.velocities).first_bad
+        self._first_bad_effort = FiniteCheck(self.efforts).first_bad
         self._lower = [-inf] * _DOF
         self._upper = [inf] * _DOF
         self.limit_reports: list[JointLimitsReport] = []
@@ -91,9 +97,11 @@ class JointCommands:
         self._effort_limits = JointLimitsInterface[JointLimitsHandle]()
         # Kept here, because asking an interface for a handle would claim its joint.
         self._handles: list[tuple[JointHandle, JointHandle, JointHandle]] = []
+        q, dq, tau = state.doubles("q"), state.doubles("dq"), state.doubles("tau_J")
+        q_d, dq_d = state.doubles("q_d"), state.doubles("dq_d")
         for i, name in enumerate(names):
-            measured = JointStateHandle(name, state.q, state.dq, state.tau_J, i)
-            desired = JointStateHandle(name, state.q_d, state.dq_d, state.tau_J, i)
+            measured = JointStateHandle(name, q, dq, tau, i)
+            desired = JointStateHandle(name, q_d, dq_d, tau, i)
             position = JointHandle(desired, self.positions, i)
             velocity = JointHandle(desired, self.velocities, i)
             effort = JointHandle(measured, self.efforts, i)
@@ -181,37 +189,29 @@ class JointCommands:
 
         The buffers are seeded with commands that hold the arm; earlier ones are lost.
         """
-        self.positions[:] = self._state.q_d
-        self.velocities[:] = [0.0] * _DOF
-        self.efforts[:] = [0.0] * _DOF
+        put(self.positions, self._state.q_d)
+        put(self.velocities, [0.0] * _DOF)
+        put(self.efforts, [0.0] * _DOF)
         self._position_limits.reset()
         self._velocity_limits.reset()
         self.has_positions = bool(mode & ControlMode.JOINT_POSITION)
         self.has_velocities = bool(mode & ControlMode.JOINT_VELOCITY)
         self.has_efforts = bool(mode & ControlMode.JOINT_TORQUE)
 
-    def goals(self) -> list[float]:
-        """Return the commanded positions, clipped to the position limits [rad]."""
-        return [
-            max(low, min(high, q))
-            for q, low, high in zip(
-                self.positions, self._lower, self._upper, strict=True
-            )
-        ]
+    def range(self) -> tuple[list[float], list[float]]:
+        """Return the lowest and the highest positions that are asked for [rad]."""
+        return self._lower, self._upper
 
     def are_finite(self) -> bool:
         """Return whether all commands that are taken are finite.
 
         Call it before limits and filters: these may turn a NaN into a finite number.
         """
-        total = 0.0
-        if self.has_positions:
-            total += sum(self.positions)
-        if self.has_velocities:
-            total += sum(self.velocities)
-        if self.has_efforts:
-            total += sum(self.efforts)
-        return isfinite(total)
+        return not (
+            (self.has_positions and self._first_bad_position() >= 0)
+            or (self.has_velocities and self._first_bad_velocity() >= 0)
+            or (self.has_efforts and self._first_bad_effort() >= 0)
+        )
 
     def enforce_limits(self, period: float) -> None:
         """Limit the commands that are taken.

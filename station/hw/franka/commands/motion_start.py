@@ -30,6 +30,7 @@ class MotionStart:
 
     Attributes:
         mode: The kinds of command that controllers give since the last switch.
+        is_active: Whether controllers give any command.
         is_waiting: Whether the arm is coming to rest before a motion.
         has_failed: Whether the arm refused the last motion.
     """
@@ -40,6 +41,7 @@ class MotionStart:
         self._settings: CommandSettings | None = None
         self._waited = 0
         self.mode = ControlMode.NONE
+        self.is_active = False
         self.is_waiting = False
         self.has_failed = False
 
@@ -78,6 +80,7 @@ class MotionStart:
         if mode != self.mode or started & _CARTESIAN:
             arm.stop_motion()
         self.mode, self._settings = mode, settings
+        self.is_active = bool(mode)
         self._sender.begin(mode, settings)
         self.is_waiting = bool(mode) and arm.state.robot_mode is not RobotMode.MOVE
         self._waited = 0

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import pi
 
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimits
+from station.kernel.command_rates import filtered, limited
 
 PERIOD = 0.001
 """Cycle of the arm [s]."""
@@ -103,6 +104,17 @@ PANDA_RATE_LIMITS = rate_limits_of(PANDA_LIMITS)
 """The Panda's limits, joints 1 to 7."""
 
 
+def low_pass_gain(cutoff_frequency: float) -> float:
+    """Return the share of a new command in the low-pass, 0 to 1; 1 is off.
+
+    Args:
+        cutoff_frequency: [Hz], > 0; `MAX_CUTOFF_FREQUENCY` and above is off.
+    """
+    if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
+        return 1.0
+    return PERIOD / (PERIOD + 1.0 / (2.0 * pi * cutoff_frequency))
+
+
 def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:
     """Return the first-order low-pass of a command.
 
@@ -113,8 +125,7 @@ def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:
     """
     if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
         return value
-    gain = PERIOD / (PERIOD + 1.0 / (2.0 * pi * cutoff_frequency))
-    return gain * value + (1.0 - gain) * previous
+    return filtered(value, previous, low_pass_gain(cutoff_frequency))
 
 
 def limit_rate(value: float, previous: float, max_rate: float) -> float:
@@ -153,13 +164,16 @@ def limit_velocity(
         -limits.velocity,
         limits.velocity,
     )
-    jerk = ((velocity - last_velocity) / PERIOD - last_acceleration) / PERIOD
-    jerk = max(-limits.jerk, min(limits.jerk, jerk))
-    acceleration = last_acceleration + jerk * PERIOD
-    slope = limits.jerk / limits.acceleration
-    highest = min(slope * (highest_velocity - last_velocity), limits.acceleration)
-    lowest = max(slope * (lowest_velocity - last_velocity), -limits.acceleration)
-    return last_velocity + max(lowest, min(highest, acceleration)) * PERIOD
+    return limited(
+        velocity,
+        last_velocity,
+        last_acceleration,
+        limits.acceleration,
+        limits.jerk,
+        lowest_velocity,
+        highest_velocity,
+        PERIOD,
+    )
 
 
 def limit_position(

@@ -6,7 +6,7 @@ hold their position instead of going limp, and the joint states contain the join
 the arm alone, as on the real robot, where the hand is another device.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import isfinite
 
 from station.core.franka import GripperServicesInterface
@@ -20,6 +20,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.hw.franka.hand.hand_services import FASTEST, HandMotor, HandServices
+from station.kernel.doubles import Block, put
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
@@ -41,6 +42,7 @@ class FingerJoints:
         names: As given.
         hand: Homing, move, grasp and stop.
         services: The interface that contains `hand`.
+        read: Reads the state of the fingers.
     """
 
     def __init__(self, gripper: HandMotor, names: Sequence[str], arm_id: str) -> None:
@@ -50,17 +52,22 @@ class FingerJoints:
         self.services.register_handle(self.hand)
         self.names = tuple(names)
         self._gripper = gripper
-        self._positions = [gripper.read_position()] * size
-        self._velocities = [0.0] * size
-        self._efforts = [0.0] * size
-        self._position_commands = list(self._positions)
-        self._effort_commands = [0.0] * size
+        block = Block(
+            dict.fromkeys(
+                ("q", "dq", "tau", "position_command", "effort_command"), size
+            )
+        )
+        self._positions = block["q"]
+        self._position_commands = block["position_command"]
+        self._effort_commands = block["effort_command"]
+        self._sensor = gripper.sensor(self._positions, block["dq"], block["tau"])
+        self.read: Callable[[], None] = self._sensor.read
+        self.read()
+        put(self._position_commands, self._positions)
         self._claimed: dict[str, str] = {}
         self._owners: dict[str, str] = {}
         self.states = [
-            JointStateHandle(
-                name, self._positions, self._velocities, self._efforts, index
-            )
+            JointStateHandle(name, self._positions, block["dq"], block["tau"], index)
             for index, name in enumerate(names)
         ]
 
@@ -80,16 +87,6 @@ class FingerJoints:
                 elif isinstance(interface, EffortJointInterface):
                     handle = JointHandle(state, self._effort_commands, index)
                     interface.register_handle(handle)
-
-    def read(self) -> None:
-        """Read the state of the fingers."""
-        gripper = self._gripper
-        position, velocity = gripper.read_position(), gripper.read_velocity()
-        force = gripper.read_force()
-        for index in range(len(self.names)):
-            self._positions[index] = position
-            self._velocities[index] = velocity
-            self._efforts[index] = force
 
     def write(self) -> None:
         """Pass on the commands of claimed fingers; an unclaimed finger follows."""
@@ -146,9 +143,10 @@ class FingerJoints:
             self._owners.pop(name, None)
         if not stopped and not started:
             return
+        size = len(self.names)
         self._hold(self._gripper.read_position())
-        self._position_commands[:] = [self._gripper.read_position()] * len(self.names)
-        self._effort_commands[:] = [0.0] * len(self.names)
+        put(self._position_commands, [self._gripper.read_position()] * size)
+        put(self._effort_commands, [0.0] * size)
         for owner, kind, name in started:
             self._claimed[name] = kind
             self._owners[name] = owner
@@ -158,8 +156,8 @@ class FingerJoints:
         """Forget the commands: the world was reset."""
         self.read()
         self.hand.begin_anew()
-        self._position_commands[:] = self._positions
-        self._effort_commands[:] = [0.0] * len(self.names)
+        put(self._position_commands, self._positions)
+        put(self._effort_commands, [0.0] * len(self.names))
 
     def _hold(self, position: float) -> None:
         """Let both fingers go to a position [m] at full speed, and stay there."""

@@ -30,6 +30,7 @@ MOVE_FORCE = 70.0
 datasheet of the Franka Hand."""
 HOMING_SPEED = 0.02
 _SLOWEST_PART = 0.25
+_RESTING = (GripperActivity.IDLE, GripperActivity.HOLDING)
 
 
 class GripperMotor(Protocol):
@@ -131,6 +132,10 @@ class GripperMotion:
         """End the motion without a command to the motor: a controller takes over."""
         self.activity = GripperActivity.IDLE
         self._settles = False
+
+    def is_over(self) -> bool:
+        """Return whether nothing is left to do for `advance`."""
+        return self.activity in _RESTING and not self._settles
 
     def advance(self) -> GripperOutcome | None:
         """Continue the motion from the present state of the fingers; once per cycle.

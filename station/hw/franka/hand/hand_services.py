@@ -18,6 +18,8 @@ from station.core.franka import (
 )
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.hand.gripper_motion import GripperMotion, GripperMotor
+from station.kernel.doubles import Doubles
+from station.kernel.finger_motor import FingerSensor
 
 FASTEST = 0.4
 """Largest speed of the width [m/s]: twice that of a finger in panda.urdf."""
@@ -44,6 +46,11 @@ class HandMotor(GripperMotor, Protocol):
 
     def read_force(self) -> float:
         """Return the force that the motor gave each finger [N]."""
+
+    def sensor(
+        self, positions: Doubles, velocities: Doubles, efforts: Doubles
+    ) -> FingerSensor:
+        """Return what reads position, velocity and force of each finger."""
 
 
 class HandServices(GripperServices):
@@ -148,6 +155,8 @@ class HandServices(GripperServices):
 
     def advance(self) -> None:
         """Continue the present motion; once per cycle."""
+        if self._motion.is_over():
+            return
         outcome = self._motion.advance()
         if outcome is not None:
             if outcome.message is None:

@@ -2,10 +2,10 @@
 
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.arm.robot_arm import REST_VELOCITY, ControllerMode
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.arm_load import ArmLoad
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.motion_follower import MotionFollower
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 
@@ -22,7 +22,7 @@ class ArmDrive:
     Args:
         state: The arm's state.
         modes: The modes of the arm.
-        motion: The desired motion.
+        cycle: The arithmetic of the arm's cycle.
         follower: Follows the client's commands.
         motors: The motors and the internal controllers.
         load: The configured load.
@@ -35,7 +35,7 @@ class ArmDrive:
         state: RobotState,
         *,
         modes: ArmModes,
-        motion: DesiredMotion,
+        cycle: ArmCycle,
         follower: MotionFollower,
         motors: ArmMotors,
         load: ArmLoad,
@@ -44,7 +44,8 @@ class ArmDrive:
     ) -> None:
         self._state = state
         self._modes = modes
-        self._motion = motion
+        self._motion = cycle.motion
+        self._step = cycle.step
         self._follower = follower
         self._motors = motors
         self._load = load
@@ -54,7 +55,7 @@ class ArmDrive:
 
     def is_at_rest(self) -> bool:
         """Return whether neither the arm nor its desired motion moves."""
-        return self._motion.is_at_rest and self._speed() < REST_VELOCITY
+        return self._motion.is_at_rest() and self._speed() < REST_VELOCITY
 
     def begin_motion(self) -> None:
         """Wait for the arm to settle before torques act."""
@@ -62,12 +63,17 @@ class ArmDrive:
 
     def before_step(self) -> None:
         """Take the commands, advance the desired motion, set the motors' controls."""
+        if not self._step.before():
+            self._attend()
+
+    def _attend(self) -> None:
+        """Do the same in a cycle that is not a usual one."""
         state, motors = self._state, self._motors
         wants_torques = self._modes.controller is ControllerMode.EXTERNAL_CONTROLLER
-        if wants_torques and not motors.torques_act and self._motion.is_at_rest:
+        if wants_torques and not motors.torques_act and self._motion.is_at_rest():
             self._let_torques_act_when_settled()
         if self._load.load.mass:
-            motors.load_weight = self._load.weight(state.theta)
+            motors.carry(self._load.weight(state.theta))
         self._faults.before_step()
         mode = state.robot_mode
         if mode is RobotMode.GUIDING:
@@ -84,10 +90,8 @@ class ArmDrive:
             self._follower.ignore()
         else:
             self._follow()
-        if motors.torques_act:
-            motors.apply_torques(self._follower.torques)
-        else:
-            motors.apply_impedance(state.theta, state.dtheta)
+        motors.apply()
+        self._step.has_faults = self._faults.act
 
     def _follow(self) -> None:
         """Advance the desired motion with the client's command; abort it on errors."""
@@ -98,8 +102,6 @@ class ArmDrive:
         if errors:
             self._modes.raise_errors(errors)
             self._motion.hold()
-        elif self._follower.is_begun:
-            self._modes.record(self._follower.command)
 
     def _let_torques_act_when_settled(self) -> None:
         self._settling_time += self._period

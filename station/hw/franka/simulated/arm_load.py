@@ -2,12 +2,9 @@
 
 from collections.abc import Sequence
 
-from station.core.description.robot_files import RobotFiles
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-
-_NO_LOAD = Load()
 
 
 class ArmLoad:
@@ -16,20 +13,17 @@ class ArmLoad:
     Without a configured load nothing is computed. Control thread only.
 
     Args:
-        description: The URDF of the arm.
         gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
+
+    Attributes:
+        load: The configured load.
     """
 
-    def __init__(
-        self,
-        description: RobotFiles,
-        gravity: Sequence[float] = GRAVITY_EARTH,
-    ) -> None:
-        # Two models: changing the load of one costs more than evaluating it.
-        self._bare = FrankaDynamics(description)
-        self._loaded = FrankaDynamics(description)
+    def __init__(self, gravity: Sequence[float] = GRAVITY_EARTH) -> None:
+        # Torques add up over bodies: these are of an arm of which nothing else weighs.
+        self._dynamics = FrankaDynamics(None)
         self._gravity = tuple(gravity)
-        self.load = _NO_LOAD
+        self.load = Load()
 
     def weight(self, q: Sequence[float]) -> list[float]:
         """Return the torques that carry the load's weight [Nm], shape (7,).
@@ -37,9 +31,7 @@ class ArmLoad:
         Args:
             q: Joint positions [rad], shape (7,).
         """
-        with_load = self._loaded.gravity(q, self.load, self._gravity)
-        without = self._bare.gravity(q, _NO_LOAD, self._gravity)
-        return [a - b for a, b in zip(with_load, without, strict=True)]
+        return self._dynamics.gravity(q, self.load, self._gravity)
 
     def torques(
         self, q: Sequence[float], dq: Sequence[float], ddq: Sequence[float]
@@ -51,6 +43,4 @@ class ArmLoad:
             dq: Joint velocities [rad/s], shape (7,).
             ddq: Joint accelerations [rad/s^2], shape (7,).
         """
-        with_load = self._loaded.torques(q, dq, ddq, self.load, self._gravity)
-        without = self._bare.torques(q, dq, ddq, _NO_LOAD, self._gravity)
-        return [a - b for a, b in zip(with_load, without, strict=True)]
+        return self._dynamics.torques(q, dq, ddq, self.load, self._gravity)

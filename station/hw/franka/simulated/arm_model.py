@@ -1,19 +1,22 @@
-"""The model of one arm: kinematics in plain floats, dynamics by MuJoCo."""
+"""The model of one arm: its kinematics and dynamics under libfranka's names."""
 
 from collections.abc import Sequence
 
 from typing_extensions import override
 
 from station.core.description.robot_files import RobotFiles
-from station.core.franka.franka_model import GRAVITY_EARTH, FrankaModel
-from station.hw.franka.arm import franka_kinematics as kinematics
+from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
+from station.hw.franka.arm.franka_kinematics import place_frame, place_jacobian
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
+from station.kernel.arm_chain import turn_to_inner_axes
 
 
 class ArmModel(FrankaModel):
     """The model of one arm, built from the URDF of the arm. Control thread only.
+
+    What all methods need of the joint positions is computed once for each set of them.
 
     Args:
         description: The URDF of a Franka arm.
@@ -24,6 +27,8 @@ class ArmModel(FrankaModel):
 
     def __init__(self, description: RobotFiles) -> None:
         self._dynamics = FrankaDynamics(description)
+        self._load = Load()
+        self._known: tuple[float, ...] = ()
 
     @override
     def mass(
@@ -33,8 +38,7 @@ class ArmModel(FrankaModel):
         m_total: float,
         F_x_Ctotal: Sequence[float],
     ) -> list[float]:
-        load = Load(m_total, tuple(F_x_Ctotal), tuple(I_total))
-        return self._dynamics.mass(q, load)
+        return self._dynamics.mass(q, self._load_of(I_total, m_total, F_x_Ctotal))
 
     @override
     def coriolis(
@@ -45,7 +49,7 @@ class ArmModel(FrankaModel):
         m_total: float,
         F_x_Ctotal: Sequence[float],
     ) -> list[float]:
-        load = Load(m_total, tuple(F_x_Ctotal), tuple(I_total))
+        load = self._load_of(I_total, m_total, F_x_Ctotal)
         return self._dynamics.coriolis(q, dq, load)
 
     @override
@@ -56,14 +60,56 @@ class ArmModel(FrankaModel):
         F_x_Ctotal: Sequence[float],
         gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
-        return self._dynamics.gravity(
-            q, Load(m_total, tuple(F_x_Ctotal)), gravity_earth
-        )
+        # Inertia has no weight: with the inertia known last nothing else changes.
+        load = self._load_of(self._load.inertia, m_total, F_x_Ctotal)
+        return self._dynamics.gravity(q, load, gravity_earth)
 
-    pose = staticmethod(kinematics.frame_pose)
-    zero_jacobian = staticmethod(kinematics.zero_jacobian)
-    body_jacobian = staticmethod(kinematics.body_jacobian)
+    @override
+    def pose(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        return [*place_frame(frame, self._dynamics.move_to(q), F_T_EE, EE_T_K)]
+
+    @override
+    def zero_jacobian(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        links = self._dynamics.move_to(q)
+        pose = place_frame(frame, links, F_T_EE, EE_T_K)
+        return [*place_jacobian(frame, links, pose)]
+
+    @override
+    def body_jacobian(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+    ) -> list[float]:
+        links = self._dynamics.move_to(q)
+        pose = place_frame(frame, links, F_T_EE, EE_T_K)
+        jacobian = place_jacobian(frame, links, pose)
+        turn_to_inner_axes(pose, jacobian, jacobian)
+        return [*jacobian]
 
     @override
     def clearance(self, q: Sequence[float]) -> float:
         return clearance(q, has_hand=True).distance
+
+    def _load_of(
+        self, inertia: Sequence[float], mass: float, center: Sequence[float]
+    ) -> Load:
+        """Return the load; the same object as long as its numbers are the same."""
+        known = (mass, *center, *inertia)
+        if known != self._known:
+            self._known = known
+            self._load = Load(mass, tuple(center), tuple(inertia))
+        return self._load

@@ -26,11 +26,11 @@ from station.core.errors import ArmCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.arm_frames import ArmFrames
 from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 from station.hw.franka.simulated.contact_estimate import ContactEstimate
-from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.motion_follower import (
     CARTESIAN_GENERATORS,
     MotionFollower,
@@ -52,6 +52,12 @@ _REMEDIES = {
     RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
 }
 
+INTERNAL_CONTROLLERS = (
+    ControllerMode.JOINT_IMPEDANCE,
+    ControllerMode.CARTESIAN_IMPEDANCE,
+)
+"""Controllers that follow the desired motion."""
+
 
 class ArmModes:
     """Keeps the mode of one arm and changes it. Control thread only.
@@ -59,7 +65,7 @@ class ArmModes:
     Args:
         world: The world of the arm.
         state: The arm's state; `robot_mode` and the success rate are written.
-        motion: The desired motion.
+        cycle: The arithmetic of the arm's cycle.
         follower: Follows the client's commands.
         motors: The motors and the internal controllers.
         frames: Frames and derived state.
@@ -76,7 +82,7 @@ class ArmModes:
         world: World,
         state: RobotState,
         *,
-        motion: DesiredMotion,
+        cycle: ArmCycle,
         follower: MotionFollower,
         motors: ArmMotors,
         frames: ArmFrames,
@@ -85,7 +91,8 @@ class ArmModes:
     ) -> None:
         self._world = world
         self._state = state
-        self._motion = motion
+        self._motion = cycle.motion
+        self._step = cycle.step
         self._follower = follower
         self._motors = motors
         self._frames = frames
@@ -133,8 +140,7 @@ class ArmModes:
                 f"The arm cannot start a motion: {reason}.",
                 remedy="Stop the running motion, recover, or ask for other modes.",
             )
-        self.controller = controller
-        self.generator = generator
+        self._set_modes(controller, generator)
         self._follower.begin(generator)
         self._supervisor.begin_motion()
         self._frames.is_cartesian = generator in CARTESIAN_GENERATORS
@@ -159,11 +165,18 @@ class ArmModes:
         if self._motors.torques_act or mode is not RobotMode.IDLE:
             self._motion.seed(state.theta, state.dtheta)
         self._motors.engage_joint_impedance()
-        self.controller = None
-        self.generator = MotionGeneratorMode.NONE
+        self._set_modes(None, MotionGeneratorMode.NONE)
         self._frames.is_cartesian = False
-        state.tau_J_d[:] = [0.0] * len(state.tau_J_d)
+        state.tau_J_d = [0.0] * len(state.tau_J_d)
         state.control_command_success_rate = 0.0
+
+    def _set_modes(
+        self, controller: ControllerMode | None, generator: MotionGeneratorMode
+    ) -> None:
+        self.controller = controller
+        self.generator = generator
+        self._step.wants_torques = controller is ControllerMode.EXTERNAL_CONTROLLER
+        self._step.is_following = controller in INTERNAL_CONTROLLERS
 
     def raise_errors(self, errors: Sequence[ArmError]) -> None:
         """Go to Reflex: end the motion and hold the present pose.
@@ -173,14 +186,6 @@ class ArmModes:
         """
         self._supervisor.set_errors(errors, self._world.step_count)
         self.end_motion(RobotMode.REFLEX)
-
-    def record(self, command: Sequence[float]) -> None:
-        """Keep this cycle for the log of the next error.
-
-        Args:
-            command: The command that the arm followed in this cycle.
-        """
-        self._supervisor.record(command)
 
     def check_recovery(self) -> None:
         """Refuse when the arm cannot recover itself now.
@@ -208,7 +213,7 @@ class ArmModes:
 
     def finish_recovery(self) -> None:
         """Go from AutomaticErrorRecovery to Idle if the arm is at rest."""
-        if self._motion.is_at_rest:
+        if self._motion.is_at_rest():
             self._state.robot_mode = RobotMode.IDLE
 
     def set_user_stop(self, *, pressed: bool) -> None:

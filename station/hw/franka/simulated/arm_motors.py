@@ -22,7 +22,9 @@ from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.numerics.rigid_motion import rotation_between
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.mujoco.world_joints import WorldJoints
+from station.kernel.doubles import Doubles, put
 
 DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
 """Stiffness of the internal controller [Nm/rad]. Source: libfranka@0.9.2
@@ -42,160 +44,81 @@ class ArmMotors:
 
     Args:
         joints: The arm's joints in the world.
-        state: The arm's state; `tau_J_d`, `tau_J` and `dtau_J` are written.
+        state: The arm's state.
+        cycle: The arithmetic of the arm's cycle.
 
     Attributes:
-        torques_act: Whether the motors follow the client's torques, not an impedance.
-        load_weight: Torques that carry the configured load [Nm], shape (7,).
         joint_stiffness: Stiffness of the joint impedance [Nm/rad], shape (7,).
         cartesian_stiffness: Stiffness of the Cartesian impedance [N/m, Nm/rad], (6,).
     """
 
-    def __init__(self, joints: WorldJoints, state: RobotState) -> None:
+    def __init__(self, joints: WorldJoints, state: RobotState, cycle: ArmCycle) -> None:
         self._joints = joints
         self._state = state
-        self._limits = joints.effort_limits
-        self._damping = _ZEROS
-        self._is_cartesian = False
-        self.torques_act = False
-        self.load_weight = list(_ZEROS)
+        self._kernel = cycle.motors
+        self._step = cycle.step
+        self._memory = cycle.memory
         self.joint_stiffness = list(DEFAULT_JOINT_IMPEDANCE)
         self.cartesian_stiffness = list(DEFAULT_CARTESIAN_IMPEDANCE)
 
+    @property
+    def torques_act(self) -> bool:
+        """Whether the motors follow the client's torques, not an impedance."""
+        return self._step.torques_act
+
+    def carry(self, load_weight: Sequence[float]) -> None:
+        """Let the motors carry a load from the next step on.
+
+        Args:
+            load_weight: Torques that the load needs [Nm], shape (7,).
+        """
+        put(self._kernel.load_weight, load_weight)
+
     def engage_joint_impedance(self) -> None:
         """Let the joint impedance act from the next step on."""
-        self.torques_act = self._is_cartesian = False
-        self._damping = [
+        damping = [
             2.0 * _DAMPING_RATIO * sqrt(k * inertia)
             for k, inertia in zip(
                 self.joint_stiffness, self._joints.read_inertia(), strict=True
             )
         ]
-        self._joints.set_servo(self.joint_stiffness, self._damping)
+        self._engage(self.joint_stiffness, damping)
 
     def engage_cartesian_impedance(self) -> None:
         """Let the Cartesian impedance act from the next step on."""
-        self._let_motors_be_forces()
-        self._is_cartesian = True
+        self._engage(_ZEROS, _ZEROS)
+        self._step.is_cartesian = True
 
     def engage_torques(self) -> None:
         """Let the client's torques act from the next step on."""
-        self._let_motors_be_forces()
-        self.torques_act = True
+        self._engage(_ZEROS, _ZEROS)
+        self._step.torques_act = True
 
-    def apply_torques(self, torques: Sequence[float]) -> None:
+    def apply_torques(self, torques: Sequence[float] | Doubles) -> None:
         """Set the motors' controls.
 
         Args:
-            torques: The client's torques without gravity [Nm], shape (7,).
+            torques: Torques without gravity [Nm], shape (7,).
         """
-        clipped = [
-            max(-limit, min(limit, tau))
-            for tau, limit in zip(torques, self._limits, strict=True)
-        ]
-        self._state.tau_J_d[:] = clipped
-        self._set_controls(clipped)
+        put(self._memory.torques, torques)
+        self._kernel.apply_torques()
 
-    def apply_impedance(self, q: Sequence[float], dq: Sequence[float]) -> None:
-        """Set the motors' controls so that the arm follows q_d.
+    def apply(self) -> None:
+        """Set the motors' controls as the present mode asks for."""
+        if self._step.torques_act:
+            self._kernel.apply_torques()
+        elif self._step.is_cartesian:
+            self._apply_cartesian(self._state.theta, self._state.dtheta)
+        else:
+            self._kernel.apply_impedance()
+            if self._state.robot_mode is RobotMode.MOVE:
+                self._kernel.tell_impedance()
 
-        Args:
-            q: Positions [rad], shape (7,).
-            dq: Velocities [rad/s], shape (7,).
-        """
-        if self._is_cartesian:
-            self._apply_cartesian(q, dq)
-            return
-        state, joints = self._state, self._joints
-        controls = [
-            k * q_d + d * dq_d + bias - weight + inertia * ddq_d
-            for k, d, q_d, dq_d, ddq_d, bias, weight, inertia in zip(
-                self.joint_stiffness,
-                self._damping,
-                state.q_d,
-                state.dq_d,
-                state.ddq_d,
-                joints.read_bias_forces(),
-                joints.read_compensation(),
-                joints.read_inertia(),
-                strict=True,
-            )
-        ]
-        if state.robot_mode is RobotMode.MOVE:
-            state.tau_J_d[:] = [
-                max(-limit, min(limit, control - k * position - d * velocity))
-                for control, k, d, position, velocity, limit in zip(
-                    controls,
-                    self.joint_stiffness,
-                    self._damping,
-                    q,
-                    dq,
-                    self._limits,
-                    strict=True,
-                )
-            ]
-        self._set_controls(controls)
-
-    def read_torques(
-        self, dq: Sequence[float], last_dq: Sequence[float], period: float
-    ) -> None:
-        """Derive the link-side torques of the last step.
-
-        A torque sensor behind the gears measures the torques of motor and brake minus
-        the torques that accelerate the rotor and overcome friction. MuJoCo applies the
-        damping of the impedance with the velocity at the end of the step, while the
-        motor's reading contains the velocity at the beginning.
-
-        Args:
-            dq: Velocities at the end of the step [rad/s], shape (7,).
-            last_dq: Velocities at the beginning of the step [rad/s], shape (7,).
-            period: Duration of the step [s], > 0.
-        """
-        joints, measured = self._joints, self._state.tau_J
-        torques, rates = [], []
-        for (
-            velocity,
-            last,
-            force,
-            brake,
-            weight,
-            damping,
-            armature,
-            own,
-            limit,
-            old,
-        ) in zip(
-            dq,
-            last_dq,
-            joints.read_motor_forces(),
-            joints.read_brake_forces(),
-            joints.read_compensation(),
-            joints.damping,
-            joints.armature,
-            self._damping,
-            self._limits,
-            measured,
-            strict=True,
-        ):
-            change = velocity - last
-            tau = force + brake + weight - damping * velocity
-            tau -= armature * change / period
-            if own and abs(force) < limit:
-                tau -= own * change
-            rates.append((tau - old) / period)
-            torques.append(tau)
-        measured[:] = torques
-        self._state.dtau_J[:] = rates
-
-    def _let_motors_be_forces(self) -> None:
-        self.torques_act = self._is_cartesian = False
-        self._damping = _ZEROS
-        self._joints.set_servo(_ZEROS, _ZEROS)
-
-    def _set_controls(self, controls: list[float]) -> None:
-        if any(self.load_weight):
-            controls = [a + b for a, b in zip(controls, self.load_weight, strict=True)]
-        self._joints.set_controls(controls)
+    def _engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
+        self._step.torques_act = self._step.is_cartesian = False
+        put(self._kernel.stiffness, stiffness)
+        put(self._kernel.damping, damping)
+        self._joints.set_servo(list(stiffness), list(damping))
 
     def _apply_cartesian(self, q: Sequence[float], dq: Sequence[float]) -> None:
         state = self._state

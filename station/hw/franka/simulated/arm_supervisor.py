@@ -5,7 +5,6 @@ include/franka/errors.h; differs: thresholds that Franka does not publish are in
 `SupervisorLimits`.
 """
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
@@ -19,18 +18,13 @@ from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.kernel.cycle_log import CycleLog
+from station.kernel.joint_watch import JointWatch
 
-LOG_LENGTH = 50
-"""Number of cycles before an error that are kept."""
-# Larger than the distance of any end effector from any joint axis [m].
-_REACH = 1.3
 # Change for the worse after a recovery that makes a value an error again [rad or m];
 # for other units a share of the limit.
 _WORSE = 0.005
 _WORSE_SHARE = 0.1
-
-_Floats = tuple[float, ...]
-_Cycle = tuple[float, _Floats, _Floats, _Floats, _Floats, _Floats, _Floats]
 
 
 class ArmSupervisor:
@@ -49,13 +43,15 @@ class ArmSupervisor:
         state: The arm's state; `current_errors` and `last_motion_errors` are written.
         limits: The arm's limits.
         thresholds: Thresholds that Franka does not publish.
-        period: Duration of a cycle [s], > 0.
+        watch: Looks at the readings in every cycle.
+        cycle_log: The last cycles.
 
     Attributes:
         errors: The present errors with their causes; empty after a recovery.
         last_motion_errors: The errors that ended the last motion.
         log: The last cycles before the last error.
         has_hand: Whether a hand is mounted.
+        is_alert: Whether something was unusual in the cycle before.
     """
 
     def __init__(
@@ -63,91 +59,55 @@ class ArmSupervisor:
         state: RobotState,
         limits: ArmLimits,
         thresholds: SupervisorLimits,
-        period: float = 0.001,
+        watch: JointWatch,
+        cycle_log: CycleLog,
     ) -> None:
         self._state = state
         self._limits = limits
         self._thresholds = thresholds
+        self._watch = watch
+        self._cycle_log = cycle_log
         slack = thresholds.position_tolerance
         self._lower = [value - slack for value in limits.lower]
         self._upper = [value + slack for value in limits.upper]
         self._velocity = [v * thresholds.velocity_factor for v in limits.velocity]
         self._torque = [t * thresholds.torque_factor for t in limits.torque]
         self._speed = limits.translation.velocity * thresholds.velocity_factor
-        self._reach = _REACH * period
-        # No distance can be too short until the joints have moved a point this far [m].
-        self._room = 0.0
         self._bad_cycles = 0
         self._known: dict[tuple[str, str], float] = {}
-        # Fields of ArmRecord objects; the records are made when the log is read.
-        self._recent: deque[_Cycle] = deque(maxlen=LOG_LENGTH)
+        self.is_alert = False
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []
         self.has_hand = False
 
-    def record(self, command: Sequence[float]) -> None:
-        """Keep this cycle for the log.
-
-        Args:
-            command: The last command of the client.
-        """
-        state = self._state
-        self._recent.append((
-            state.time,
-            tuple(state.q),
-            tuple(state.dq),
-            tuple(state.tau_J),
-            tuple(state.q_d),
-            tuple(state.tau_J_d),
-            tuple(command),
-        ))
-
-    def measured_errors(
-        self, q: Sequence[float], *, is_following: bool = False
-    ) -> list[ArmError]:
+    def measured_errors(self, *, is_following: bool = False) -> list[ArmError]:
         """Return errors of measured values that were out of range for too long.
 
         Args:
-            q: Positions [rad], shape (7,).
             is_following: Whether the arm follows a desired motion.
         """
-        state = self._state
-        total = power = away = 0.0
-        is_good = True
-        for position, velocity, tau, low, high, fastest, largest, wanted in zip(
-            q,
-            state.dtheta,
-            state.tau_J,
-            self._lower,
-            self._upper,
-            self._velocity,
-            self._torque,
-            state.q_d,
-            strict=True,
-        ):
-            if not (
-                low <= position <= high
-                and -fastest <= velocity <= fastest
-                and -largest <= tau <= largest
-            ):
-                is_good = False
-            total += abs(velocity)
-            power += abs(velocity * tau)
-            away += abs(position - wanted)
-        self._room -= total * self._reach
-        if (
-            is_good
-            and self._room > 0.0
-            and total * _REACH < self._speed
-            and power < self._thresholds.power
-            and not (is_following and self._may_deviate(away))
-            and not (self._limits.curves and self._is_fast_near_limits(q))
-        ):
+        is_quiet = self._watch.is_quiet(is_following)
+        return self.examine(is_quiet=is_quiet, is_following=is_following)
+
+    def examine(self, *, is_quiet: bool, is_following: bool) -> list[ArmError]:
+        """Look closer at a cycle that the watch has looked at.
+
+        Args:
+            is_quiet: Whether the watch has found everything in order.
+            is_following: Whether the arm follows a desired motion.
+
+        Returns:
+            Errors of measured values that were out of range for too long.
+        """
+        q = self._state.theta
+        if is_quiet and not (self._limits.curves and self._is_fast_near_limits(q)):
             self._bad_cycles = 0
-            if self._known:
-                self._known = {}
+            self._known = {}
+            self.is_alert = False
             return []
+        self.is_alert = True
+        power = self._watch.total_power
         found = self._new(self._find(q, power, is_following=is_following))
         self._bad_cycles = self._bad_cycles + 1 if found else 0
         return found if self._bad_cycles >= self._thresholds.debounce else []
@@ -161,7 +121,18 @@ class ArmSupervisor:
         """
         state = self._state
         if not self.errors:
-            self.log = [ArmRecord(*cycle) for cycle in self._recent]
+            self.log = [
+                ArmRecord(
+                    time,
+                    tuple(q),
+                    tuple(dq),
+                    tuple(tau),
+                    tuple(q_d),
+                    tuple(tau_d),
+                    tuple(command),
+                )
+                for time, (q, dq, tau, q_d, tau_d), command in self._cycle_log.cycles()
+            ]
         known = {(error.name, error.where) for error in self.errors}
         for error in errors:
             if (error.name, error.where) not in known:
@@ -183,7 +154,7 @@ class ArmSupervisor:
         self.errors = []
         self._state.current_errors[:] = [False] * len(self._state.current_errors)
         self._bad_cycles = 0
-        self._recent.clear()
+        self._cycle_log.clear()
 
     def recover(self) -> None:
         """Forget the present errors, and accept values that are out of range now."""
@@ -192,18 +163,15 @@ class ArmSupervisor:
         power = sum(
             abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
         )
-        self._room = 0.0
+        self._watch.room = 0.0
         found = self._find(q, power, is_following=False)
         self._known = {(e.name, e.where): _excess(e) for e in found}
+        self.is_alert = True
 
     def look_again(self) -> None:
         """Compute all distances in the next cycle: the arm was set to a new pose."""
-        self._room = 0.0
+        self._watch.room = 0.0
         self._known = {}
-
-    def _may_deviate(self, away: float) -> bool:
-        translation, rotation, elbow = self._thresholds.path_deviation
-        return away * _REACH > translation or away > rotation or away > elbow
 
     def _is_fast_near_limits(self, q: Sequence[float]) -> bool:
         """Return whether a joint is too fast for its position.
@@ -278,24 +246,25 @@ class ArmSupervisor:
 
     def _find_too_close(self, q: Sequence[float]) -> list[ArmError]:
         """Compute the distances between links and to walls if they may be too short."""
-        if self._room > 0.0:
+        if self._watch.room > 0.0:
             return []
         limits, found = self._thresholds, []
         nearest = clearance(q, has_hand=self.has_hand)
         least = limits.self_collision_distance
-        self._room = nearest.distance - least
-        if self._room < 0.0:
+        room = nearest.distance - least
+        if room < 0.0:
             name = "self_collision_avoidance_violation"
             found.append(ArmError(name, nearest.links, nearest.distance, least, "m"))
         position = frame_pose(Frame.END_EFFECTOR, q, self._state.F_T_EE)[12:15]
         for axis, value, low, high in zip(
             "xyz", position, limits.cartesian_lower, limits.cartesian_upper, strict=True
         ):
-            self._room = min(self._room, value - low, high - value)
+            room = min(room, value - low, high - value)
             if not low <= value <= high:
                 name = "cartesian_position_limits_violation"
                 bound = low if value < low else high
                 found.append(ArmError(name, axis, value, bound, "m"))
+        self._watch.room = room
         return found
 
     def _find_deviations(self, q: Sequence[float]) -> list[ArmError]:

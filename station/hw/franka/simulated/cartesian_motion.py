@@ -9,16 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.franka_kinematics import pose_and_jacobian
+from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
 from station.hw.franka.arm.transform_check import transform_problem
 from station.hw.franka.commands.rate_limiter import RateLimits, limit_velocity
-from station.hw.franka.simulated.arm_frames import elbow_of
+from station.hw.franka.simulated.arm_frames import MAX_EXTENSION
 from station.hw.franka.simulated.motion_checks import (
     START_ELBOW_TOLERANCE,
     START_ROTATION_TOLERANCE,
@@ -27,12 +26,9 @@ from station.hw.franka.simulated.motion_checks import (
     joint_motion_errors,
     twist_errors,
 )
-
-# Damping of the Newton step, relative to the matrix: for full accuracy, and for poses
-# near a singularity, where an undamped step would be too large.
-_FINE_DAMPING = 1e-9
-_COARSE_DAMPING = 1e-3
-_LARGEST_STEP = 0.05
+from station.kernel.doubles import zeros
+from station.kernel.end_effector_state import EndEffectorState
+from station.kernel.inverse_kinematics import InverseKinematics
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +61,15 @@ class CartesianMotion:
         self._elbow_limits = RateLimits(
             elbow.velocity, elbow.acceleration, elbow.jerk, limits.torque_rate
         )
+        self._end_effector = EndEffectorState(state.doubles, CHAIN, MAX_EXTENSION)
+        self._q, self._step = state.doubles("q_d"), zeros(DOF)
+        self._kinematics = InverseKinematics(
+            CHAIN,
+            self._q,
+            state.doubles("F_T_EE"),
+            state.doubles("O_T_EE_c"),
+            self._step,
+        )
         self._is_first = True
         self._elbow = 0.0
         self._next_pose: list[float] = []
@@ -74,12 +79,7 @@ class CartesianMotion:
     def begin(self) -> None:
         """Start from the pose and the velocity of the desired joint motion."""
         state = self._state
-        state.O_T_EE_c[:], jacobian = pose_and_jacobian(state.q_d, state.F_T_EE)
-        state.O_dP_EE_c[:] = _twist_of(jacobian, state.dq_d)
-        state.O_ddP_EE_c[:] = _twist_of(jacobian, state.ddq_d)
-        state.elbow_c[:] = elbow_of(state.q_d)
-        state.delbow_c[:] = [state.dq_d[2], 0.0]
-        state.ddelbow_c[:] = [state.ddq_d[2], 0.0]
+        self._end_effector.command_joint_motion()
         self._elbow = state.q_d[2]
         self._is_first = True
 
@@ -178,50 +178,23 @@ class CartesianMotion:
 
     def _accept(self) -> None:
         state, period = self._state, self._period
-        state.O_ddP_EE_c[:] = [
+        state.O_ddP_EE_c = [
             (new - old) / period
             for new, old in zip(self._next_twist, state.O_dP_EE_c, strict=True)
         ]
-        state.O_dP_EE_c[:] = self._next_twist
-        state.O_T_EE_c[:] = self._next_pose
+        state.O_dP_EE_c = self._next_twist
+        state.O_T_EE_c = self._next_pose
         self._elbow, rate, acceleration = self._next_elbow
-        state.elbow_c[0] = self._elbow
-        state.delbow_c[0] = rate
-        state.ddelbow_c[0] = acceleration
+        state.doubles("elbow_c")[0] = self._elbow
+        state.doubles("delbow_c")[0] = rate
+        state.doubles("ddelbow_c")[0] = acceleration
 
     def _inverse_kinematics(self) -> list[float]:
-        state = self._state
-        q, target = state.q_d, state.O_T_EE_c
-        pose, jacobian = pose_and_jacobian(q, state.F_T_EE)
-        matrix = np.zeros((7, 7))
-        matrix[:6] = np.reshape(jacobian, (7, 6)).T
-        matrix[6, 2] = 1.0
-        error = np.array([*twist_between(pose, target, 1.0), self._elbow - q[2]])
-        step = _solve(matrix, error, _FINE_DAMPING)
-        if not max(map(abs, step)) < _LARGEST_STEP:
-            step = _solve(matrix, error, _COARSE_DAMPING)
-        return [a + b for a, b in zip(q, step, strict=True)]
+        self._kinematics.advance(self._elbow)
+        return [a + b for a, b in zip(self._q, self._step, strict=True)]
 
 
 def _moved(pose: Sequence[float], twist: Sequence[float], period: float) -> list[float]:
     return displace(
         pose, [v * period for v in twist[:3]], [w * period for w in twist[3:]]
     )
-
-
-def _twist_of(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
-    """Return the twist of the end effector for joint velocities; 42-number Jacobian."""
-    return [
-        sum(jacobian[6 * joint + row] * rate for joint, rate in enumerate(dq))
-        for row in range(6)
-    ]
-
-
-def _solve(
-    matrix: NDArray[np.float64], error: NDArray[np.float64], damping: float
-) -> list[float]:
-    """Return the least-squares step with Tikhonov damping."""
-    gram = matrix.T @ matrix
-    gram.flat[::8] += damping
-    step: list[float] = np.linalg.solve(gram, matrix.T @ error).tolist()
-    return step

@@ -20,6 +20,7 @@ from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
+from station.kernel.doubles import put
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
@@ -48,6 +49,7 @@ class ContactEstimate:
 
     Attributes:
         behavior: The thresholds.
+        is_quiet: Whether nothing touches the arm.
     """
 
     def __init__(
@@ -65,7 +67,7 @@ class ContactEstimate:
         )
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
-        self._is_quiet = True
+        self.is_quiet = True
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.
         self._known = [0.0] * 13
@@ -74,18 +76,18 @@ class ContactEstimate:
         """Bring torques, wrench and contacts up to date; return the new collisions."""
         external = self._joints.read_external_forces()
         load = self._load_torques()
-        if self._is_quiet and load is None and not any(external):
+        if self.is_quiet and load is None and not any(external):
             return []
         state, gain = self._state, self._gain
-        hat = state.tau_ext_hat_filtered
+        hat = state.doubles("tau_ext_hat_filtered")
         needed = load or _ZEROS
         largest = 0.0
         for i, force in enumerate(external):
             hat[i] += gain * (-force - needed[i] - hat[i])
             largest = max(largest, abs(hat[i]))
-        self._is_quiet = largest < _NEGLIGIBLE
-        if self._is_quiet:
-            hat[:] = _ZEROS
+        self.is_quiet = largest < _NEGLIGIBLE
+        if self.is_quiet:
+            put(hat, _ZEROS)
         self._update_wrench()
         return self._update_levels()
 
@@ -93,21 +95,21 @@ class ContactEstimate:
         """Forget the collisions; a lasting collision is not counted a second time."""
         state = self._state
         self._known = self._collisions()
-        state.joint_collision[:] = _ZEROS
-        state.cartesian_collision[:] = [0.0] * 6
+        state.joint_collision = _ZEROS
+        state.cartesian_collision = [0.0] * 6
 
     def reset(self) -> None:
         """Start again without any contact."""
-        self._state.tau_ext_hat_filtered[:] = _ZEROS
-        self._is_quiet = True
+        self._state.tau_ext_hat_filtered = _ZEROS
+        self.is_quiet = True
         self._known = [0.0] * 13
         self._update_wrench()
         self._update_levels()
 
     def _update_wrench(self) -> None:
         state = self._state
-        if self._is_quiet:
-            state.O_F_ext_hat_K[:] = state.K_F_ext_hat_K[:] = [0.0] * 6
+        if self.is_quiet:
+            state.O_F_ext_hat_K = state.K_F_ext_hat_K = [0.0] * 6
             return
         pose = frame_pose(Frame.STIFFNESS, state.theta, state.F_T_EE, state.EE_T_K)
         jacobian = np.reshape(
@@ -117,18 +119,19 @@ class ContactEstimate:
         # Least squares: J J^T F = J tau.
         gram = jacobian.T @ jacobian
         if np.linalg.eigvalsh(gram)[0] < SINGULAR * SINGULAR:
-            state.O_F_ext_hat_K[:] = state.K_F_ext_hat_K[:] = [0.0] * 6
+            state.O_F_ext_hat_K = state.K_F_ext_hat_K = [0.0] * 6
             return
         wrench = np.linalg.solve(
             gram, jacobian.T @ np.array(state.tau_ext_hat_filtered)
         ).tolist()
-        state.O_F_ext_hat_K[:] = wrench
+        state.O_F_ext_hat_K = wrench
         for start in (0, 3):
             x, y, z = wrench[start : start + 3]
-            state.K_F_ext_hat_K[start : start + 3] = [
+            turned = [
                 pose[column] * x + pose[column + 1] * y + pose[column + 2] * z
                 for column in (0, 4, 8)
             ]
+            put(state.doubles("K_F_ext_hat_K")[start : start + 3], turned)
 
     def _collisions(self) -> list[float]:
         """Return the excess of each signal over its upper threshold, at least 0.
@@ -176,8 +179,8 @@ class ContactEstimate:
     def _update_levels(self) -> list[ArmError]:
         state = self._state
         torques, forces = self._thresholds(upper=False)
-        state.joint_contact[:] = _levels(state.tau_ext_hat_filtered, torques)
-        state.cartesian_contact[:] = _levels(state.K_F_ext_hat_K, forces)
+        state.joint_contact = _levels(state.tau_ext_hat_filtered, torques)
+        state.cartesian_contact = _levels(state.K_F_ext_hat_K, forces)
         torques, forces = self._thresholds(upper=True)
         values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
         found: list[ArmError] = []
@@ -186,9 +189,9 @@ class ContactEstimate:
             if excess > self._known[i] + (bound if self._known[i] else 0.0):
                 found.append(_collision(i, values[i], bound))
                 if i < 7:
-                    state.joint_collision[i] = 1.0
+                    state.doubles("joint_collision")[i] = 1.0
                 else:
-                    state.cartesian_collision[i - 7] = 1.0
+                    state.doubles("cartesian_collision")[i - 7] = 1.0
                 self._known[i] = excess
             self._known[i] = min(self._known[i], excess)
         return found

@@ -1,40 +1,34 @@
 """Mass matrix, Coriolis and gravity torques of the arm with a load at its flange.
 
 The links are those of the URDF, without rotor inertia, friction, hand and fingers: what
-is mounted at the flange is the load, as libfranka has it. MuJoCo does the arithmetic on
-a model of its own, apart from any simulated world.
+is mounted at the flange is the load, as libfranka has it. `station.kernel.arm_dynamics`
+does the arithmetic, once for each set of joint positions, however much is asked of it.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
-import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from station.core.description.robot_files import RobotFiles
-from station.core.description.urdf import Urdf
+from station.core.description.urdf import Joint, Pose
+from station.core.errors import RobotDescriptionError
+from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.arm_names import find_prefix
+from station.hw.franka.arm.franka_kinematics import CHAIN, DOF, FLANGE_OFFSET
 from station.hw.franka.arm.load import Load
-from station.hw.mujoco.model_builder import (
-    RobotOptions,
-    add_robot,
-    compile_world,
-    new_world,
-)
-from station.hw.mujoco.stepper import direct_function
+from station.hw.franka.simulated.end_effector import as_transform
+from station.hw.mujoco.inertia import combine
 from station.hw.urdf_loader import load_urdf
+from station.kernel.arm_chain import new_links, place_links
+from station.kernel.arm_dynamics import ArmDynamics
+from station.kernel.doubles import Doubles, put, zeros
 
-_DOF = 7
-_EARTH = (0.0, 0.0, -9.81)
 _NO_LOAD = Load()
-_LOAD_BODY = "load_at_flange"
-# Flange in the frame of link 7 [m]; see `franka_kinematics`.
-_FLANGE_OFFSET = (0.0, 0.0, 0.107)
-_DISABLED = (
-    mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-    | mujoco.mjtDisableBit.mjDSBL_CONTACT
-    | mujoco.mjtDisableBit.mjDSBL_SENSOR
-)
+_MOMENTS = 10
+# Largest difference between the poses of links in a URDF and of the real ones [m].
+_TOLERANCE = 1e-3
+_LAST = slice((DOF - 1) * _MOMENTS, DOF * _MOMENTS)
 
 
 class FrankaDynamics:
@@ -43,33 +37,27 @@ class FrankaDynamics:
     Source of the conventions: libfranka@0.9.2 include/franka/model.h, Model.
 
     Args:
-        description: The URDF of a Franka arm.
+        description: The URDF of a Franka arm; None for links without a mass, that is
+            for the load alone.
+
+    Attributes:
+        links: Poses of the links 1 to 7 and the flange at the positions of the last
+            call.
 
     Raises:
-        RobotDescriptionError: It is no Franka arm or cannot be simulated.
+        RobotDescriptionError: The URDF does not describe a Franka arm.
     """
 
-    def __init__(self, description: RobotFiles) -> None:
-        prefix = find_prefix(description)
-        spec = new_world(0.001, floor=False)
-        urdf = _arm_alone(load_urdf(description), prefix)
-        add_robot(spec, urdf, RobotOptions(armature=0.0, gravity_compensation=False))
-        spec.option.disableflags |= int(_DISABLED)
-        load = spec.body(f"{prefix}link7").add_body(name=_LOAD_BODY, pos=_FLANGE_OFFSET)
-        load.explicitinertial = True
-        self._model = compile_world(spec)
-        self._data = mujoco.MjData(self._model)
-        self._load_body = int(self._model.body(_LOAD_BODY).id)
-        # The compiled shortcut of an inertial frame like the body's does not hold.
-        none = mujoco.mjtSameFrame.mjSAMEFRAME_NONE
-        self._model.body_sameframe[self._load_body] = int(none)
+    def __init__(self, description: RobotFiles | None) -> None:
+        self._bodies = zeros(_MOMENTS * DOF)
+        if description is not None:
+            put(self._bodies, _read_bodies(description))
+        self._bare = [*self._bodies[_LAST]]
+        self.links = new_links(CHAIN)
+        self._kernel = ArmDynamics(CHAIN, self._bodies, self.links)
         self._load = _NO_LOAD
-        self._read_mass: Callable[[], list[float]] = self._data.M.tolist
-        self._read_bias: Callable[[], list[float]] = self._data.qfrc_bias.tolist
-        self._compute: list[Callable[[], None]] = [
-            direct_function(name, self._model, self._data)
-            for name in ("mj_fwdPosition", "mj_fwdVelocity")
-        ]
+        self._mass, self._result = zeros(DOF * DOF), zeros(DOF)
+        self._dq, self._gravity = zeros(DOF), zeros(3)
 
     def mass(self, q: Sequence[float], load: Load = _NO_LOAD) -> list[float]:
         """Return the mass matrix [kg m^2], 7 x 7, flat.
@@ -78,16 +66,9 @@ class FrankaDynamics:
             q: Joint positions [rad], shape (7,).
             load: What is fixed to the flange.
         """
-        self._evaluate(q, [0.0] * _DOF, load, (0.0, 0.0, 0.0))
-        # The rows of a chain's lower triangle, one after the other.
-        packed = self._read_mass()
-        result = [0.0] * (_DOF * _DOF)
-        for row in range(_DOF):
-            start = row * (row + 1) // 2
-            for column in range(row + 1):
-                value = packed[start + column]
-                result[row * _DOF + column] = result[column * _DOF + row] = value
-        return result
+        self._set(q, load)
+        self._kernel.mass(self._mass)
+        return [*self._mass]
 
     def coriolis(
         self, q: Sequence[float], dq: Sequence[float], load: Load = _NO_LOAD
@@ -99,13 +80,16 @@ class FrankaDynamics:
             dq: Joint velocities [rad/s], shape (7,).
             load: What is fixed to the flange.
         """
-        return self._evaluate(q, dq, load, (0.0, 0.0, 0.0))
+        self._set(q, load)
+        put(self._dq, dq)
+        self._kernel.coriolis(self._dq, self._result)
+        return [*self._result]
 
     def gravity(
         self,
         q: Sequence[float],
         load: Load = _NO_LOAD,
-        gravity_earth: Sequence[float] = _EARTH,
+        gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
         """Return the torques that hold the arm against gravity [Nm], shape (7,).
 
@@ -114,7 +98,10 @@ class FrankaDynamics:
             load: What is fixed to the flange.
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
-        return self._evaluate(q, [0.0] * _DOF, load, gravity_earth)
+        self._set(q, load)
+        put(self._gravity, gravity_earth)
+        self._kernel.gravity(self._gravity, self._result)
+        return [*self._result]
 
     def torques(
         self,
@@ -122,7 +109,7 @@ class FrankaDynamics:
         dq: Sequence[float],
         ddq: Sequence[float],
         load: Load = _NO_LOAD,
-        gravity_earth: Sequence[float] = _EARTH,
+        gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
         """Return the torques of a motion, M ddq + C dq + g [Nm], shape (7,).
 
@@ -134,51 +121,85 @@ class FrankaDynamics:
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         mass = self.mass(q, load)
-        bias = self._evaluate(q, dq, load, gravity_earth)
+        weight = self.gravity(q, load, gravity_earth)
+        rest = zip(self.coriolis(q, dq, load), weight, strict=True)
         return [
-            sum(m * a for m, a in zip(mass[row : row + _DOF], ddq, strict=True)) + b
-            for row, b in zip(range(0, _DOF * _DOF, _DOF), bias, strict=True)
+            sum(m * a for m, a in zip(mass[row : row + DOF], ddq, strict=True)) + c + g
+            for row, (c, g) in zip(range(0, DOF * DOF, DOF), rest, strict=True)
         ]
 
-    def _evaluate(
-        self,
-        q: Sequence[float],
-        dq: Sequence[float],
-        load: Load,
-        gravity: Sequence[float],
-    ) -> list[float]:
-        if load != self._load:
-            self._set_load(load)
-        self._model.opt.gravity[:] = gravity
-        self._data.qpos[:] = q
-        self._data.qvel[:] = dq
-        for compute in self._compute:
-            compute()
-        return self._read_bias()
+    def move_to(self, q: Sequence[float]) -> Doubles:
+        """Return `links` at joint positions [rad], shape (7,)."""
+        self._kernel.move_to(q)
+        return self.links
 
-    def _set_load(self, load: Load) -> None:
-        body, model = self._load_body, self._model
-        moments, axes = np.linalg.eigh(np.reshape(load.inertia, (3, 3)))
-        if np.linalg.det(axes) < 0.0:
-            axes[:, 0] = -axes[:, 0]
-        mujoco.mju_mat2Quat(model.body_iquat[body], axes.ravel())
-        model.body_mass[body] = load.mass
-        model.body_inertia[body] = moments
-        model.body_ipos[body] = load.center_of_mass
-        self._load = load
+    def _set(self, q: Sequence[float], load: Load) -> None:
+        self._kernel.move_to(q)
+        if load is not self._load and load != self._load:
+            self._load = load
+            added = _moments_at_link7(load)
+            link = [a + b for a, b in zip(self._bare, added, strict=True)]
+            put(self._bodies[_LAST], link)
+            self._kernel.change_bodies()
 
 
-def _arm_alone(urdf: Urdf, prefix: str) -> Urdf:
-    """Return the links 0 to 7 of a URDF, without shapes, and the joints between."""
-    links = {f"{prefix}link{number}" for number in range(_DOF + 1)}
-    joints = {f"{prefix}joint{number}" for number in range(1, _DOF + 1)}
-    return Urdf(
-        urdf.name,
-        {
-            n: replace(link, collisions=())
-            for n, link in urdf.links.items()
-            if n in links
-        },
-        {n: joint for n, joint in urdf.joints.items() if n in joints},
-        urdf.root,
-    )
+def _moments_at_link7(load: Load) -> list[float]:
+    """Return mass and moments of a load in the frame of link 7, 10 numbers."""
+    x, y, z = load.center_of_mass
+    inertia = np.reshape(load.inertia, (3, 3))
+    return _moments(load.mass, [x, y, z + FLANGE_OFFSET], (inertia + inertia.T) / 2.0)
+
+
+def _moments(
+    mass: float, center: Sequence[float], inertia: NDArray[np.float64]
+) -> list[float]:
+    """Return mass and moments in the form of the kernel, 10 numbers.
+
+    Args:
+        mass: Mass of a body [kg].
+        center: Its centre of mass [m], shape (3,).
+        inertia: Its inertia about the centre of mass [kg m^2], shape (3, 3).
+    """
+    second = np.trace(inertia) / 2.0 * np.eye(3) - inertia
+    second += mass * np.outer(center, center)
+    upper = second[np.triu_indices(3, 1)]
+    first = [mass * value for value in center]
+    return [mass, *first, *np.diag(second).tolist(), *upper.tolist()]
+
+
+def _read_bodies(description: RobotFiles) -> list[float]:
+    """Return mass and moments of the links 1 to 7 in their own frames, 70 numbers."""
+    prefix, urdf = find_prefix(description), load_urdf(description)
+    joints = [urdf.joints[f"{prefix}joint{number}"] for number in range(1, DOF + 1)]
+    _check_geometry(description, joints)
+    found: list[float] = []
+    for joint in joints:
+        inertial = urdf.links[joint.child].inertial
+        if inertial is None:
+            found += [0.0] * _MOMENTS
+            continue
+        body = combine([(Pose(), inertial)])
+        xx, yy, zz, xy, xz, yz = body.inertia
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        found += _moments(body.mass, body.origin.xyz, tensor)
+    return found
+
+
+def _check_geometry(description: RobotFiles, joints: Sequence[Joint]) -> None:
+    """Refuse a URDF whose joints are not where those of a Franka arm are.
+
+    Raises:
+        RobotDescriptionError: A joint is elsewhere, or turns about another axis.
+    """
+    links, pose = new_links(CHAIN), Pose()
+    place_links(CHAIN, zeros(DOF), links)
+    for number, joint in enumerate(joints):
+        pose = pose.compose(joint.origin)
+        expected = links[16 * number : 16 * number + 16]
+        away = [abs(a - b) for a, b in zip(as_transform(pose), expected, strict=True)]
+        if max(away) > _TOLERANCE or joint.axis != (0.0, 0.0, 1.0):
+            raise RobotDescriptionError(
+                f"{description.urdf_path} is no Franka arm: joint {joint.name} is not "
+                "where that of a Panda or FR3 is, or turns about another axis than z.",
+                remedy="Use example-robot-data:panda, or a URDF of a Panda or FR3.",
+            )

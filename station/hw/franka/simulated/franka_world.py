@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import mujoco
 
 from station.core.description.robot_files import RobotFiles, replace_prefix
-from station.core.description.srdf import disabled_collisions
+from station.core.description.srdf import disabled_collisions, group_states
 from station.core.description.urdf import Pose, Urdf
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
@@ -76,6 +76,7 @@ class FrankaWorld(SharedWorld):
         world: The MuJoCo world.
         arms: Arms by arm_id.
         grippers: Hands by arm_id, without entries for arms without a hand.
+        keyframes: Poses that have a name: joint name to position [rad or m].
 
     Attributes:
         arms: As given.
@@ -87,8 +88,9 @@ class FrankaWorld(SharedWorld):
         world: World,
         arms: Mapping[str, SimulatedArm],
         grippers: Mapping[str, SimulatedGripper],
+        keyframes: Mapping[str, Mapping[str, float]] | None = None,
     ) -> None:
-        super().__init__(world)
+        super().__init__(world, keyframes)
         self.arms = arms
         self.grippers = grippers
 
@@ -148,7 +150,7 @@ def simulate(
         for arm_id, urdf in urdfs.items()
         if f"{arm_id}_finger_joint1" in urdf.joints
     }
-    return FrankaWorld(world, arms, grippers)
+    return FrankaWorld(world, arms, grippers, _keyframes(placements, urdfs))
 
 
 def _make_arm(
@@ -215,6 +217,25 @@ def _velocity_limits(placement: ArmPlacement, urdf: Urdf) -> dict[str, float]:
         if finger is not None and finger.limit is not None:
             limits[finger.name] = finger.limit.velocity
     return limits
+
+
+def _keyframes(
+    placements: Sequence[ArmPlacement], urdfs: Mapping[str, Urdf]
+) -> dict[str, dict[str, float]]:
+    """Return the poses that have a name; one name is the pose of all arms."""
+    found: dict[str, dict[str, float]] = {"ready": {}}
+    for placement in placements:
+        arm_id = placement.arm_id
+        found["ready"].update(zip(joint_names(arm_id), INITIAL_POSITIONS, strict=True))
+        old, joints = find_prefix(placement.description), urdfs[arm_id].joints
+        for name, state in group_states(placement.description.srdf_path).items():
+            pose = {replace_prefix(j, old, f"{arm_id}_"): p for j, p in state.items()}
+            for joint in joints.values():  # the other finger
+                if joint.mimic is not None and joint.mimic.joint in pose:
+                    pose[joint.name] = pose[joint.mimic.joint]
+            known = {joint: p for joint, p in pose.items() if joint in joints}
+            found.setdefault(name, {}).update(known)
+    return found
 
 
 def _start_positions(

@@ -12,20 +12,28 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, MotionGeneratorMode
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.cartesian_motion import (
     CartesianCommand,
     CartesianMotion,
 )
-from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.motion_checks import (
     joint_motion_errors,
     start_position_errors,
     torque_errors,
 )
+from station.kernel.arm_codes import CARTESIAN, NO_MOTION, POSITIONS, VELOCITIES
+from station.kernel.doubles import Doubles, Storage, doubles, put
 
 _WINDOW = 100
 _DOF = 7
 _ZEROS = [0.0] * _DOF
+_CODES = {
+    MotionGeneratorMode.JOINT_POSITION: POSITIONS,
+    MotionGeneratorMode.JOINT_VELOCITY: VELOCITIES,
+    MotionGeneratorMode.CARTESIAN_POSITION: CARTESIAN,
+    MotionGeneratorMode.CARTESIAN_VELOCITY: CARTESIAN,
+}
 CARTESIAN_GENERATORS = (
     MotionGeneratorMode.CARTESIAN_POSITION,
     MotionGeneratorMode.CARTESIAN_VELOCITY,
@@ -41,25 +49,23 @@ class MotionFollower:
 
     Args:
         state: The arm's state.
-        motion: The desired joint motion in it.
+        cycle: The arithmetic of the arm's cycle, which follows the usual commands.
         limits: The arm's limits.
         period: Duration of a cycle [s], > 0.
-
-    Attributes:
-        torques: The client's torques [Nm], shape (7,).
-        command: The last command of the client, of any kind.
-        is_begun: Whether a command of this motion has been followed.
     """
 
     def __init__(
         self,
         state: RobotState,
-        motion: DesiredMotion,
+        cycle: ArmCycle,
         limits: ArmLimits,
         period: float,
     ) -> None:
         self._state = state
-        self._motion = motion
+        self._step = cycle.step
+        self._motion = cycle.motion
+        self._memory = cycle.memory
+        self._log = cycle.log
         self._limits = limits
         self._period = period
         self._cartesian = CartesianMotion(state, limits, period)
@@ -73,35 +79,37 @@ class MotionFollower:
             generator: The kind of motion that is commanded.
         """
         self._generator = generator
-        self.torques: Sequence[float] = _ZEROS
-        self.command: Sequence[float] = ()
-        self.is_begun = False
-        self._sent: Sequence[float] = _ZEROS
-        self._target: Sequence[float] = _ZEROS
+        step = self._step
+        step.generator = _CODES.get(generator, NO_MOTION)
+        step.is_fresh = step.is_begun = step.is_lossy = False
+        step.cycle = 0
+        put(self._memory.torques, _ZEROS)
+        put(self._memory.sent, _ZEROS)
+        self._log.command_size = 0
         self._cartesian_target = CartesianCommand(())
-        self._is_fresh = False
         self._lost_in_a_row = 0
-        self._cycle = 0
         self._losses: deque[int] = deque()
         self._cartesian.begin()
 
-    def command_torques(self, tau: Sequence[float]) -> None:
+    def command_torques(self, tau: Storage) -> None:
         """Take torques [Nm], shape (7,), for the next cycle.
 
         Raises:
             InvalidCommandError: Not 7 finite numbers.
         """
-        self.torques = self.command = _checked(tau, "joint torques", _DOF)
-        self._is_fresh = True
+        if not self._step.receive_torques(_as_doubles(tau)):
+            error = _malformed("joint torques", _DOF, tau)
+            raise error
 
-    def command_joints(self, values: Sequence[float]) -> None:
+    def command_joints(self, values: Storage) -> None:
         """Take positions [rad] or velocities [rad/s], shape (7,), for the next cycle.
 
         Raises:
             InvalidCommandError: Not 7 finite numbers.
         """
-        self._target = self.command = _checked(values, "joint commands", _DOF)
-        self._is_fresh = True
+        if not self._step.receive_joints(_as_doubles(values)):
+            error = _malformed("joint commands", _DOF, values)
+            raise error
 
     def command_cartesian(
         self, values: Sequence[float], elbow: Sequence[float] | None, size: int
@@ -117,7 +125,7 @@ class MotionFollower:
             InvalidCommandError: `values` are not `size` finite numbers, or the elbow
                 is malformed.
         """
-        self.command = _checked(values, "a Cartesian command", size)
+        command = _checked(values, "a Cartesian command", size)
         chosen = None
         if elbow is not None:
             if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
@@ -126,12 +134,14 @@ class MotionFollower:
                     remedy="Give the position of joint 3 and a sign of +1 or -1.",
                 )
             chosen = (elbow[0], elbow[1])
-        self._cartesian_target = CartesianCommand(tuple(values), chosen)
-        self._is_fresh = True
+        self._cartesian_target = CartesianCommand(tuple(command), chosen)
+        put(self._log.command[:size], command)
+        self._log.command_size = size
+        self._step.is_fresh = True
 
     def ignore(self) -> None:
         """Discard this cycle's command and slow down to rest."""
-        self._is_fresh = False
+        self._step.is_fresh = False
         self._motion.hold()
         if self._generator in CARTESIAN_GENERATORS:
             self._cartesian.begin()
@@ -143,9 +153,10 @@ class MotionFollower:
             torques_act: Whether the motors follow `torques`.
             is_lossy: Whether the command of this cycle is lost.
         """
-        arrived = self._is_fresh and not is_lossy
-        self._is_fresh = False
-        if not arrived and not self.is_begun:
+        step = self._step
+        arrived = step.is_fresh and not is_lossy
+        step.is_fresh = False
+        if not arrived and not step.is_begun:
             self._motion.hold()
             return []
         self._count(lost=not arrived)
@@ -164,39 +175,43 @@ class MotionFollower:
             errors = self._follow_joints()
         else:
             self._motion.extrapolate()
-        self.is_begun = True
+        step.is_begun = True
+        if not errors:
+            self._log.note(self._state.time)
         return errors
 
     def _count(self, *, lost: bool) -> None:
-        self._cycle += 1
+        step = self._step
+        step.cycle += 1
         self._lost_in_a_row = self._lost_in_a_row + 1 if lost else 0
         losses = self._losses
         if lost:
-            losses.append(self._cycle)
+            losses.append(step.cycle)
         if losses:
-            while losses and losses[0] <= self._cycle - _WINDOW:
+            while losses and losses[0] <= step.cycle - _WINDOW:
                 losses.popleft()
             rate = 1.0 - len(losses) / _WINDOW
             self._state.control_command_success_rate = rate
+        step.is_lossy = bool(losses)
 
     def _follow_torques(self, *, arrived: bool) -> list[ArmError]:
+        memory = self._memory
         if not arrived:
-            self.torques = self._sent
+            memory.torques[:] = memory.sent
             return []
-        errors = torque_errors(
-            self.torques, self._state.tau_J_d, self._sent, self._limits, self._period
-        )
-        self._sent = self.torques
+        tau, last = [*memory.torques], self._state.tau_J_d
+        errors = torque_errors(tau, last, [*memory.sent], self._limits, self._period)
+        memory.sent[:] = memory.torques
         return errors
 
     def _follow_joints(self) -> list[ArmError]:
         state, period = self._state, self._period
-        target = list(self._target)
+        target = [*self._memory.target]
         is_position = self._generator is MotionGeneratorMode.JOINT_POSITION
         if is_position:
             q = target
             dq = [(new - old) / period for new, old in zip(q, state.q_d, strict=True)]
-            errors = [] if self.is_begun else start_position_errors(q, state.q_d)
+            errors = [] if self._step.is_begun else start_position_errors(q, state.q_d)
         else:
             dq = target
             q = [old + rate * period for old, rate in zip(state.q_d, dq, strict=True)]
@@ -210,9 +225,9 @@ class MotionFollower:
             period=period,
         )
         if not errors and is_position:
-            self._motion.follow_positions(q)
+            self._motion.follow_positions()
         elif not errors:
-            self._motion.follow_velocities(dq)
+            self._motion.follow_velocities()
         return errors
 
     def _follow_cartesian(self, *, arrived: bool) -> list[ArmError]:
@@ -225,14 +240,25 @@ class MotionFollower:
             cartesian.extrapolate()
         q, errors = cartesian.solve()
         if not errors:
-            self._motion.follow_positions(q)
+            put(self._memory.target, q)
+            self._motion.follow_positions()
         return errors
+
+
+def _as_doubles(values: Storage) -> Doubles:
+    return doubles(values) if isinstance(values, (list, tuple)) else values
 
 
 def _checked(values: Sequence[float], what: str, size: int) -> list[float]:
     if len(values) != size or not isfinite(sum(values)):
-        raise InvalidCommandError(
-            f"{what} must be {size} finite numbers, not {values}",
-            remedy="Correct the controller that commands them.",
-        )
+        raise _malformed(what, size, values)
     return list(values)
+
+
+def _malformed(
+    what: str, size: int, values: Sequence[float] | Storage
+) -> InvalidCommandError:
+    return InvalidCommandError(
+        f"{what} must be {size} finite numbers, not {[*values]}",
+        remedy="Correct the controller that commands them.",
+    )

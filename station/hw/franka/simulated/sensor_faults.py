@@ -31,6 +31,11 @@ class SensorFaults:
         self._stuck: dict[int, int] = {}
         self._blind: dict[int, int] = {}
 
+    @property
+    def act(self) -> bool:
+        """Whether a fault is active that the arm's cycle must attend to."""
+        return bool(self._lost or self._stuck or self._blind)
+
     def inject(self, fault: SimulatedFault) -> None:
         """Begin a fault; a present fault of the same kind ends.
 
@@ -95,7 +100,7 @@ class SensorFaults:
     def disturb(self, state: RobotState) -> None:
         """Replace the readings of blind sensors in the state by NaN."""
         for index, left in list(self._blind.items()):
-            state.q[index] = _NAN
+            state.doubles("q")[index] = _NAN
             if left > 1:
                 self._blind[index] = left - 1
             else:

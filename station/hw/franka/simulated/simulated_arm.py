@@ -20,6 +20,7 @@ from station.hw.franka.arm.robot_arm import (
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_frames import ArmFrames
 from station.hw.franka.simulated.arm_load import ArmLoad
@@ -29,17 +30,14 @@ from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_sensors import ArmSensors
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 from station.hw.franka.simulated.contact_estimate import ContactEstimate
-from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.motion_follower import MotionFollower
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
+from station.kernel.arm_codes import UNUSUAL
+from station.kernel.doubles import Storage
 
 _ZEROS = [0.0] * 7
-_INTERNAL_CONTROLLERS = (
-    ControllerMode.JOINT_IMPEDANCE,
-    ControllerMode.CARTESIAN_IMPEDANCE,
-)
 _SUPERVISED = (
     RobotMode.IDLE,
     RobotMode.MOVE,
@@ -69,6 +67,8 @@ class SimulatedArm(RobotArm):
     Attributes:
         frames: Frames and derived state.
         supervisor: Finds and keeps the errors.
+        before_step: Takes the commands, advances the desired motion, and sets the
+            motors' controls.
     """
 
     def __init__(
@@ -85,33 +85,29 @@ class SimulatedArm(RobotArm):
     ) -> None:
         self.cycle_time = world.timestep
         state = self.state = RobotState()
-        state.O_ddP_O[:] = gravity
+        state.O_ddP_O = gravity
         self.limits = limits
         self._world = world
         joints = world.joints(joint_names)
-        self._motion = DesiredMotion(
-            state.q_d,
-            state.dq_d,
-            state.ddq_d,
-            lower=list(limits.lower),
-            upper=list(limits.upper),
-            deceleration=list(limits.acceleration),
-            period=world.timestep,
+        thresholds = thresholds or SupervisorLimits()
+        cycle = ArmCycle(
+            state, limits, thresholds, joints.simulator_memory(), world.timestep
         )
-        self._follower = MotionFollower(state, self._motion, limits, world.timestep)
-        self.motors = ArmMotors(joints, state)
-        self.load = ArmLoad(description, gravity)
+        self._motion, self._step = cycle.motion, cycle.step
+        self._follower = MotionFollower(state, cycle, limits, world.timestep)
+        self.motors = ArmMotors(joints, state, cycle)
+        self.load = ArmLoad(gravity)
         self._description = description
         self.frames = ArmFrames(state)
         self.supervisor = ArmSupervisor(
-            state, limits, thresholds or SupervisorLimits(), world.timestep
+            state, limits, thresholds, cycle.watch, cycle.log
         )
         self.supervisor.has_hand = hand.endswith("_hand")
         self._faults = SensorFaults(world, joints, hand)
         self._sensors = ArmSensors(
             joints,
             state,
-            motors=self.motors,
+            step=cycle.step,
             load=self.load,
             faults=self._faults,
             period=world.timestep,
@@ -122,7 +118,7 @@ class SimulatedArm(RobotArm):
         self._modes = ArmModes(
             world,
             state,
-            motion=self._motion,
+            cycle=cycle,
             follower=self._follower,
             motors=self.motors,
             frames=self.frames,
@@ -132,15 +128,20 @@ class SimulatedArm(RobotArm):
         self._drive = ArmDrive(
             state,
             modes=self._modes,
-            motion=self._motion,
+            cycle=cycle,
             follower=self._follower,
             motors=self.motors,
             load=self.load,
             faults=self._faults,
             period=world.timestep,
         )
+        self.before_step = self._drive.before_step
         self._controls = SimulatedArmControls(
-            world, self._modes, self._faults, service_limits or ServiceLimits()
+            world,
+            self._modes,
+            self._faults,
+            cycle.step,
+            service_limits or ServiceLimits(),
         )
         self._cycle = world.step_count
         self._cycle_of_state = world.step_count
@@ -155,8 +156,15 @@ class SimulatedArm(RobotArm):
             world.step()
         if self._cycle_of_state < world.step_count:
             self._cycle_of_state = world.step_count
-            self._update_state()
-            self._supervise()
+            found = self._update_state()
+            if (
+                found
+                or world.pushes
+                or not self.contact.is_quiet
+                or self.supervisor.is_alert
+                or self._step.has_load
+            ):
+                self._supervise(found)
         return self.state
 
     @override
@@ -194,19 +202,19 @@ class SimulatedArm(RobotArm):
             self._modes.end_motion(RobotMode.IDLE)
 
     @override
-    def command_joint_torques(self, tau: list[float]) -> None:
+    def command_joint_torques(self, tau: Storage) -> None:
         if self._modes.controller is not ControllerMode.EXTERNAL_CONTROLLER:
             raise self._not_commandable("joint torques")
         self._follower.command_torques(tau)
 
     @override
-    def command_joint_positions(self, q: list[float]) -> None:
+    def command_joint_positions(self, q: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_POSITION:
             raise self._not_commandable("joint positions")
         self._follower.command_joints(q)
 
     @override
-    def command_joint_velocities(self, dq: list[float]) -> None:
+    def command_joint_velocities(self, dq: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_VELOCITY:
             raise self._not_commandable("joint velocities")
         self._follower.command_joints(dq)
@@ -253,7 +261,8 @@ class SimulatedArm(RobotArm):
         self._refuse_while_moving("load")
         self.frames.set_load(load)
         self.load.load = load
-        self.motors.load_weight = [0.0] * 7
+        self._step.has_load = bool(load.mass)
+        self.motors.carry(_ZEROS)
 
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
@@ -286,10 +295,6 @@ class SimulatedArm(RobotArm):
     def simulation(self) -> ArmSimulation | None:
         return self._controls
 
-    def before_step(self) -> None:
-        """Take the commands, advance the desired motion, set the motors' controls."""
-        self._drive.before_step()
-
     def after_reset(self) -> None:
         """Read the pose to which the world was set, with all velocities zero.
 
@@ -302,6 +307,7 @@ class SimulatedArm(RobotArm):
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
         self._faults.clear()
+        self._step.has_faults = False
         self.contact.reset()
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
@@ -310,24 +316,29 @@ class SimulatedArm(RobotArm):
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _update_state(self) -> None:
-        self._sensors.read(self._cycle_of_state * self.cycle_time)
-        state = self.state
-        if self._world.diverged_because and state.robot_mode is not RobotMode.OTHER:
+    def _update_state(self) -> int:
+        found = self._sensors.read(self._cycle_of_state * self.cycle_time)
+        if (
+            self._world.diverged_because is not None
+            and self.state.robot_mode is not RobotMode.OTHER
+        ):
             self._modes.end_motion(RobotMode.OTHER)
+        return found
 
-    def _supervise(self) -> None:
+    def _supervise(self, found: int) -> None:
+        """Look closer at contacts and readings.
+
+        Args:
+            found: What `ArmStep.after` has found.
+        """
         errors = self.contact.update()
         if self.state.robot_mode in _SUPERVISED:
-            errors = errors + self.supervisor.measured_errors(
-                self.state.theta, is_following=self._is_following()
+            is_quiet = not found & UNUSUAL
+            errors = errors + self.supervisor.examine(
+                is_quiet=is_quiet, is_following=self._step.is_following
             )
             if errors:
                 self._modes.raise_errors(errors)
-
-    def _is_following(self) -> bool:
-        """Return whether an internal controller follows a desired motion."""
-        return self._modes.controller in _INTERNAL_CONTROLLERS
 
     def _not_commandable(self, what: str) -> ArmCommandError:
         modes = self._modes

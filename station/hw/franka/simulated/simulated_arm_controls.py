@@ -16,6 +16,7 @@ from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.push import WORLD, as_push
 from station.hw.mujoco.world import World
+from station.kernel.arm_step import ArmStep
 
 
 class SimulatedArmControls(ArmSimulation):
@@ -25,6 +26,7 @@ class SimulatedArmControls(ArmSimulation):
         world: The world of the arm.
         modes: The modes of the arm.
         faults: The faults of the arm.
+        step: The arm's cycle, which is told that faults are active.
         limits: The largest pushes.
     """
 
@@ -33,8 +35,10 @@ class SimulatedArmControls(ArmSimulation):
         world: World,
         modes: ArmModes,
         faults: SensorFaults,
+        step: ArmStep,
         limits: ServiceLimits,
     ) -> None:
+        self._step = step
         self._world = world
         self._limits = limits
         self._modes = modes
@@ -77,6 +81,7 @@ class SimulatedArmControls(ArmSimulation):
         if fault.kind is FaultKind.COLLISION:
             self._check_force(fault.force)
         self._faults.inject(fault)
+        self._step.has_faults = self._faults.act
 
     @override
     def faults(self) -> list[SimulatedFault]:
@@ -85,6 +90,7 @@ class SimulatedArmControls(ArmSimulation):
     @override
     def clear_faults(self) -> None:
         self._faults.clear()
+        self._step.has_faults = False
 
     def _check_force(self, force: Sequence[float]) -> None:
         largest = self._limits.push_force

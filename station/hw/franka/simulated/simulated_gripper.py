@@ -1,9 +1,15 @@
 """The fingers of a Franka hand in a MuJoCo world."""
 
-from math import nan, sqrt
+from math import sqrt
+from typing import TYPE_CHECKING
 
 from station.hw.franka.hand.hand_services import MAX_FORCE
 from station.hw.mujoco.world import World
+from station.kernel.doubles import Doubles
+from station.kernel.finger_motor import FingerMotor, FingerSensor
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 OPEN_WIDTH = 0.08
 """Distance between the fingers when the hand is open [m]. Source: the limits of the
@@ -26,6 +32,7 @@ class SimulatedGripper:
 
     Attributes:
         effort_limit: Largest force of the motor on each finger, from the URDF [N].
+        before_step: Sets the motor's control.
     """
 
     def __init__(
@@ -39,11 +46,10 @@ class SimulatedGripper:
         self.effort_limit = self._finger.effort_limits[0] / 2.0
         self._finger.set_effort_limits([2.0 * MAX_FORCE])
         self._start_width = width
-        self._force = 0.0
-        self._step = self._reach = 0.0
+        self._memory = self._finger.simulator_memory()
+        self._motor = FingerMotor(self._memory)
+        self.before_step: Callable[[], None] = self._motor.before
         self._servo = (0.0, 0.0)
-        self._control = nan
-        self._target = self._place = 0.0
         self.hold(width)
         world.add_actor(self)
 
@@ -54,15 +60,21 @@ class SimulatedGripper:
 
     def read_position(self) -> float:
         """Return the distance of each finger from the middle [m]."""
-        return self._finger.read_positions()[0]
+        return self._memory.positions[0]
 
     def read_velocity(self) -> float:
         """Return the velocity of each finger [m/s], > 0 when opening."""
-        return self._finger.read_velocities()[0]
+        return self._memory.velocities[0]
 
     def read_force(self) -> float:
         """Return the force of the motor on each finger in the last step [N]."""
-        return self._finger.read_motor_forces()[0] / 2.0
+        return self._memory.motor_forces[0] / 2.0
+
+    def sensor(
+        self, positions: Doubles, velocities: Doubles, efforts: Doubles
+    ) -> FingerSensor:
+        """Return what reads the fingers into some memory; see `FingerSensor`."""
+        return FingerSensor(self._memory, positions, velocities, efforts)
 
     def read_time(self) -> float:
         """Return the simulated time since the world exists [s], resets included."""
@@ -78,13 +90,14 @@ class SimulatedGripper:
             speed: Rate at which the width changes, > 0 [m/s].
             force: Largest force of each finger, > 0 [N]; None takes `effort_limit`.
         """
+        motor = self._motor
         if not self._servo[0]:
             self._set_servo(_STIFFNESS, self._damping)
-            self._place = self.read_position()
-        self._step = speed / 2.0 * self._world.timestep
+            motor.place = self.read_position()
+        motor.step = speed / 2.0 * self._world.timestep
         # A target farther ahead would press harder, and blocked fingers ever harder.
-        self._reach = 2.0 * (self.effort_limit if force is None else force) / _STIFFNESS
-        self._target = width / 2.0
+        motor.reach = 2.0 * (self.effort_limit if force is None else force) / _STIFFNESS
+        motor.target = width / 2.0
 
     def press(self, force: float, *, is_damped: bool = False) -> None:
         """Let the motor give a force, whatever the width becomes.
@@ -94,32 +107,15 @@ class SimulatedGripper:
             is_damped: Whether to damp the motion of the fingers.
         """
         self._set_servo(0.0, self._damping if is_damped else 0.0)
-        self._force = force
-
-    def before_step(self) -> None:
-        """Set the motor's control."""
-        if not self._servo[0]:
-            self._set_control(2.0 * self._force)
-            return
-        way = self._target - self._place
-        place = self._place + min(max(way, -self._step), self._step)
-        position = self.read_position()
-        self._place = min(max(place, position - self._reach), position + self._reach)
-        self._set_control(_STIFFNESS * self._place)
-
-    def _set_control(self, control: float) -> None:
-        # The motor keeps its control, so most steps of fingers at rest set nothing.
-        if control != self._control:
-            self._finger.set_controls([control])
-            self._control = control
+        self._motor.force = 2.0 * force
 
     def after_reset(self) -> None:
         """Hold the width of the beginning again."""
-        self._control = nan  # the reset of the world has cleared it
         self.hold(self._start_width)
-        self._place = self.read_position()
+        self._motor.place = self.read_position()
 
     def _set_servo(self, stiffness: float, damping: float) -> None:
         if (stiffness, damping) != self._servo:
             self._finger.set_servo([stiffness], [damping])
             self._servo = (stiffness, damping)
+            self._motor.stiffness = stiffness

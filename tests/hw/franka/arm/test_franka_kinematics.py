@@ -12,7 +12,6 @@ from station.hw.franka.arm.franka_kinematics import (
     body_jacobian,
     compose,
     frame_pose,
-    pose_and_jacobian,
     zero_jacobian,
 )
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
@@ -149,11 +148,3 @@ def test_poses_agree_with_the_simulation() -> None:
 def test_identity_composes_to_the_other() -> None:
     assert compose(IDENTITY, F_T_EE) == pytest.approx(F_T_EE)
     assert compose(F_T_EE, IDENTITY) == pytest.approx(F_T_EE)
-
-
-def test_pose_and_jacobian_of_the_end_effector_at_once():
-    tool = compose(IDENTITY, [*IDENTITY[:12], 0.1, -0.2, 0.3, 1.0])
-    both = pose_and_jacobian(Q, tool)
-
-    pose = frame_pose(Frame.END_EFFECTOR, Q, tool)
-    assert both == (pose, zero_jacobian(Frame.END_EFFECTOR, Q, tool))

@@ -5,13 +5,13 @@ from math import inf, nan
 import pytest
 
 from station.core.franka import RobotState
-from station.hw.franka.arm.sensor_check import blind_sensor
+from station.hw.franka.arm.sensor_check import SensorCheck
 
 
 def test_finite_readings_are_fine():
     state = RobotState()
-    state.tau_J[0] = -87.0
-    assert blind_sensor(state) is None
+    state.doubles("tau_J")[0] = -87.0
+    assert SensorCheck(state).blind_sensor() is None
 
 
 @pytest.mark.parametrize(
@@ -24,5 +24,5 @@ def test_finite_readings_are_fine():
 )
 def test_sensor_without_a_number_is_named(field, joint, value, text):
     state = RobotState()
-    getattr(state, field)[joint - 1] = value
-    assert blind_sensor(state) == text
+    state.doubles(field)[joint - 1] = value
+    assert SensorCheck(state).blind_sensor() == text

@@ -7,7 +7,9 @@ import pytest
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.command_filter import CommandFilter
+from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS, PERIOD
+from station.kernel.doubles import put
 
 
 def make(
@@ -15,17 +17,41 @@ def make(
     cutoff_frequency: float = 1000.0,
     rate_limiting: bool = True,
     arm: ArmLimits = PANDA_LIMITS,
-) -> tuple[CommandFilter, RobotState]:
-    command_filter = CommandFilter(arm)
-    command_filter.begin(cutoff_frequency=cutoff_frequency, rate_limiting=rate_limiting)
-    return command_filter, RobotState()
+) -> tuple["Filter", RobotState]:
+    state = RobotState()
+    return Filter(arm, state, cutoff_frequency, rate_limiting), state
+
+
+class Filter:
+    """A filter that is given its commands call by call."""
+
+    def __init__(self, arm, state, cutoff_frequency, rate_limiting) -> None:
+        self.commands = JointCommands(state, [f"joint{i}" for i in range(7)])
+        self.filter = CommandFilter(arm, state, self.commands)
+        self.filter.begin(
+            cutoff_frequency=cutoff_frequency, rate_limiting=rate_limiting
+        )
+
+    def positions(self, q, state, *, goals) -> list[float]:
+        put(self.commands.positions, goals)
+        self.filter.note_goals()
+        put(self.commands.positions, q)
+        return [*self.filter.positions()]
+
+    def velocities(self, dq, state) -> list[float]:
+        put(self.commands.velocities, dq)
+        return [*self.filter.velocities()]
+
+    def torques(self, tau, state) -> list[float]:
+        put(self.commands.efforts, tau)
+        return [*self.filter.torques()]
 
 
 def follow(state: RobotState, q: list[float]) -> None:
     """Take over positions as the arm does."""
     dq = [(new - old) / PERIOD for new, old in zip(q, state.q_d, strict=True)]
     ddq = [(new - old) / PERIOD for new, old in zip(dq, state.dq_d, strict=True)]
-    state.q_d[:], state.dq_d[:], state.ddq_d[:] = q, dq, ddq
+    state.q_d, state.dq_d, state.ddq_d = q, dq, ddq
 
 
 @pytest.mark.parametrize("cutoff", [100.0, 1000.0])
@@ -72,8 +98,8 @@ def test_fr3_slows_down_towards_its_position_limits(joint: int, side: float) -> 
     # The limiter brakes in proportion to how much too fast it is, so it comes late.
     late = 10.0**2 / 5000.0
     bound = (FR3_LIMITS.upper if side > 0.0 else FR3_LIMITS.lower)[joint]
-    state.q_d[:] = [0.0, 0.0, 0.0, -1.5, 0.0, 2.5, 0.0]
-    state.q_d[joint] = bound - 0.3 * side
+    state.q_d = [0.0, 0.0, 0.0, -1.5, 0.0, 2.5, 0.0]
+    state.doubles("q_d")[joint] = bound - 0.3 * side
     speed = [0.0] * 7
     speed[joint] = 0.4 * side
     for _ in range(3_000):
@@ -108,8 +134,8 @@ def test_velocity_step_keeps_the_acceleration_limits() -> None:
     for _ in range(2):
         dq = command_filter.velocities([2.0] * 7, state)
         rise = [new - old for new, old in zip(dq, state.dq_d, strict=True)]
-        state.ddq_d[:] = [value / PERIOD for value in rise]
-        state.dq_d[:] = dq
+        state.ddq_d = [value / PERIOD for value in rise]
+        state.dq_d = dq
     assert rise == pytest.approx([
         limits.acceleration * PERIOD for limits in PANDA_RATE_LIMITS
     ])

@@ -14,6 +14,7 @@ from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.joint_commands import JointCommands
+from station.kernel.doubles import put
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.hw.franka.test_franka_hw import JOINTS
 
@@ -37,14 +38,16 @@ def commands(arm) -> JointCommands:
 @pytest.fixture
 def sender(arm, commands) -> CommandSender:
     cartesian = CartesianCommands(arm, "panda", PANDA_LIMITS)
-    sender = CommandSender(arm, commands, cartesian, CommandFilter(PANDA_LIMITS))
+    sender = CommandSender(
+        arm, commands, cartesian, CommandFilter(PANDA_LIMITS, arm.state, commands)
+    )
     sender.begin(ControlMode.JOINT_VELOCITY, SETTINGS)
     arm.start_motion(ControllerMode.JOINT_IMPEDANCE, MotionGeneratorMode.JOINT_VELOCITY)
     return sender
 
 
 def test_command_is_sent_once_per_cycle(arm, commands, sender):
-    commands.velocities[:] = [0.001] * 7
+    put(commands.velocities, [0.001] * 7)
     sender.send_limited(0.001)
 
     assert arm.sent == [[0.001] * 7]

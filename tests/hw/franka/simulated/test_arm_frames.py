@@ -4,7 +4,7 @@ import pytest
 
 from station.core.franka import RobotState
 from station.hw.franka.arm.load import Load
-from station.hw.franka.simulated.arm_frames import MAX_EXTENSION, ArmFrames, elbow_of
+from station.hw.franka.simulated.arm_frames import MAX_EXTENSION, ArmFrames
 
 
 def shifted(z: float) -> list[float]:
@@ -15,7 +15,10 @@ def shifted(z: float) -> list[float]:
     ("q4", "sign"), [(-2.0, -1.0), (-0.1, 1.0), (MAX_EXTENSION, 0.0)]
 )
 def test_elbow_is_joint_three_and_the_flip_of_joint_four(q4: float, sign: float):
-    assert elbow_of([0, 0, 0.4, q4, 0, 0, 0]) == [0.4, sign]
+    state = RobotState(time=1.0, q=[0, 0, 0.4, q4, 0, 0, 0])
+    ArmFrames(state).refresh()
+
+    assert state.elbow == [0.4, sign]
 
 
 def test_loads_are_composed():
@@ -43,11 +46,11 @@ def test_refresh_works_once_per_time():
     frames = ArmFrames(state)
     frames.refresh()
     before = list(state.O_T_EE)
-    state.q[0] = 1.0
+    state.doubles("q")[0] = 1.0
     frames.refresh()
     assert before == state.O_T_EE
     state.time = 2.0
-    state.dq_d[2] = 0.5
+    state.doubles("dq_d")[2] = 0.5
     frames.refresh()
     assert before != state.O_T_EE
     assert state.delbow_c == [0.5, 0.0]

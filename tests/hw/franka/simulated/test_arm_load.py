@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from station.core.description.robot_files import load_robot_files
 from station.core.franka import Frame
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.load import Load
@@ -14,7 +13,7 @@ Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 
 @pytest.fixture
 def load() -> ArmLoad:
-    arm = ArmLoad(load_robot_files("example-robot-data:panda"))
+    arm = ArmLoad()
     arm.load = Load(2.0)
     return arm
 

@@ -5,13 +5,17 @@ import pytest
 from station.core.franka import ArmError, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
+from station.kernel.simulator_memory import SimulatorMemory
 
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 
 
 def supervise(state: RobotState, **limits: float) -> ArmSupervisor:
-    return ArmSupervisor(state, PANDA_LIMITS, SupervisorLimits(**limits))
+    thresholds = SupervisorLimits(**limits)
+    cycle = ArmCycle(state, PANDA_LIMITS, thresholds, SimulatorMemory(7), 0.001)
+    return ArmSupervisor(state, PANDA_LIMITS, thresholds, cycle.watch, cycle.log)
 
 
 @pytest.mark.parametrize(
@@ -25,8 +29,9 @@ def supervise(state: RobotState, **limits: float) -> ArmSupervisor:
 def test_value_out_of_range_for_three_cycles_is_an_error(q, dq, tau, name):
     state = RobotState()
     supervisor = supervise(state)
-    state.dtheta[0], state.tau_J[0] = dq, tau
-    found = [supervisor.measured_errors([q, *Q[1:]]) for _ in range(3)]
+    state.doubles("dtheta")[0], state.doubles("tau_J")[0] = dq, tau
+    state.theta = [q, *Q[1:]]
+    found = [supervisor.measured_errors() for _ in range(3)]
     assert found[:2] == [[], []]
     assert (found[2][0].name, found[2][0].where) == (name, "joint1")
 
@@ -35,23 +40,25 @@ def test_fast_end_effector_is_an_error():
     state = RobotState()
     supervisor = supervise(state, debounce=1)
     # The stretched arm swings about joints 2 and 4, each within its limit.
-    state.dtheta[:] = [2.1, 2.1, 0.0, -2.1, 0.0, 0.0, 0.0]
-    found = supervisor.measured_errors([0.0, 1.5, 0.0, -0.1, 0.0, 1.6, 0.0])
+    state.dtheta = [2.1, 2.1, 0.0, -2.1, 0.0, 0.0, 0.0]
+    state.theta = [0.0, 1.5, 0.0, -0.1, 0.0, 1.6, 0.0]
+    found = supervisor.measured_errors()
     assert [error.name for error in found] == ["cartesian_velocity_violation"]
 
 
 def test_power_is_off_unless_limited():
     state = RobotState()
-    state.dtheta[0], state.tau_J[0] = 2.0, 50.0
-    assert supervise(state, debounce=1).measured_errors(Q) == []
-    (error,) = supervise(state, debounce=1, power=90.0).measured_errors(Q)
+    state.doubles("dtheta")[0], state.doubles("tau_J")[0] = 2.0, 50.0
+    state.theta = Q
+    assert supervise(state, debounce=1).measured_errors() == []
+    (error,) = supervise(state, debounce=1, power=90.0).measured_errors()
     assert (error.name, error.value) == ("power_limit_violation", 100.0)
 
 
 def test_errors_of_the_last_motion_are_kept_when_the_present_errors_are_cleared():
     state = RobotState()
     supervisor = supervise(state)
-    supervisor.record([1.0])
+    supervisor._cycle_log.note(0.0)
     supervisor.set_errors([ArmError("joint_reflex", "joint1", 30, 20, "Nm")], 5)
     supervisor.set_errors([ArmError("joint_reflex", "joint1", 40, 20, "Nm")], 6)
     supervisor.end_motion()

@@ -25,8 +25,8 @@ def follow(state: RobotState, motion: CartesianMotion, cycles: int, elbow=None):
         q, errors = motion.solve()
         assert errors == []
         dq = [(a - b) / PERIOD for a, b in zip(q, state.q_d, strict=True)]
-        state.ddq_d[:] = [(a - b) / PERIOD for a, b in zip(dq, state.dq_d, strict=True)]
-        state.q_d[:], state.dq_d[:] = q, dq
+        state.ddq_d = [(a - b) / PERIOD for a, b in zip(dq, state.dq_d, strict=True)]
+        state.q_d, state.dq_d = q, dq
 
 
 def test_end_effector_reaches_the_commanded_pose():

@@ -1,5 +1,6 @@
 """Commands are followed once each, and missed ones are made up for."""
 
+from dataclasses import replace
 from math import inf
 
 import pytest
@@ -8,8 +9,10 @@ from station.core.errors import InvalidCommandError
 from station.core.franka import RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.robot_arm import MotionGeneratorMode
-from station.hw.franka.simulated.desired_motion import DesiredMotion
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.motion_follower import MotionFollower
+from station.kernel.simulator_memory import SimulatorMemory
 
 PERIOD = 0.001
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
@@ -22,16 +25,10 @@ def state() -> RobotState:
 
 @pytest.fixture
 def follower(state: RobotState) -> MotionFollower:
-    motion = DesiredMotion(
-        state.q_d,
-        state.dq_d,
-        state.ddq_d,
-        lower=[-inf] * 7,
-        upper=[inf] * 7,
-        deceleration=[10.0] * 7,
-        period=PERIOD,
-    )
-    follower = MotionFollower(state, motion, PANDA_LIMITS, PERIOD)
+    limits = replace(PANDA_LIMITS, lower=(-inf,) * 7, upper=(inf,) * 7)
+    memory = SimulatorMemory(7)
+    cycle = ArmCycle(state, limits, SupervisorLimits(), memory, PERIOD)
+    follower = MotionFollower(state, cycle, PANDA_LIMITS, PERIOD)
     follower.begin(MotionGeneratorMode.JOINT_VELOCITY)
     return follower
 
@@ -39,7 +36,7 @@ def follower(state: RobotState) -> MotionFollower:
 def test_nothing_happens_before_the_first_command(follower, state):
     for _ in range(100):
         assert follower.advance(torques_act=False, is_lossy=False) == []
-    assert not follower.is_begun
+    assert not follower._step.is_begun
     assert state.q_d == Q
     assert state.control_command_success_rate == 1.0
 
@@ -67,7 +64,7 @@ def test_lost_torques_repeat_the_last_ones(follower):
     follower.advance(torques_act=True, is_lossy=False)
     follower.command_torques([0.9] * 7)
     follower.advance(torques_act=True, is_lossy=True)
-    assert follower.torques == [0.5] * 7
+    assert list(follower._memory.torques) == [0.5] * 7
 
 
 def test_malformed_commands_are_refused(follower):
