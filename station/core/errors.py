@@ -5,6 +5,7 @@ StationError
 ├── HardwareInterfaceError        a handle or interface cannot be built or used
 │   └── ResourceNotFoundError     no such resource in that interface (KeyError)
 ├── ParameterError                a parameter is missing or impossible (ValueError)
+│   └── ParameterNotFoundError    the tree has no such parameter (KeyError)
 ├── ControllerNotFoundError       no controller of that name is loaded (KeyError)
 ├── ControllerTypeNotFoundError   no loader knows that type (KeyError)
 ├── ControllerLoadError           a controller cannot be created or initialised
@@ -24,6 +25,9 @@ StationError
 ├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
 ├── GoalNotFoundError             no goal of that name is known (KeyError)
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
+├── GainSetNotFoundError          there is no gain set of that name (KeyError)
+├── GainSetError                  a gain set cannot be read or written (OSError)
+├── NothingToUndoError            no change of gains is left to be taken back
 ├── GainsChangedError             the gains changed since the caller read them
 ├── StaleEpochError               the command belongs to an older epoch
 ├── StoppedError                  the latched stop is engaged; nothing may move
@@ -33,11 +37,13 @@ StationError
 ```
 """
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Iterable, Mapping
 
 from typing_extensions import override
 
 _MAX_SHOWN = 80
+_MAX_LISTED = 8
 
 
 def show(value: object) -> str:
@@ -51,6 +57,29 @@ def show(value: object) -> str:
         return f"an integer of {value.bit_length()} bits"
     text = repr(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 1]}…"
+
+
+def suggest(name: str, known: Iterable[str]) -> str:
+    """Return a sentence about the names that somebody may have meant with `name`.
+
+    A few names are all listed; of many, the nearest three, and how many there are.
+
+    Args:
+        name: The name that is unknown.
+        known: The names there are, in the order in which they are listed.
+    """
+    names = list(dict.fromkeys(known))
+    if not names:
+        return "There are none."
+    likely = difflib.get_close_matches(name, names, 1)
+    if len(names) <= _MAX_LISTED:
+        meant = f"Did you mean '{likely[0]}'? " if likely and len(names) > 1 else ""
+        return f"{meant}There are: {', '.join(names)}."
+    first, second, third = difflib.get_close_matches(name, names, 3, cutoff=0.0)
+    if likely:
+        meant = f"'{first}', '{second}' or '{third}'"
+        return f"Did you mean {meant}? There are {len(names)} in all."
+    return f"The nearest of {len(names)} are '{first}', '{second}' and '{third}'."
 
 
 class StationError(Exception):
@@ -102,6 +131,12 @@ class ParameterError(StationError, ValueError):
     """A parameter is missing, has a wrong type or an impossible value."""
 
     code = "invalid_parameter"
+
+
+class ParameterNotFoundError(ParameterError, KeyError):
+    """The tree has no parameter of that path."""
+
+    code = "parameter_not_found"
 
 
 class ControllerNotFoundError(StationError, KeyError):
@@ -216,6 +251,24 @@ class InvalidGainError(StationError, ValueError):
     """A gain is unknown, not finite or out of range."""
 
     code = "invalid_gain"
+
+
+class GainSetNotFoundError(StationError, KeyError):
+    """There is no gain set of that name."""
+
+    code = "gain_set_not_found"
+
+
+class GainSetError(StationError, OSError):
+    """The file of a gain set cannot be read or written, or is malformed."""
+
+    code = "gain_set_file"
+
+
+class NothingToUndoError(StationError):
+    """No change of gains is left to be taken back."""
+
+    code = "nothing_to_undo"
 
 
 class GainsChangedError(StationError):

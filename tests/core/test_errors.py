@@ -3,6 +3,7 @@
 import pytest
 
 from station.core import errors
+from station.core.errors import suggest
 
 LEAVES = [
     value
@@ -60,3 +61,20 @@ def test_details_are_a_copy():
 
     assert error.details == {"a": 1}
     assert error.remedy == "y"
+
+
+def test_a_few_names_are_all_listed_and_the_likely_one_is_asked_for():
+    assert suggest("x", []) == "There are none."
+    assert suggest("x", ["arm"]) == "There are: arm."
+    assert suggest("aarm", ["leg", "arm"]) == "Did you mean 'arm'? There are: leg, arm."
+
+
+def test_of_many_names_the_nearest_three_are_told():
+    names = [f"controller_{number}" for number in range(38)]
+
+    told = suggest("controler_7", names)
+
+    assert told.startswith("Did you mean 'controller_7', 'contr")
+    assert told.endswith("? There are 38 in all.")
+    assert told.count("'") == 6
+    assert suggest("zzz", names).count("'") == 6

@@ -23,10 +23,11 @@ from collections.abc import Iterable
 from itertools import cycle
 
 from station.core.control.command_guard import all_guards, as_pieces
+from station.core.control.command_piece import Piece, make_piece
 from station.core.control.controller import ControllerState
 from station.core.control.loaded_controller import LoadedController
-from station.core.faults import CONTAINED
 from station.core.hardware.robot_hw import RobotHW
+from station.kernel.doubles import Storage
 
 _RUNNING = ControllerState.RUNNING
 
@@ -36,7 +37,7 @@ TRACED_CYCLES = 1000
 Slot = tuple[int, int]
 """Identity of a storage and an index into it."""
 
-Remembered = list[tuple[list[float], int, float]]
+Remembered = list[tuple[Storage, int, float]]
 """Commands as (storage, index, value)."""
 
 
@@ -49,6 +50,7 @@ class CommandGate:
     Attributes:
         is_stale: Whether controllers have started or stopped since the owners were
             noted; set by whoever starts or stops one.
+        running: The controllers that ran when the owners were noted last.
         traced_cycles: For how many cycles more the gate looks after every call for
             whoever writes commands that it does not own; 0 until a violation is found.
         violations: How often a command was found that its owner had not written.
@@ -57,13 +59,14 @@ class CommandGate:
 
     def __init__(self, hw: RobotHW) -> None:
         self.is_stale = True
+        self.running: tuple[LoadedController, ...] = ()
         self.traced_cycles = 0
         self.violations = 0
         self.last_violation: str | None = None
         self._guards = all_guards(hw)
         # Commands that nobody owns, with their rest; and all that are written anew.
-        self._resting: list[tuple[list[float], slice, list[float]]] = []
-        self._rows: list[tuple[list[float], slice, list[float]]] = []
+        self._resting: list[Piece] = []
+        self._rows: list[Piece] = []
         self._looks = cycle(self._rows)
         self._owned_names: set[str] = set()
         self._names: dict[Slot, str] = {
@@ -72,7 +75,7 @@ class CommandGate:
             for storage, index in guard.slots
         }
 
-        self._slots: dict[Slot, tuple[list[float], int]] = {
+        self._slots: dict[Slot, tuple[Storage, int]] = {
             (id(storage), index): (storage, index)
             for guard in self._guards
             for storage, index in guard.slots
@@ -125,13 +128,13 @@ class CommandGate:
         if self.is_stale or self.traced_cycles:
             self._close_with_care(loaded)
             return
-        for storage, piece, values in self._looks:
-            if _differs(storage[piece], values):
-                self._note(f"the command of '{self._changed(storage, piece, values)}'")
+        for piece in self._looks:
+            if piece.differs():
+                self._note(f"the command of '{self._changed(piece)}'")
             break  # one group in a cycle, the next group in the next cycle
         # Also what equals the right value: it may still be no float, e.g. 0j.
-        for storage, piece, values in self._rows:
-            storage[piece] = values
+        for piece in self._rows:
+            piece.write()
 
     def _close_with_care(self, loaded: Iterable[LoadedController]) -> None:
         """Do the same in a cycle in which owners have changed, or that is traced."""
@@ -153,10 +156,10 @@ class CommandGate:
         """
         if self.is_stale:
             return
-        for storage, piece, values in self._rows:
-            if _differs(storage[piece], values):
-                self._note(f"the command of '{self._changed(storage, piece, values)}'")
-            storage[piece] = values
+        for piece in self._rows:
+            if piece.differs():
+                self._note(f"the command of '{self._changed(piece)}'")
+            piece.write()
 
     def find_intrusion(
         self, one: LoadedController, loaded: Iterable[LoadedController]
@@ -178,10 +181,10 @@ class CommandGate:
             ):
                 other.commands.write_again()
                 return f"the commands of '{other.info.name}'"
-        for storage, piece, rest in self._resting:
-            if _differs(storage[piece], rest):
-                name = self._changed(storage, piece, rest)
-                storage[piece] = rest
+        for piece in self._resting:
+            if piece.differs():
+                name = self._changed(piece)
+                piece.write()
                 return f"the command of '{name}'"
         return None
 
@@ -195,11 +198,11 @@ class CommandGate:
         """
         owned = _count_owners(loaded)
         before = {
-            (id(storage), index): value
-            for storage, piece, rest in self._resting
-            for index, value in zip(range(piece.start, piece.stop), rest, strict=True)
+            (id(piece.storage), index): value
+            for piece in self._resting
+            for index, value in enumerate(piece.values, piece.start)
         }
-        free: dict[Slot, tuple[list[float], int]] = {}
+        free: dict[Slot, tuple[Storage, int]] = {}
         for guard in self._guards:
             begun = []
             for position, (storage, index) in enumerate(guard.slots):
@@ -214,8 +217,9 @@ class CommandGate:
             if begun:
                 guard.write_rest(begun)
         pieces = as_pieces([free[slot] for slot in sorted(free)])
-        self._resting = [(storage, piece, storage[piece]) for storage, piece in pieces]
-        running = [one for one in loaded if one.controller.state is _RUNNING]
+        self._resting = [make_piece(storage, piece) for storage, piece in pieces]
+        self.running = tuple(one for one in loaded if one.controller.state is _RUNNING)
+        running = self.running
         self._owned_names = {g.name for one in running for g in one.commands.guards}
         owners = [one for one in running if not one.commands.is_shared]
         for one in owners:
@@ -226,24 +230,17 @@ class CommandGate:
         self._rows = [*self._resting, *owned_pieces]
         self._looks = cycle(self._rows)
 
-    def _changed(self, storage: list[float], piece: slice, values: list[float]) -> str:
-        for index, value in enumerate(values, piece.start):
-            if _differs([storage[index]], [value]):
-                return self._names[id(storage), index]
+    def _changed(self, piece: Piece) -> str:
+        for index, value in enumerate(piece.values, piece.start):
+            now = piece.storage[index]
+            if not (type(now) is float and now == value):
+                return self._names[id(piece.storage), index]
         return "an unknown resource"
 
     def _note(self, what: str) -> None:
         self.violations += 1
         self.last_violation = f"Somebody without a claim has written {what}."
         self.traced_cycles = TRACED_CYCLES
-
-
-def _differs(values: list[float], rest: list[float]) -> bool:
-    """Return whether commands are not those of before, whatever they are now."""
-    try:
-        return values != rest
-    except CONTAINED:  # e.g. an array: its comparison has no truth value
-        return True
 
 
 def _count_owners(loaded: Iterable[LoadedController]) -> Counter[Slot]:

@@ -8,6 +8,7 @@ from station.core.faults import CONTAINED
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
+from station.kernel.doubles import Storage
 
 MAX_TEXT = 60
 """Longest text of a refused command in a message [characters]."""
@@ -28,7 +29,7 @@ class CommandGuard:
         interface: HardwareResourceManager,  # type: ignore[type-arg]  # any handle
         interface_name: str,
         name: str,
-        slots: list[tuple[list[float], int]],
+        slots: list[tuple[Storage, int]],
     ) -> None:
         self.interface = interface
         self.claim = (interface_name, name)
@@ -205,13 +206,13 @@ def _find_interface(
     return None
 
 
-def as_pieces(slots: list[tuple[list[float], int]]) -> list[tuple[list[float], slice]]:
+def as_pieces(slots: list[tuple[Storage, int]]) -> list[tuple[Storage, slice]]:
     """Return as few (storage, slice) as cover `slots`.
 
     Args:
         slots: Where commands are, as (storage, index).
     """
-    pieces: list[tuple[list[float], slice]] = []
+    pieces: list[tuple[Storage, slice]] = []
     for storage, index in slots:
         if pieces and pieces[-1][0] is storage and pieces[-1][1].stop == index:
             pieces[-1] = (storage, slice(pieces[-1][1].start, index + 1))

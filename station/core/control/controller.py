@@ -7,7 +7,7 @@ returning False, and there is one `init(hw, params)` instead of overloads.
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from typing import ClassVar, Generic, TypeAlias, TypeVar
 
 from typing_extensions import override
 
@@ -23,6 +23,9 @@ from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native 
     TrajectoryPort,
 )
 
+Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
+"""The four lists of a sample, shape (n,) each."""
+
 
 class ControllerState(Enum):
     """The states of a controller's life cycle."""
@@ -37,22 +40,107 @@ class ControllerState(Enum):
     """Its code is being imported and initialised; not a state of ros_control."""
 
 
-class ControllerSample(NamedTuple):
+class ControllerSample:
     """Desired values, measurements and commands of one cycle, shape (n,) each.
 
-    Attributes:
+    Nobody changes a sample. It has the fields of a named tuple, which `_fields` names
+    and `_asdict` returns.
+
+    Args:
         stamp: Station time of the cycle [s].
         desired: Set-point, in the unit of the set-point.
         actual: Measured value, same unit.
         error: Difference of both, as the control law computes it.
         output: Commands written, in the unit of the hardware interface.
+
+    Attributes:
+        stamp: As given.
     """
 
-    stamp: float
-    desired: list[float]
-    actual: list[float]
-    error: list[float]
-    output: list[float]
+    __slots__ = ("_columns", "stamp")
+
+    _fields = ("stamp", "desired", "actual", "error", "output")
+
+    def __init__(
+        self,
+        stamp: float,
+        desired: list[float],
+        actual: list[float],
+        error: list[float],
+        output: list[float],
+    ) -> None:
+        self.stamp = stamp
+        self._columns: Columns = (desired, actual, error, output)
+
+    @property
+    def columns(self) -> Columns:
+        """The lists `desired`, `actual`, `error` and `output`."""
+        return self._columns
+
+    @property
+    def desired(self) -> list[float]:
+        """Set-point, in the unit of the set-point."""
+        return self.columns[0]
+
+    @property
+    def actual(self) -> list[float]:
+        """Measured value, same unit."""
+        return self.columns[1]
+
+    @property
+    def error(self) -> list[float]:
+        """Difference of both, as the control law computes it."""
+        return self.columns[2]
+
+    @property
+    def output(self) -> list[float]:
+        """Commands written, in the unit of the hardware interface."""
+        return self.columns[3]
+
+    def _asdict(self) -> dict[str, object]:
+        return dict(zip(self._fields, (self.stamp, *self.columns), strict=True))
+
+    @override
+    def __repr__(self) -> str:
+        fields = ", ".join(f"{name}={value}" for name, value in self._asdict().items())
+        return f"{type(self).__name__}({fields})"
+
+
+class PackedSample(ControllerSample):
+    """A sample in one piece of memory; its lists are made when somebody reads them.
+
+    Args:
+        stamp: Station time of the cycle [s].
+        packed: Doubles of the machine: the four columns one after the other, and
+            whatever the controller adds after them.
+        size: Length n of each column.
+
+    Attributes:
+        packed: As given.
+        size: As given.
+    """
+
+    __slots__ = ("packed", "size")
+
+    def __init__(self, stamp: float, packed: bytes, size: int) -> None:
+        # Every cycle makes one: nothing else is done here.
+        self.stamp = stamp
+        self.packed = packed
+        self.size = size
+
+    @property
+    @override
+    def columns(self) -> Columns:
+        return (self.column(0), self.column(1), self.column(2), self.column(3))
+
+    def column(self, index: int) -> list[float]:
+        """Return a column, shape (n,), also of those that the controller added."""
+        return self.rest(index)[: self.size]
+
+    def rest(self, index: int) -> list[float]:
+        """Return all numbers from a column on."""
+        first = index * self.size
+        return [*memoryview(self.packed).cast("d")[first:]]
 
 
 class ControllerBase:

@@ -1,9 +1,7 @@
 """The commands of one controller: checked after each of its calls, rested, compared."""
 
 from station.core.control.command_guard import CommandGuard, as_pieces
-from station.core.faults import CONTAINED
-
-_FLOAT = {float}
+from station.core.control.command_piece import make_piece
 
 
 class ControllerCommands:
@@ -15,8 +13,8 @@ class ControllerCommands:
     Attributes:
         guards: The same.
         slots: Where the commands are, as (storage, index).
-        pieces: The same as few (storage, slice, values); the values are those that
-            `refused` looked at last, in a list that is changed in place.
+        pieces: The same as few pieces; each has a copy of what `refused` looked at
+            last.
         is_shared: Whether the robot lets another running controller command one of
             the same resources; the last to write it decides.
     """
@@ -25,9 +23,7 @@ class ControllerCommands:
         self.guards = guards
         self.slots = [slot for guard in guards for slot in guard.slots]
         self.is_shared = False
-        self.pieces = [
-            (storage, piece, storage[piece]) for storage, piece in as_pieces(self.slots)
-        ]
+        self.pieces = [make_piece(*piece) for piece in as_pieces(self.slots)]
 
     def refused(self) -> str | None:
         """Return which command is not a real finite number; None when all are.
@@ -35,34 +31,22 @@ class ControllerCommands:
         Called after every call of the controller, so that a bad value is charged to
         the call that wrote it. Real numbers of other types become floats.
         """
-        for storage, piece, values in self.pieces:
-            values[:] = storage[piece]
-            # The types first: the sum of a complex number or of a decimal raises, or
-            # passes every comparison with a float. An overflow of the sum alone is
-            # no bad command, hence the second look.
-            if set(map(type, values)) != _FLOAT or (total := sum(values)) - total:
+        for piece in self.pieces:
+            if not piece.take():
                 refused = self._find_refused()
                 if refused is not None:
                     return refused
-                values[:] = storage[piece]
+                piece.take()
         return None
 
     def is_as_written(self) -> bool:
         """Return whether the commands are those that `refused` looked at last."""
-        if self.is_shared:
-            return True
-        try:
-            for storage, piece, values in self.pieces:
-                if storage[piece] != values:
-                    return False
-        except CONTAINED:  # e.g. an array: its comparison has no truth value
-            return False
-        return True
+        return self.is_shared or not any(piece.differs() for piece in self.pieces)
 
     def write_again(self) -> None:
         """Write the commands that `refused` looked at last."""
-        for storage, piece, values in self.pieces:
-            storage[piece] = values
+        for piece in self.pieces:
+            piece.write()
 
     def values(self) -> list[float]:
         """Return what the commands are now, in the order of `slots`."""

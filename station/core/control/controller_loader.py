@@ -4,8 +4,6 @@ Source: ros_control@0.20.0 controller_manager/controller_loader_interface.h,
 controller_loader.h; differs: a plugin is a Python class named `module:Class`.
 """
 
-import importlib
-import sys
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
@@ -13,10 +11,12 @@ from importlib.metadata import EntryPoint, entry_points
 from typing_extensions import override
 
 from station.core.control.controller import ControllerBase
+from station.core.control.plugin_modules import PluginModules
 from station.core.errors import (
     ControllerLoadError,
     ControllerModuleRefusedError,
     ControllerTypeNotFoundError,
+    suggest,
 )
 from station.core.faults import CONTAINED, describe
 
@@ -77,7 +77,7 @@ class TableLoader(ControllerLoader):
     ) -> None:
         super().__init__(name)
         self._table: dict[str, Target] = dict(table)
-        self._modules: set[str] = set()
+        self._modules = PluginModules()
 
     @override
     def declared_types(self) -> list[str]:
@@ -90,13 +90,11 @@ class TableLoader(ControllerLoader):
             return None
         if not isinstance(target, str):
             return target()
-        self._modules.add(target.partition(":")[0])
-        return _create(controller_type, target)
+        return _create(controller_type, target, self._modules)
 
     @override
     def reload(self) -> None:
-        _forget(self._modules)
-        self._modules.clear()
+        self._modules.forget()
 
 
 class EntryPointLoader(ControllerLoader):
@@ -142,7 +140,7 @@ class ClassLoader(ControllerLoader):
     def __init__(self, allowed: Collection[str] | None = None) -> None:
         super().__init__()
         self._allowed = None if allowed is None else frozenset(allowed)
-        self._modules: set[str] = set()
+        self._modules = PluginModules()
 
     @override
     def declared_types(self) -> list[str]:
@@ -157,8 +155,7 @@ class ClassLoader(ControllerLoader):
     def create(self, controller_type: str) -> ControllerBase | None:
         module = controller_type.partition(":")[0]
         self._check_allowed(module, controller_type)
-        self._modules.add(module)
-        return _create(controller_type, controller_type)
+        return _create(controller_type, controller_type, self._modules)
 
     def _check_allowed(self, module: str, controller_type: str) -> None:
         """Refuse a module that is not on the list.
@@ -178,8 +175,7 @@ class ClassLoader(ControllerLoader):
 
     @override
     def reload(self) -> None:
-        _forget(self._modules)
-        self._modules.clear()
+        self._modules.forget()
 
 
 def _with_parents(module: str) -> list[str]:
@@ -230,8 +226,8 @@ def create_controller(
         )
     raise ControllerTypeNotFoundError(
         f"No loader knows the controller type '{controller_type}'.",
-        remedy=f"Known types: {', '.join(types) or 'none'}; or write 'module:Class'.",
-        details={"type": controller_type, "known": types},
+        remedy=f"{suggest(controller_type, types)} Or write 'module:Class'.",
+        details={"type": controller_type},
     )
 
 
@@ -246,10 +242,12 @@ def _create_with(
         raise _cannot_create(controller_type, error) from error
 
 
-def _create(controller_type: str, target: str) -> ControllerBase:
+def _create(
+    controller_type: str, target: str, modules: PluginModules
+) -> ControllerBase:
     module_name, _, class_name = target.partition(":")
     try:
-        found: object = importlib.import_module(module_name)
+        found: object = modules.load(module_name)
         for part in class_name.split("."):
             found = getattr(found, part)
     except (ImportError, AttributeError, SyntaxError) as error:
@@ -270,11 +268,3 @@ def _cannot_create(controller_type: str, error: BaseException) -> ControllerLoad
         remedy="Correct its class or its constructor; the cause is above.",
         details={"type": controller_type},
     )
-
-
-def _forget(modules: set[str]) -> None:
-    """Drop `modules` and what is inside of them, so that they are imported anew."""
-    for name in list(sys.modules):
-        if any(name == module or name.startswith(f"{module}.") for module in modules):
-            del sys.modules[name]
-    importlib.invalidate_caches()

@@ -269,11 +269,14 @@ class ControllerManager:
         with self._lock:
             self._factory.loaders.append(loader)
 
-    def reload_controller_libraries(self, *, force_kill: bool = False) -> None:
+    def reload_controller_libraries(self, *, force_kill: bool = False) -> list[str]:
         """Let every loader forget the code it imported (CM-87 … CM-89).
 
         Args:
             force_kill: Stop and unload all controllers first.
+
+        Returns:
+            Names of the controllers that were unloaded.
 
         Raises:
             ControllerStateError: Controllers are loaded and `force_kill` is false.
@@ -298,6 +301,7 @@ class ControllerManager:
                 for name in names:
                     self._unload(self._runner.find(name))
             self._factory.reload()
+            return names
 
     def controller_statistics(self) -> list[ControllerStatistics]:
         """Return the times of all loaded controllers, in load order."""

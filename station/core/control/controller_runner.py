@@ -13,12 +13,17 @@ from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.pending_switch import PendingSwitch, SwitchProgress
 from station.core.control.switch_transaction import SwitchTransaction
-from station.core.errors import ControllerNotFoundError, SwitchRefusedError
+from station.core.errors import (
+    ControllerNotFoundError,
+    SwitchRefusedError,
+    suggest,
+)
 from station.core.faults import CONTAINED, reason_of, trace_of_fault
 from station.core.hardware.robot_hw import RobotHW
 
 _RUNNING = ControllerState.RUNNING
 
+_NO_SAMPLES: dict[str, ControllerSample] = {}
 LATE_UPDATES = 100
 """After so many updates in a row over the budget a controller is stopped. A single one
 may be the machine's doing: another process had the processor."""
@@ -79,10 +84,9 @@ class ControllerRunner:
         for loaded in self.lifecycle.loaded:
             if loaded.info.name == name:
                 return loaded
-        names = ", ".join(loaded.info.name for loaded in self.lifecycle.loaded)
         raise ControllerNotFoundError(
             f"No controller '{name}' is loaded.",
-            remedy=f"Loaded are: {names or 'none'}.",
+            remedy=suggest(name, (one.info.name for one in self.lifecycle.loaded)),
             details={"controller": name},
         )
 
@@ -118,15 +122,31 @@ class ControllerRunner:
                 gate.forget_rest()
                 for one in loaded:
                     self.lifecycle.reset(one, time)
-            for one in loaded:
+            for one in loaded if gate.is_stale else gate.running:
                 if one.controller.state is _RUNNING:
                     self._update_one(one, time, period)
+                    if gate.is_stale:
+                        # It failed, and another one may have taken over.
+                        self._update_after(one, loaded, time, period)
+                        break
             if self.pending is not None:
                 gate.restore()
                 self._carry_on(self.pending, time, period)
             gate.close(loaded)
         finally:
             self.updating = False
+
+    def _update_after(
+        self,
+        last: LoadedController,
+        loaded: tuple[LoadedController, ...],
+        time: float,
+        period: float,
+    ) -> None:
+        """Update those that run and were loaded after `last`."""
+        for one in loaded[loaded.index(last) + 1 :]:
+            if one.controller.state is _RUNNING:
+                self._update_one(one, time, period)
 
     def carry_on_switch(self, time: float) -> bool:
         """Carry on with a pending switch while time stands still.
@@ -160,7 +180,7 @@ class ControllerRunner:
             self._fail(one, time, reason_of("update", error), trace_of_fault())
             return
         duration = perf_counter() - begin
-        one.account(duration)
+        one.durations.add(duration)
         if duration > period > 0.0:
             one.overruns += 1
             one.last_overrun = time
@@ -269,9 +289,12 @@ class ControllerRunner:
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""
+        running = self.lifecycle.loaded if self._gate.is_stale else self._gate.running
+        if not running:
+            return _NO_SAMPLES
         return {
             one.info.name: one.controller.sample
-            for one in self.lifecycle.loaded
+            for one in running
             if one.controller.sample is not None and one.controller.state is _RUNNING
         }
 

@@ -16,8 +16,8 @@ class ControllerStatus:
         type: Its type as the parameters have it.
         state: Where it is in its life.
         claimed_resources: What it claims, one entry per hardware interface (CM-85).
-        fault: Why it was stopped by the manager; empty if it was not.
-        traceback: Traceback that belongs to `fault`; empty if there was none.
+        fault: Why it was stopped by the manager; None if it was not.
+        traceback: Traceback that belongs to `fault`; None if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
     """
@@ -26,8 +26,8 @@ class ControllerStatus:
     type: str
     state: ControllerState
     claimed_resources: tuple[InterfaceResources, ...]
-    fault: str
-    traceback: str
+    fault: str | None
+    traceback: str | None
     fallback: tuple[str, ...]
     time: Percentiles
 
@@ -47,6 +47,9 @@ class ControllerStatistics:
         num_control_loop_overruns: Updates that took longer than the cycle's period.
         time_last_control_loop_overrun: Station time of the last one [s].
         time: Percentiles of the durations [s]; its `count` is the number of updates.
+        total_updates: Updates since it was loaded; a reset of the statistics does not
+            change it.
+        total_overruns: The same of the overruns.
     """
 
     name: str
@@ -59,3 +62,5 @@ class ControllerStatistics:
     num_control_loop_overruns: int
     time_last_control_loop_overrun: float
     time: Percentiles
+    total_updates: int
+    total_overruns: int

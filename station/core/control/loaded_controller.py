@@ -30,6 +30,7 @@ class LoadedController:
         fresh: Whether it was started and has not been updated yet.
         ownership: Held while somebody starts or unloads it; never waited for.
         durations: Durations of its updates [s].
+        overruns: Updates that took longer than the period, since it was loaded.
         late_updates: Updates in a row that took longer than the budget.
     """
 
@@ -55,23 +56,15 @@ class LoadedController:
         self._last_goal: Goal | None = None
         self.ownership = threading.Lock()
         self.durations = DurationRing(1024)
-        self.total = 0.0
-        self.squares = 0.0
         self.overruns = 0
+        self._overruns_before = 0
         self.last_overrun = 0.0
         self.late_updates = 0
-
-    def account(self, duration: float) -> None:
-        """Note how long an update took [s]."""
-        self.durations.add(duration)
-        self.total += duration
-        self.squares += duration * duration
 
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""
         self.durations.reset()
-        self.total = self.squares = 0.0
-        self.overruns = 0
+        self._overruns_before = self.overruns
         self.last_overrun = 0.0
 
     def watch_first_update(self) -> None:
@@ -117,8 +110,8 @@ class LoadedController:
             self.info.type,
             self.controller.state,
             self.info.claimed_resources,
-            self.fault or "",
-            self.traceback or "",
+            self.fault,
+            self.traceback,
             self.fallback,
             self.durations.percentiles(),
         )
@@ -127,7 +120,7 @@ class LoadedController:
         """Return its statistics at station time `time` [s]. Any thread."""
         percentiles = self.durations.percentiles()
         count = max(percentiles.count, 1)
-        mean = self.total / count
+        mean = self.durations.total / count
         return ControllerStatistics(
             self.info.name,
             self.info.type,
@@ -135,8 +128,10 @@ class LoadedController:
             self.controller.is_running(),
             percentiles.max,
             mean,
-            max(self.squares / count - mean * mean, 0.0),
-            self.overruns,
+            max(self.durations.squares / count - mean * mean, 0.0),
+            self.overruns - self._overruns_before,
             self.last_overrun,
             percentiles,
+            self.durations.added,
+            self.overruns,
         )

@@ -89,8 +89,8 @@ class Loading:
             "",
             ControllerState.LOADING,
             (),
-            "",
-            "",
+            None,
+            None,
             (),
             DurationRing(1).percentiles(),
         )

@@ -13,7 +13,11 @@ from enum import Enum
 from typing import NamedTuple
 
 from station.core.control.controller import ControllerState
-from station.core.errors import ResourceConflictError, SwitchRefusedError
+from station.core.errors import (
+    ResourceConflictError,
+    SwitchRefusedError,
+    suggest,
+)
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 
 
@@ -199,7 +203,7 @@ def _known(
         draft.object_to(
             name,
             f"cannot {verb}: it is not loaded",
-            f"Loaded are: {', '.join(names) or 'none'}. Load it first.",
+            f"{suggest(name, names)} Load it first.",
         )
     return known
 

@@ -3,7 +3,10 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from station.core.errors import InvalidGainError
+from station.core.errors import (
+    InvalidGainError,
+    suggest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +158,7 @@ class Tunables:
     def _problem(self, name: str, value: float) -> str | None:
         tunable = self.schema.get(name)
         if tunable is None:
-            return f"is unknown; known are {', '.join(self.schema) or 'none'}"
+            return f"is unknown. {suggest(name, self.schema).rstrip('.')}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return f"is {value!r}; it must be a number"
         # Written as a chain, so that NaN is refused, too.

@@ -4,22 +4,26 @@ The simulation and the dashboard both find them here, so that what is drawn is w
 simulated.
 """
 
-import importlib.metadata
 import os
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 from xml.etree import ElementTree
 
+from station.core.description.robot_data import data_directories, is_complete
 from station.core.description.urdf_text import parse_robot
 from station.core.errors import RobotDescriptionError
 
 PACKAGE_SCHEME = "example-robot-data:"
-_DISTRIBUTION = "example-robot-data"
-# Where the wheel of that distribution puts its data; relative to its install root.
-_DATA_DIRECTORY = "cmeel.prefix/share/example-robot-data"
 _MAX_BYTES = 4_000_000
+_FETCH_PANDA = (
+    "Fetch it once with `station fetch_robot`, or give the path of a URDF. "
+    "`station run` fetches it by itself."
+)
+_INSTALL_ROBOTS = (
+    "Install all its robots (430 MB) with `pip install 'control-station[robots]'`, in "
+    "a clone of the project with `make setup`; or give the path of a URDF."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +65,7 @@ class RobotFiles:
         """Return the file that a mesh `filename` attribute of this URDF names.
 
         `package://<name>/…` is looked for in the directories above the URDF, in
-        `ROS_PACKAGE_PATH`, and in the installed example-robot-data.
+        `ROS_PACKAGE_PATH`, and in example-robot-data.
 
         Args:
             uri: `package://…`, `file://…`, an absolute path, or a path relative to
@@ -124,52 +128,35 @@ def replace_prefix(name: str, old: str, new: str) -> str:
     return new + name.removeprefix(old) if name.startswith(old) else name
 
 
-@cache
 def known_robots() -> dict[str, Path]:
-    """Return the URDF file of every robot in the installed example-robot-data.
+    """Return the URDF file of every robot of example-robot-data on this machine.
 
     A robot has the name of its URDF file (`panda`, `ur5_robot`, `talos_left_arm`); a
     name that ends in `_robot` may be shortened (`ur5`).
-
-    Raises:
-        RobotDescriptionError: The distribution is not installed or is incomplete.
     """
-    robots = _package_directory() / "robots"
-    files = sorted(robots.glob("*/*/*.urdf"))
-    by_name = {path.stem: path for path in files}
-    for path in files:
-        if path.stem.endswith("_robot"):
-            by_name[path.stem.removesuffix("_robot")] = path
+    by_name: dict[str, Path] = {}
+    for directory in reversed(data_directories()):
+        files = sorted((directory / "robots").glob("*/*/*.urdf"))
+        by_name |= {path.stem: path for path in files}
+        for path in files:
+            if path.stem.endswith("_robot"):
+                by_name[path.stem.removesuffix("_robot")] = path
     return by_name
-
-
-@cache
-def _package_directory() -> Path:
-    try:
-        distribution = importlib.metadata.distribution(_DISTRIBUTION)
-    except importlib.metadata.PackageNotFoundError as exc:
-        raise RobotDescriptionError(
-            f"The package {_DISTRIBUTION} is not installed.",
-            remedy="Run `make setup`, or give the path of a URDF.",
-        ) from exc
-    directory = Path(str(distribution.locate_file(_DATA_DIRECTORY)))
-    if not (directory / "robots").is_dir():
-        raise RobotDescriptionError(
-            f"{_DISTRIBUTION} {distribution.version} has no directory "
-            f"{directory / 'robots'}.",
-            remedy="Install that package's wheel again, or give the path of a URDF.",
-        )
-    return directory
 
 
 def _find_known_robot(name: str) -> Path:
     robots = known_robots()
-    if name not in robots:
+    if name in robots:
+        return robots[name]
+    if is_complete():
         raise RobotDescriptionError(
-            f"{_DISTRIBUTION} has no robot '{name}'.",
+            f"example-robot-data has no robot '{name}'.",
             remedy=f"Choose one of {', '.join(sorted(robots))}.",
         )
-    return robots[name]
+    raise RobotDescriptionError(
+        f"The robot '{name}' of example-robot-data is not on this machine.",
+        remedy=_FETCH_PANDA if name == "panda" else _INSTALL_ROBOTS,
+    )
 
 
 def _read(path: Path) -> str:
@@ -221,9 +208,4 @@ def _find_srdf(urdf_path: Path) -> Path | None:
 def _package_roots(urdf_path: Path) -> list[Path]:
     roots = list(urdf_path.resolve().parents)
     roots += [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if p]
-    try:
-        roots.append(_package_directory().parent)
-    except RobotDescriptionError:
-        # A URDF of the user's own needs no example-robot-data.
-        return roots
-    return roots
+    return roots + [directory.parent for directory in data_directories()]

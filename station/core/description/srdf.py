@@ -1,6 +1,8 @@
-"""Read from an SRDF which pairs of links must not be tested for contact."""
+"""Read from an SRDF the pairs of links that may touch, and the poses with a name."""
 
+from math import isfinite
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 from station.core.description.urdf_text import parse_robot
 from station.core.errors import RobotDescriptionError
@@ -16,15 +18,9 @@ def disabled_collisions(srdf_path: Path | None) -> tuple[tuple[str, str], ...]:
         RobotDescriptionError: The file cannot be read, is not XML, or an element does
             not name two links.
     """
-    if srdf_path is None:
+    root = _read(srdf_path)
+    if root is None:
         return ()
-    try:
-        root = parse_robot(srdf_path.read_text(encoding="utf-8"))
-    except (OSError, RobotDescriptionError, UnicodeDecodeError) as exc:
-        raise RobotDescriptionError(
-            f"The SRDF {srdf_path} cannot be read: {exc}",
-            remedy="Correct or remove that file.",
-        ) from exc
     pairs = []
     for element in root.iter("disable_collisions"):
         first, second = element.get("link1"), element.get("link2")
@@ -35,3 +31,55 @@ def disabled_collisions(srdf_path: Path | None) -> tuple[tuple[str, str], ...]:
             )
         pairs.append((first, second))
     return tuple(pairs)
+
+
+def group_states(srdf_path: Path | None) -> dict[str, dict[str, float]]:
+    """Return the poses of all `<group_state>` elements: positions by joint [rad or m].
+
+    States of the same name, which belong to different groups, are put together. Joints
+    with several degrees of freedom are left out.
+
+    Args:
+        srdf_path: The file, or None for a robot without an SRDF, which has no poses.
+
+    Raises:
+        RobotDescriptionError: The file cannot be read, is not XML, or a position is no
+            finite number.
+    """
+    root = _read(srdf_path)
+    states: dict[str, dict[str, float]] = {}
+    for element in () if root is None else root.iter("group_state"):
+        state = states.setdefault(element.get("name", ""), {})
+        for joint in element.iter("joint"):
+            name, text = joint.get("name", ""), joint.get("value", "")
+            if len(text.split()) > 1:
+                continue  # a joint with several degrees of freedom, such as a base's
+            try:
+                value = float(text)
+            except ValueError:
+                value = float("nan")
+            if not (name and isfinite(value)):
+                raise RobotDescriptionError(
+                    f"{srdf_path}: Joint '{name}' of a <group_state> has the position "
+                    f"'{text}', which is no finite number.",
+                    remedy="Correct that element of the SRDF.",
+                )
+            state[name] = value
+    return {name: state for name, state in states.items() if name and state}
+
+
+def _read(srdf_path: Path | None) -> Element | None:
+    """Return the root of an SRDF; None without a file.
+
+    Raises:
+        RobotDescriptionError: The file cannot be read or is not XML.
+    """
+    if srdf_path is None:
+        return None
+    try:
+        return parse_robot(srdf_path.read_text(encoding="utf-8"))
+    except (OSError, RobotDescriptionError, UnicodeDecodeError) as exc:
+        raise RobotDescriptionError(
+            f"The SRDF {srdf_path} cannot be read: {exc}",
+            remedy="Correct or remove that file.",
+        ) from exc

@@ -15,11 +15,15 @@ from station.core.errors import (
     StationError,
 )
 from station.core.loop.control_loop import ControlLoop
+from station.core.loop.loop_report import LoopState
 from station.core.ports.goal import Goal, GoalPort
+from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPoint, SetPointPort
 from station.core.trajectory import PosVelAccState
 from station.core.trajectory.trajectory_port import TrajectoryPort
 
+_PICK_UP = 0.02
+"""How long a running loop may take to pick a command up [s]."""
 _OVERTAKEN = "A stop, a reset or a recovery came before it began."
 
 
@@ -47,6 +51,22 @@ class MotionCommands:
         values = None if last is None else tuple(last[:size])
         return SetPoint(tuple(port.elements), values)
 
+    def receipt(self) -> Receipt:
+        """Return a receipt for a command, to be waited for by `wait_for`."""
+        return Receipt(lambda: self.loop.cycle)
+
+    def wait_for(self, receipt: Receipt) -> int | None:
+        """Return the cycle that picked a command up; None when none does soon.
+
+        No cycle does while the simulation is paused, and when a newer command has taken
+        the place of this one.
+        """
+        loop = self.loop
+        if loop.state is LoopState.RUNNING and not loop.pace.paused:
+            deadline = loop.clock.now() + max(_PICK_UP, 4.0 * loop.period)
+            loop.clock.wait_for(receipt.done, deadline)
+        return receipt.cycle
+
     def set_command(
         self,
         name: str,
@@ -54,6 +74,7 @@ class MotionCommands:
         epoch: int | None = None,
         timeout: float | None = None,
         rates: list[float] | None = None,
+        receipt: Receipt | None = None,
     ) -> int:
         """Give a running controller a new set-point; return the epoch it counts for.
 
@@ -65,6 +86,7 @@ class MotionCommands:
                 own when None.
             rates: Rate of change of each element; only for controllers that use rates
                 as a feed-forward.
+            receipt: Where the cycle is noted that picks the set-point up.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -80,7 +102,7 @@ class MotionCommands:
         generation = port.generation
         present = self._check_may_move(name, epoch)
         # A stop or a reset in between changes the generation and voids the set-point.
-        port.post([*values, *(rates or [])], timeout, generation)
+        port.post([*values, *(rates or [])], timeout, generation, receipt)
         return present
 
     def submit_goal(
@@ -146,7 +168,11 @@ class MotionCommands:
         return self._goal_port(name).cancel(identifier)
 
     def follow_trajectory(
-        self, name: str, request: Mapping[str, object], epoch: int | None = None
+        self,
+        name: str,
+        request: Mapping[str, object],
+        epoch: int | None = None,
+        receipt: Receipt | None = None,
     ) -> int:
         """Let a running controller follow a trajectory without a goal.
 
@@ -154,6 +180,7 @@ class MotionCommands:
             name: The controller.
             request: The trajectory message.
             epoch: The epoch in which the caller decided; the present one when None.
+            receipt: Where the cycle is noted that takes the trajectory up.
 
         Returns:
             The epoch it counts for.
@@ -170,7 +197,7 @@ class MotionCommands:
         """
         port = self._trajectory_port(name)
         present = self._check_may_move(name, epoch)
-        port.follow(request)
+        port.follow(request, receipt)
         try:
             self._check_may_move(name, present)
         except StationError:

@@ -5,7 +5,6 @@ raises and changes nothing.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import TypeVar
 
 from station.core.control.controller_manager import ControllerManager
@@ -14,6 +13,7 @@ from station.core.errors import (
     ArmCommandError,
     ArmNotFoundError,
     ServiceNotFoundError,
+    suggest,
 )
 from station.core.hardware.services import (
     RecoverableRobot,
@@ -76,31 +76,28 @@ class Robots:
             declared |= handle.services()
         return declared
 
-    def call(self, name: str, service_name: str, /, **arguments: object) -> object:
-        """Call a declared service of a robot.
+    def find_service(
+        self, name: str, service_name: str
+    ) -> tuple[Service, Callable[..., object]]:
+        """Return a declared service of a robot, and the method that carries it out.
+
+        The method is for the control thread: `ControlLoop.run_in_cycle` calls it.
 
         Args:
             name: The robot.
             service_name: The service.
-            arguments: Its arguments by name.
-
-        Returns:
-            What the service returned.
 
         Raises:
             ArmNotFoundError: There is no such robot.
             ServiceNotFoundError: The robot has no such service.
-            StoppedError: The service can move the robot and the station is stopped.
-            LoopError: The loop died or hangs.
         """
         for handle in self._of(name):
             found = handle.services().get(service_name)
             if found is not None:
-                action = partial(getattr(handle, service_name), **arguments)
-                return self.run(action, moves=found.moves)
+                return found, getattr(handle, service_name)
         raise ServiceNotFoundError(
             f"Robot '{name}' has no service '{service_name}'.",
-            remedy=f"Its services are: {', '.join(self.services(name)) or 'none'}.",
+            remedy=suggest(service_name, self.services(name)),
             details={"robot": name, "service": service_name},
         )
 
@@ -125,14 +122,12 @@ class Robots:
         """
 
         def act() -> T:
-            if moves:  # Here, because a stop may have come since the call.
-                self._loop.stop_latch.check()
             result = action()
             if voids is not None:
                 self._loop.next_epoch(voids)
             return result
 
-        return self._loop.run_in_cycle(act)
+        return self._loop.run_in_cycle(act, moves=moves)
 
     def delay_next_cycle(self, cycles: int) -> None:
         """Let the loop's next cycle begin late by some nominal periods."""
@@ -236,7 +231,7 @@ class Robots:
         if handles is None:
             raise ArmNotFoundError(
                 f"There is no arm '{name}'.",
-                remedy=f"The arms are: {', '.join(self._handles) or 'none'}.",
+                remedy=suggest(name, self._handles),
                 details={"arm_id": name},
             )
         return handles

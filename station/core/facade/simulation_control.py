@@ -7,8 +7,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from station.core.errors import ParameterError, SimulationError
+from station.core.errors import (
+    ParameterError,
+    SimulationError,
+    suggest,
+)
 from station.core.hardware.limits import JointLimits
+from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopState
 from station.core.loop.pace import check_real_time_factor
@@ -30,12 +35,14 @@ class SimulationReport:
         real_time_factor: Commanded ratio of station time to wall time.
         time: Time of the simulated world [s]; a reset sets it to zero.
         steps_due: Cycles that are still to be run while paused.
+        keyframes: Names of the poses that a reset can put the robot to.
     """
 
     paused: bool
     real_time_factor: float
     time: float
     steps_due: int
+    keyframes: tuple[str, ...] = ()
 
 
 class SimulationControl:
@@ -57,7 +64,11 @@ class SimulationControl:
             return None
         time, pace = self._world.time(), self._loop.pace
         return SimulationReport(
-            pace.paused, pace.real_time_factor, time, pace.steps_due
+            pace.paused,
+            pace.real_time_factor,
+            time,
+            pace.steps_due,
+            tuple(self._world.keyframes()),
         )
 
     def report(self) -> SimulationReport:
@@ -142,7 +153,11 @@ class SimulationControl:
         self._wait_for_steps(cycles)
         return self.report()
 
-    def reset(self, positions: Mapping[str, float] | None = None) -> SimulationReport:
+    def reset(
+        self,
+        positions: Mapping[str, float] | None = None,
+        keyframe: str | None = None,
+    ) -> SimulationReport:
         """Put the world back to its start; running controllers start anew from there.
 
         A new epoch begins: set-points and goals from before are void.
@@ -150,16 +165,17 @@ class SimulationControl:
         Args:
             positions: Joint name to position [rad or m]; the other joints go
                 back to where they began.
+            keyframe: Pose to begin at, for the joints that `positions` does not name.
 
         Raises:
-            ParameterError: A joint is unknown, or would be outside of its limits;
-                nothing changed.
+            ParameterError: There is no such keyframe, or a joint is unknown or would be
+                outside of its limits; nothing changed.
             LoopError: The loop died or hangs.
         """
         loop, world = self._loop, self._world
         if world is None:
             raise self._refusal()
-        wanted = dict(positions or {})
+        wanted = {**self._keyframe(world, keyframe), **(positions or {})}
         self._check_positions(wanted)
 
         def apply() -> None:
@@ -168,6 +184,23 @@ class SimulationControl:
 
         loop.run_in_cycle(apply)
         return self.report()
+
+    def _keyframe(self, world: SimulatedWorld, name: str | None) -> Mapping[str, float]:
+        """Return the positions of a keyframe; none without a name.
+
+        Raises:
+            ParameterError: There is no such keyframe.
+        """
+        keyframes = world.keyframes()
+        if name is None:
+            return {}
+        if name not in keyframes:
+            raise ParameterError(
+                f"The simulated world has no keyframe '{name}'.",
+                remedy=suggest(name, keyframes),
+                details={"keyframe": name},
+            )
+        return keyframes[name]
 
     def _refusal(self) -> SimulationError:
         return SimulationError(
@@ -183,7 +216,7 @@ class SimulationControl:
             if joint not in known:
                 raise ParameterError(
                     f"The simulated world has no joint '{joint}'.",
-                    remedy=f"Joints are: {', '.join(self._loop.joint_names)}.",
+                    remedy=suggest(joint, self._loop.joint_names),
                     details={"joint": joint},
                 )
             lower, upper = _range(limits.get(joint))

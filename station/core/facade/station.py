@@ -7,6 +7,7 @@ the whole thing or raises an error of `station.core.errors` and changes nothing.
 import threading
 import uuid
 from collections.abc import Mapping
+from pathlib import Path
 
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerManager, ControllerStatus
@@ -15,12 +16,14 @@ from station.core.control.switching import SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, GainsChange
 from station.core.errors import (
     ControllerExistsError,
-    GainsChangedError,
     LoopError,
     ParameterError,
 )
+from station.core.facade.gain_sets import GainSets
+from station.core.facade.gain_tuning import GainTuning
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.motion_commands import MotionCommands
+from station.core.facade.parameter_server import ParameterServer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
@@ -30,6 +33,8 @@ from station.core.loop.loop_report import LoopReport, LoopState
 from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
+from station.kernel import STATUS
+from station.kernel.built import present_status
 
 FRESH = 0.25
 """A last cycle older than this means that the loop hangs [s]."""
@@ -44,6 +49,7 @@ class Station:
         parameters: The root of the parameter tree; controllers live under their name.
         robot_type: Type of the robot for the status.
         reserved: Names at the root of the tree that no controller may have.
+        gain_sets: Where gain sets are kept; the user's own folder when None.
 
     Attributes:
         loop: The loop.
@@ -51,6 +57,9 @@ class Station:
         boot_id: Random name of this run.
         motion: What makes the robot move: set-points, trajectories and goals.
         robots: The robots, their services and recovery.
+        tuning: Gains of several controllers at once, and the last change taken back.
+        gain_sets: Named sets of gains on disk.
+        parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
             when one does, or when none is wanted.
@@ -63,6 +72,7 @@ class Station:
         parameters: Parameters,
         robot_type: str = "",
         reserved: frozenset[str] = frozenset(),
+        gain_sets: Path | None = None,
     ) -> None:
         self.loop = loop
         self.manager = manager
@@ -75,8 +85,12 @@ class Station:
         self._robot_type = robot_type
         self._reserved = reserved
         self._change_lock = threading.Lock()
-        self._revisions: dict[str, int] = {}
         self._loading: set[str] = set()
+        self.tuning = GainTuning(loop, manager, self._change_lock)
+        self.gain_sets = GainSets(self.tuning, gain_sets)
+        self.parameter_server = ParameterServer(
+            parameters, self._change_lock, self._loading, reserved
+        )
 
     @property
     def epoch(self) -> int:
@@ -119,6 +133,7 @@ class Station:
             stop_state=latch.state,
             stop_reason=latch.reason,
             loop=self.loop.report(),
+            kernel=present_status(STATUS),
             simulation=self.simulation.find(),
             clamps=tuple(self.loop.hw.clamps()),
             command_violations=violations,
@@ -184,6 +199,22 @@ class Station:
         """Return type and base class of every controller that can be loaded."""
         return self.manager.list_controller_types()
 
+    def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
+        """Let the next load of each type read its Python module anew.
+
+        Args:
+            force_kill: Stop and unload all controllers first.
+
+        Returns:
+            Names of the controllers that were unloaded.
+
+        Raises:
+            ControllerStateError: Controllers are loaded and `force_kill` is false.
+            SwitchRefusedError: The hardware does not let them be stopped.
+            SwitchTimeoutError: They could not be stopped in time.
+        """
+        return self.manager.reload_controller_libraries(force_kill=force_kill)
+
     def load_controller(
         self,
         name: str,
@@ -240,7 +271,7 @@ class Station:
             with self._change_lock:
                 self._loading.discard(name)
                 if is_loaded:
-                    self._revisions[name] = self._revisions.get(name, 0) + 1
+                    self.tuning.begin(name)
                 else:
                     self._restore(name, before)
         return self.controller(name)
@@ -275,9 +306,7 @@ class Station:
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
         """
-        tunables = self.manager.get_controller(name).tunables
-        revision = self._revisions.get(name, 0)
-        return Gains(tunables.values, tunables.schema, revision)
+        return self.tuning.gains(name)
 
     def set_gains(
         self, name: str, changes: Mapping[str, float], revision: int | None = None
@@ -295,26 +324,7 @@ class Station:
             InvalidGainError: A name or value is not allowed; nothing changed.
             LoopError: The loop died or hangs.
         """
-        with self._change_lock:
-            tunables = self.manager.get_controller(name).tunables
-            present = self._revisions.get(name, 0)
-            if revision is not None and revision != present:
-                raise GainsChangedError(
-                    f"The gains of '{name}' changed since revision {revision}; they "
-                    f"are at {present}.",
-                    remedy="Read them again and repeat the change.",
-                    details={"revision": present},
-                )
-            previous = tunables.values
-            values = tunables.checked(changes)
-
-            def apply() -> int:
-                tunables.apply(values)
-                return self.loop.cycle
-
-            cycle = self.loop.run_in_cycle(apply)
-            self._revisions[name] = present + 1
-            return GainsChange(values, previous, present + 1, cycle)
+        return self.tuning.set_gains(name, changes, revision)
 
     def controller_sample(self, name: str) -> ControllerSample | None:
         """Return the sample of a controller's last update; None before the first.

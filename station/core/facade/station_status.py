@@ -6,6 +6,7 @@ from station.core.facade.simulation_control import SimulationReport
 from station.core.hardware.robot_report import ClampReport
 from station.core.loop.loop_report import LoopReport
 from station.core.loop.stop_latch import StopState
+from station.kernel import KernelStatus
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +23,7 @@ class StationStatus:
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: How the loop is doing.
+        kernel: Whether the arithmetic of the cycle runs interpreted or compiled.
         simulation: The simulation at a glance; None for a real robot.
         clamps: What limits have cut off.
         command_violations: How often somebody wrote a command without a claim.
@@ -37,6 +39,7 @@ class StationStatus:
     stop_state: StopState
     stop_reason: str
     loop: LoopReport
+    kernel: KernelStatus
     simulation: SimulationReport | None
     clamps: tuple[ClampReport, ...]
     command_violations: int

@@ -1,9 +1,13 @@
 """The Franka arms of a station, for any thread: state, model, and simulation."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from station.core.errors import ArmCommandError, ArmNotFoundError
+from station.core.errors import (
+    ArmCommandError,
+    ArmNotFoundError,
+    suggest,
+)
 from station.core.facade.robots import Robots
 from station.core.franka.arm_simulation import (
     ArmSimulation,
@@ -184,13 +188,21 @@ class Arms:
         """End all faults of a simulated arm, and all pushes."""
         self._robots.run(self._simulation(arm_id).clear_faults)
 
+    def reader(self, arm_id: str) -> Callable[[], RobotState]:
+        """Return what copies an arm's whole state; for the control thread alone.
+
+        Raises:
+            ArmNotFoundError: There is no such arm.
+        """
+        return self._find(arm_id).get_robot_state
+
     def _find(self, arm_id: str) -> FrankaServices:
         kind: type[FrankaServices] = FrankaServices  # type: ignore[type-abstract]
         arm = self._robots.get(arm_id, kind)
         if arm is None:
             raise ArmNotFoundError(
                 f"Robot '{arm_id}' is no Franka arm.",
-                remedy=f"The arms are: {', '.join(self.names()) or 'none'}.",
+                remedy=suggest(arm_id, self.names()),
                 details={"arm_id": arm_id},
             )
         return arm

@@ -13,6 +13,7 @@ from typing_extensions import override
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_state import FrankaStateHandle
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.kernel.doubles import Storage
 
 POSE_SIZE = 16
 """Numbers in a pose."""
@@ -67,7 +68,7 @@ class FrankaCartesianHandle(FrankaStateHandle):
         self._elbow[:] = elbow
 
     @override
-    def command_slots(self) -> list[tuple[list[float], int]]:
+    def command_slots(self) -> list[tuple[Storage, int]]:
         return [(self._command, index) for index in range(len(self._command))]
 
 

@@ -8,7 +8,7 @@ Source: franka_ros@c11f000 franka_hw/include/franka_hw/franka_model_interface.h.
 # ruff: noqa: N803 - the arguments have libfranka's names.
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from enum import Enum
 from typing import ClassVar
 
@@ -167,7 +167,6 @@ class FrankaModelHandle(ResourceHandle):
         name: `<arm_id>_model`, or the alias `<arm_id>_robot`.
         model: The arm's model.
         state: The arm's live state.
-        refresh: Brings the derived fields of `state` up to date; cheap when they are.
 
     Attributes:
         model: The model with explicit arguments.
@@ -178,22 +177,24 @@ class FrankaModelHandle(ResourceHandle):
         name: str,
         model: FrankaModel,
         state: RobotState,
-        refresh: Callable[[], None],
     ) -> None:
         super().__init__(name)
         self.model = model
         self._state = state
-        self._refresh = refresh
+        self._q, self._dq = state.doubles("q"), state.doubles("dq")
+        self._frames = (state.doubles("F_T_EE"), state.doubles("EE_T_K"))
+        self._inertia = state.doubles("I_total")
+        self._center = state.doubles("F_x_Ctotal")
 
     def get_mass(self) -> list[float]:
         """Return the mass matrix with everything at the flange [kg m^2], (49,)."""
-        s = self._refreshed()
-        return self.model.mass(s.q, s.I_total, s.m_total, s.F_x_Ctotal)
+        mass = self._state.m_total
+        return self.model.mass(self._q, self._inertia, mass, self._center)
 
     def get_coriolis(self) -> list[float]:
         """Return the Coriolis and centrifugal torques [Nm], shape (7,)."""
-        s = self._refreshed()
-        return self.model.coriolis(s.q, s.dq, s.I_total, s.m_total, s.F_x_Ctotal)
+        mass = self._state.m_total
+        return self.model.coriolis(self._q, self._dq, self._inertia, mass, self._center)
 
     def get_gravity(
         self, gravity_earth: Sequence[float] = GRAVITY_EARTH
@@ -203,27 +204,20 @@ class FrankaModelHandle(ResourceHandle):
         Args:
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
-        s = self._refreshed()
-        return self.model.gravity(s.q, s.m_total, s.F_x_Ctotal, gravity_earth)
+        mass = self._state.m_total
+        return self.model.gravity(self._q, mass, self._center, gravity_earth)
 
     def get_pose(self, frame: Frame) -> list[float]:
         """Return the pose of a frame in the base frame, 16 numbers."""
-        s = self._state
-        return self.model.pose(frame, s.q, s.F_T_EE, s.EE_T_K)
+        return self.model.pose(frame, self._q, *self._frames)
 
     def get_zero_jacobian(self, frame: Frame) -> list[float]:
         """Return the Jacobian of a frame in the axes of the base, 42 numbers."""
-        s = self._state
-        return self.model.zero_jacobian(frame, s.q, s.F_T_EE, s.EE_T_K)
+        return self.model.zero_jacobian(frame, self._q, *self._frames)
 
     def get_body_jacobian(self, frame: Frame) -> list[float]:
         """Return the Jacobian of a frame in its own axes, 42 numbers."""
-        s = self._state
-        return self.model.body_jacobian(frame, s.q, s.F_T_EE, s.EE_T_K)
-
-    def _refreshed(self) -> RobotState:
-        self._refresh()
-        return self._state
+        return self.model.body_jacobian(frame, self._q, *self._frames)
 
 
 class FrankaModelInterface(HardwareResourceManager[FrankaModelHandle]):

@@ -1,14 +1,17 @@
 """The state that an arm reports once per cycle, under libfranka's names.
 
-Source: libfranka@0.9.2 include/franka/robot_state.h, RobotState; differs: plain lists
-of floats that stay the same objects for the life of the arm, and time in seconds.
+Source: libfranka@0.9.2 include/franka/robot_state.h, RobotState; differs: the arrays
+are parts of one block of doubles, and time is in seconds.
 """
-# ruff: noqa: N815 - the names are libfranka's.
+# ruff: noqa: N815, RUF009 - the names are libfranka's; the defaults are descriptors.
 
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
+from typing import overload
 
 from station.core.franka.franka_errors import ERROR_NAMES
+from station.kernel.doubles import Block, Doubles, put
 
 
 class RobotMode(Enum):
@@ -23,48 +26,95 @@ class RobotMode(Enum):
     AUTOMATIC_ERROR_RECOVERY = 6
 
 
-def _joints() -> list[float]:
-    return [0.0] * 7
+class _Array:
+    """A field whose numbers are in the block of the state.
+
+    Reading it returns a new list, assigning to it copies the numbers.
+    """
+
+    def __init__(self, default: Sequence[float]) -> None:
+        self._default = tuple(default)
+        self._name = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+        _SIZES[name] = len(self._default)
+
+    @overload
+    def __get__(self, state: None, owner: type) -> tuple[float, ...]: ...
+
+    @overload
+    def __get__(self, state: "RobotState", owner: type) -> list[float]: ...
+
+    def __get__(
+        self, state: "RobotState | None", owner: type
+    ) -> list[float] | tuple[float, ...]:
+        if state is None:
+            return self._default  # what the constructor sets
+        return [*state.doubles(self._name)]
+
+    def __set__(self, state: "RobotState", values: Iterable[float]) -> None:
+        put(state.doubles(self._name), values)
 
 
-def _twist() -> list[float]:
-    return [0.0] * 6
+# Sizes of the arrays by name, in the order of the fields.
+_SIZES: dict[str, int] = {}
 
 
-def _vector() -> list[float]:
-    return [0.0] * 3
+def _zeros(size: int) -> _Array:
+    return _Array([0.0] * size)
 
 
-def _tensor() -> list[float]:
-    return [0.0] * 9
-
-
-def _pair() -> list[float]:
-    return [0.0, 0.0]
-
-
-def _pose() -> list[float]:
-    return [
+def _pose() -> _Array:
+    return _Array([
         1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
         0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
-    ]  # fmt: skip
+    ])  # fmt: skip
+
+
+class _Mode:
+    """The field `robot_mode`, kept as a number in the block as well."""
+
+    @overload
+    def __get__(self, state: None, owner: type) -> RobotMode: ...
+
+    @overload
+    def __get__(self, state: "RobotState", owner: type) -> RobotMode: ...
+
+    def __get__(self, state: "RobotState | None", owner: type) -> RobotMode:
+        if state is None:
+            return RobotMode.OTHER
+        mode: RobotMode = state.__dict__["_mode"]
+        return mode
+
+    def __set__(self, state: "RobotState", mode: RobotMode) -> None:
+        state.__dict__["_mode"] = mode
+        state.doubles(MODE)[0] = mode.value
+
+
+MODE = "robot_mode"
+"""Part of the block that has the number of the mode."""
 
 
 def _flags() -> list[bool]:
     return [False] * len(ERROR_NAMES)
 
 
-@dataclass(slots=True)
+@dataclass
 class RobotState:
     """State of an arm with 7 joints.
 
-    The arm owns the object and every list in it: it changes them in place in
-    `RobotArm.read_once` and never replaces them, so a joint handle may keep a list. All
-    others only read, in the control thread; whoever needs values elsewhere copies them.
+    The arm owns the object and changes it in place in `RobotArm.read_once`. All others
+    only read, in the control thread; whoever needs the state elsewhere takes a `copy`.
+
+    The arrays are parts of one block of doubles. Reading one, `state.q`, returns a new
+    list; assigning, `state.q = values`, copies n numbers into it. The hot path and the
+    handles use the memory itself, `state.doubles("q")`.
 
     Fields after `control_command_success_rate` are derived from those before and from
-    settings: they are brought up to date when `FrankaStateHandle.get_robot_state` asks
-    for them, so that they take no time unless they are used.
+    settings. Poses, twists and elbows are brought up to date when
+    `FrankaStateHandle.get_robot_state` asks for them, so that they take no time unless
+    they are used; frames and loads change at once with their settings.
 
     Poses have 16 numbers and tensors 9, flat and column-major: T(r, c) = T[4 c + r].
     Twists are linear, then angular velocity; wrenches force, then torque. Frames: O the
@@ -125,59 +175,78 @@ class RobotState:
         O_ddP_O: Acceleration of gravity in O [m/s^2], shape (3,).
     """
 
-    q: list[float] = field(default_factory=_joints)
-    dq: list[float] = field(default_factory=_joints)
-    tau_J: list[float] = field(default_factory=_joints)
-    dtau_J: list[float] = field(default_factory=_joints)
-    q_d: list[float] = field(default_factory=_joints)
-    dq_d: list[float] = field(default_factory=_joints)
-    ddq_d: list[float] = field(default_factory=_joints)
-    tau_J_d: list[float] = field(default_factory=_joints)
-    theta: list[float] = field(default_factory=_joints)
-    dtheta: list[float] = field(default_factory=_joints)
-    tau_ext_hat_filtered: list[float] = field(default_factory=_joints)
-    O_F_ext_hat_K: list[float] = field(default_factory=_twist)
-    K_F_ext_hat_K: list[float] = field(default_factory=_twist)
-    joint_contact: list[float] = field(default_factory=_joints)
-    joint_collision: list[float] = field(default_factory=_joints)
-    cartesian_contact: list[float] = field(default_factory=_twist)
-    cartesian_collision: list[float] = field(default_factory=_twist)
+    q: _Array = _zeros(7)
+    dq: _Array = _zeros(7)
+    tau_J: _Array = _zeros(7)
+    dtau_J: _Array = _zeros(7)
+    q_d: _Array = _zeros(7)
+    dq_d: _Array = _zeros(7)
+    ddq_d: _Array = _zeros(7)
+    tau_J_d: _Array = _zeros(7)
+    theta: _Array = _zeros(7)
+    dtheta: _Array = _zeros(7)
+    tau_ext_hat_filtered: _Array = _zeros(7)
+    O_F_ext_hat_K: _Array = _zeros(6)
+    K_F_ext_hat_K: _Array = _zeros(6)
+    joint_contact: _Array = _zeros(7)
+    joint_collision: _Array = _zeros(7)
+    cartesian_contact: _Array = _zeros(6)
+    cartesian_collision: _Array = _zeros(6)
     current_errors: list[bool] = field(default_factory=_flags)
     last_motion_errors: list[bool] = field(default_factory=_flags)
-    robot_mode: RobotMode = RobotMode.OTHER
+    robot_mode: _Mode = _Mode()
     time: float = 0.0
     control_command_success_rate: float = 0.0
-    O_T_EE: list[float] = field(default_factory=_pose)
-    O_T_EE_d: list[float] = field(default_factory=_pose)
-    O_T_EE_c: list[float] = field(default_factory=_pose)
-    F_T_EE: list[float] = field(default_factory=_pose)
-    F_T_NE: list[float] = field(default_factory=_pose)
-    NE_T_EE: list[float] = field(default_factory=_pose)
-    EE_T_K: list[float] = field(default_factory=_pose)
+    O_T_EE: _Array = _pose()
+    O_T_EE_d: _Array = _pose()
+    O_T_EE_c: _Array = _pose()
+    F_T_EE: _Array = _pose()
+    F_T_NE: _Array = _pose()
+    NE_T_EE: _Array = _pose()
+    EE_T_K: _Array = _pose()
     m_ee: float = 0.0
-    F_x_Cee: list[float] = field(default_factory=_vector)
-    I_ee: list[float] = field(default_factory=_tensor)
+    F_x_Cee: _Array = _zeros(3)
+    I_ee: _Array = _zeros(9)
     m_load: float = 0.0
-    F_x_Cload: list[float] = field(default_factory=_vector)
-    I_load: list[float] = field(default_factory=_tensor)
+    F_x_Cload: _Array = _zeros(3)
+    I_load: _Array = _zeros(9)
     m_total: float = 0.0
-    F_x_Ctotal: list[float] = field(default_factory=_vector)
-    I_total: list[float] = field(default_factory=_tensor)
-    elbow: list[float] = field(default_factory=_pair)
-    elbow_d: list[float] = field(default_factory=_pair)
-    elbow_c: list[float] = field(default_factory=_pair)
-    delbow_c: list[float] = field(default_factory=_pair)
-    ddelbow_c: list[float] = field(default_factory=_pair)
-    O_dP_EE_d: list[float] = field(default_factory=_twist)
-    O_dP_EE_c: list[float] = field(default_factory=_twist)
-    O_ddP_EE_c: list[float] = field(default_factory=_twist)
-    O_ddP_O: list[float] = field(default_factory=_vector)
+    F_x_Ctotal: _Array = _zeros(3)
+    I_total: _Array = _zeros(9)
+    elbow: _Array = _zeros(2)
+    elbow_d: _Array = _zeros(2)
+    elbow_c: _Array = _zeros(2)
+    delbow_c: _Array = _zeros(2)
+    ddelbow_c: _Array = _zeros(2)
+    O_dP_EE_d: _Array = _zeros(6)
+    O_dP_EE_c: _Array = _zeros(6)
+    O_ddP_EE_c: _Array = _zeros(6)
+    O_ddP_O: _Array = _zeros(3)
+
+    def __new__(cls, *_args: object, **_values: object) -> "RobotState":
+        """Make the block before the fields are set."""
+        state = super().__new__(cls)
+        # Past the fields, which are what libfranka has.
+        state.__dict__["block"] = Block({**_SIZES, MODE: 1})
+        return state
+
+    def doubles(self, name: str) -> Doubles:
+        """Return the memory of an array, the same object at every call.
+
+        Args:
+            name: Name of the field, e.g. "q".
+        """
+        block: Block = self.__dict__["block"]
+        return block[name]
+
+    def readings(self) -> Doubles:
+        """Return the memory of `q`, `dq` and `tau_J`, one after the other, (21,)."""
+        block: Block = self.__dict__["block"]
+        return block.memory[: sum(_SIZES[name] for name in ("q", "dq", "tau_J"))]
 
     def copy(self) -> "RobotState":
         """Return a copy that no longer changes, for other threads."""
         result = replace(self)
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if isinstance(value, list):
-                setattr(result, one.name, list(value))
+        result.current_errors = list(self.current_errors)
+        result.last_motion_errors = list(self.last_motion_errors)
         return result

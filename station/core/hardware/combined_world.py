@@ -31,6 +31,15 @@ class CombinedWorld(SimulatedWorld):
             world.reset({n: p for n, p in positions.items() if n in own})
 
     @override
+    def keyframes(self) -> Mapping[str, Mapping[str, float]]:
+        """Return the keyframes of all worlds; those of one name are put together."""
+        found: dict[str, dict[str, float]] = {}
+        for _, world in self._worlds:
+            for name, positions in world.keyframes().items():
+                found.setdefault(name, {}).update(positions)
+        return found
+
+    @override
     def scene(self) -> Sequence[SceneObjectReport]:
         """Return the objects of all worlds; objects of one name are one object."""
         found = {

@@ -32,6 +32,10 @@ class SimulatedWorld(ABC):
             HardwareInterfaceError: A joint is not in the world; nothing changed.
         """
 
+    def keyframes(self) -> Mapping[str, Mapping[str, float]]:
+        """Return the poses that have a name: joint name to position [rad or m]."""
+        return {}
+
     def scene(self) -> Sequence[SceneObjectReport]:
         """Return the objects around the robot, at their present poses."""
         return ()

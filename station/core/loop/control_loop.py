@@ -13,7 +13,7 @@ for the next deadline is slept in slices, so that none of these has to wait for 
 import threading
 from collections.abc import Callable
 from math import inf
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from station.core.clock import Clock
 from station.core.control.controller_manager import ControllerManager
@@ -24,11 +24,14 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.services import InterruptibleServices, find_services
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
-from station.core.loop.operations import Operations
+from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
 from station.core.loop.scheduling import request_realtime_priority
-from station.core.loop.snapshot import Snapshot, SnapshotRing
+from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
+
+if TYPE_CHECKING:
+    from station.core.loop.cycle_tap import CycleTap
 
 T = TypeVar("T")
 
@@ -60,6 +63,7 @@ class ControlLoop:
         epoch: Number that commands must not be older than.
         stop_latch: The latched stop; the loop carries it out.
         pace: Whether time passes in the thread, and how fast.
+        taps: What samples every cycle at the moment; replaced as a whole.
         heartbeat: Where the thread leaves the time of every wake-up, and where a
             watchdog asks for a stop.
 
@@ -82,6 +86,7 @@ class ControlLoop:
         self.hw = hw
         self.manager = manager
         self.clock = clock
+        self._now = clock.now
         self.period = period
         self.pace = Pace(real_time_factor)
         self.snapshots = snapshots or SnapshotRing()
@@ -99,6 +104,7 @@ class ControlLoop:
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
         ]
+        self.taps: tuple[CycleTap[Any], ...] = ()
         self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
@@ -117,6 +123,11 @@ class ControlLoop:
     def joint_names(self) -> list[str]:
         """Names of the joints in the snapshots, in their order."""
         return list(self._joints.names)
+
+    @property
+    def skipped(self) -> int:
+        """Number of deadlines ever skipped; resets of the statistics do not matter."""
+        return self._meter.total_skipped
 
     @property
     def state(self) -> LoopState:
@@ -176,12 +187,16 @@ class ControlLoop:
                 remedy="Stop the loop first.",
             )
         for _ in range(cycles):
+            if not self._late_cycles:
+                self._cycle(self.period)
+                continue
             late = self._take_late_cycles()
-            if late:
-                self._meter.woke(late * self.period / self.pace.real_time_factor, late)
+            self._meter.woke(late * self.period / self.pace.real_time_factor, late)
             self._cycle((1 + late) * self.period)
 
-    def run_in_cycle(self, action: Callable[[], T], timeout: float = 1.0) -> T:
+    def run_in_cycle(
+        self, action: Callable[[], T], timeout: float = 1.0, *, moves: bool = False
+    ) -> T:
         """Run `action` in the control thread between two cycles; return its result.
 
         At once when no thread runs, or when called from the control thread.
@@ -189,12 +204,16 @@ class ControlLoop:
         Args:
             action: Short, and must not wait for anything.
             timeout: How long to wait for it [s wall time].
+            moves: Refuse while the station is stopped.
 
         Raises:
+            StoppedError: `action` can move the robot and the station is stopped.
             LoopError: The loop died, or did not get to it in time; it will not be
                 run later.
         """
         thread = self._thread
+        if moves:
+            action = guarded(self.stop_latch.check, action)
         if thread is None or thread is threading.current_thread():
             return action()
         operation = self._operations.post(action)
@@ -360,22 +379,23 @@ class ControlLoop:
     def _cycle(self, period: float) -> None:
         if period > self._longest_period:
             period = self._longest_period
-        meter = self._meter
-        self.time += period
+        self.time = time = self.time + period
         self.cycle += 1
-        self._between_cycles()
-        meter.begin()
-        self.hw.read(self.time, period)
-        meter.read_done()
-        self.manager.update(self.time, period, reset_controllers=self._restart)
+        if self._operations.waiting or self.stop_latch.pending:
+            self._between_cycles()
+        now = self._now
+        begun = now()
+        self.hw.read(time, period)
+        read = now()
+        self.manager.update(time, period, reset_controllers=self._restart)
         self._restart = False
         if self._watchdog_flags[0]:
             # A controller that held the thread up has just returned. What it wrote must
             # not reach the robot, so the stop is carried out before the write.
             self._carry_out_watchdog_stop()
-        meter.update_done()
-        self.hw.write(self.time, period)
-        meter.write_done()
+        updated = now()
+        self.hw.write(time, period)
+        self._meter.add(begun, read, updated, now())
         self._push_snapshot(period)
 
     def _between_cycles(self) -> bool:
@@ -408,16 +428,14 @@ class ControlLoop:
             self._push_snapshot(0.0)
 
     def _push_snapshot(self, period: float) -> None:
-        self.snapshots.push(
-            Snapshot(
-                self.cycle,
-                self.epoch,
-                self.time,
-                period,
-                self.hw.mode(),
-                self._joints.get_positions(),
-                self._joints.get_velocities(),
-                self._joints.get_efforts(),
-                self.manager.samples(),
-            )
-        )
+        self.snapshots.push((
+            self.cycle,
+            self.epoch,
+            self.time,
+            period,
+            self.hw.mode(),
+            self._joints.pack(),
+            self.manager.samples(),
+        ))
+        for tap in self.taps:
+            tap.take(self.cycle, self.epoch, self.time, period)

@@ -5,6 +5,7 @@ from enum import Enum
 
 from station.core.clock import Clock
 from station.core.numerics.statistics import DurationRing, Percentiles
+from station.kernel.durations import CycleTimes
 
 
 class LoopState(Enum):
@@ -65,12 +66,17 @@ class LoopMeter:
         self._update = DurationRing()
         self._write = DurationRing()
         self._total = DurationRing()
-        self._begin = 0.0
-        self._mark = 0.0
+        self._add = CycleTimes(self._read, self._update, self._write, self._total).add
         self._since = clock.now()
         self._last = self._since
         self._cycles = 0
         self._skipped = 0
+        self._skipped_before = 0
+
+    @property
+    def total_skipped(self) -> int:
+        """Number of deadlines ever skipped; a reset does not change it."""
+        return self._skipped
 
     def reset(self) -> None:
         """Start anew."""
@@ -84,35 +90,24 @@ class LoopMeter:
             ring.reset()
         self._since = self._last = self._clock.now()
         self._cycles = 0
-        self._skipped = 0
+        self._skipped_before = self._skipped
 
     def woke(self, lateness: float, skipped: int) -> None:
         """Note how late the thread woke [s] and how many deadlines had passed."""
         self._lateness.add(lateness)
         self._skipped += skipped
 
-    def begin(self) -> None:
-        """Note the beginning of a cycle."""
-        self._begin = self._mark = self._clock.now()
+    def add(self, begun: float, read: float, updated: float, written: float) -> None:
+        """Add a cycle.
 
-    def read_done(self) -> None:
-        """Note that the robot has been read."""
-        now = self._clock.now()
-        self._read.add(now - self._mark)
-        self._mark = now
-
-    def update_done(self) -> None:
-        """Note that the controllers have been updated."""
-        now = self._clock.now()
-        self._update.add(now - self._mark)
-        self._mark = now
-
-    def write_done(self) -> None:
-        """Note that the commands have been written: the cycle is over."""
-        now = self._clock.now()
-        self._write.add(now - self._mark)
-        self._total.add(now - self._begin)
-        self._last = now
+        Args:
+            begun: When it began [s].
+            read: When the robot had been read [s].
+            updated: When the controllers had been updated [s].
+            written: When the commands had been written [s].
+        """
+        self._add(begun, read, updated, written)
+        self._last = written
         self._cycles += 1
 
     def idled(self) -> None:
@@ -140,7 +135,7 @@ class LoopMeter:
             scheduler: Scheduling class granted to the thread, in words.
         """
         elapsed = self._last - self._since
-        cycles, skipped = self._cycles, self._skipped
+        cycles, skipped = self._cycles, self._skipped - self._skipped_before
         rate = real_time_factor / period
         achieved = cycles / elapsed if elapsed > 0.0 else 0.0
         simulated = (cycles + skipped) * period

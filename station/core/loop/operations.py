@@ -3,8 +3,11 @@
 import threading
 from collections import deque
 from collections.abc import Callable
+from typing import TypeVar
 
 from station.core.errors import LoopError
+
+T = TypeVar("T")
 
 OPERATIONS_PER_CYCLE = 4
 """How many posted operations one cycle carries out; the rest wait for the next."""
@@ -48,20 +51,24 @@ class Operation:
 
 
 class Operations:
-    """The operations that wait for the next cycle. Any thread posts, one runs them."""
+    """The operations that wait for the next cycle. Any thread posts, one runs them.
+
+    Attributes:
+        waiting: The operations, oldest first.
+    """
 
     def __init__(self) -> None:
-        self._waiting: deque[Operation] = deque()
+        self.waiting: deque[Operation] = deque()
 
     def post(self, action: Callable[[], object]) -> Operation:
         """Have `action` carried out between two cycles."""
         operation = Operation(action)
-        self._waiting.append(operation)
+        self.waiting.append(operation)
         return operation
 
     def run(self) -> bool:
         """Carry out what a cycle has time for; return whether there was anything."""
-        waiting = self._waiting
+        waiting = self.waiting
         if not waiting:
             return False
         for _ in range(min(len(waiting), OPERATIONS_PER_CYCLE)):
@@ -70,5 +77,22 @@ class Operations:
 
     def give_up(self, error: LoopError) -> None:
         """End the wait of all callers with an error: nobody will run operations."""
-        while self._waiting:
-            self._waiting.popleft().give_up(error)
+        while self.waiting:
+            self.waiting.popleft().give_up(error)
+
+
+def guarded(check: Callable[[], None], action: Callable[[], T]) -> Callable[[], T]:
+    """Return `action` behind a check that raises when it must not be done.
+
+    The check comes when the action does, because a stop may come after the request.
+
+    Args:
+        check: Raises, or returns.
+        action: What is done after the check.
+    """
+
+    def act() -> T:
+        check()
+        return action()
+
+    return act

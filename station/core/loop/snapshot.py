@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from station.core.control.controller import ControllerSample
+from station.core.hardware.interfaces.joint_group import Packed
 
 
 class Snapshot(NamedTuple):
@@ -31,12 +32,16 @@ class Snapshot(NamedTuple):
     samples: dict[str, ControllerSample]
 
 
+Record = tuple[int, int, float, float, str, Packed, dict[str, ControllerSample]]
+"""A cycle as the control thread leaves it; the joint states are still packed."""
+
+
 class SnapshotRing:
     """Keeps the last `capacity` snapshots without a lock.
 
-    The control thread puts one in per cycle. A reader copies references and then
-    looks whether the writer has overtaken it, so that it either gets every cycle or
-    learns how many it lost.
+    The control thread puts one record in per cycle; a reader makes a snapshot of it. A
+    reader copies references and then looks whether the writer has overtaken it, so that
+    it either gets every cycle or learns how many it lost.
 
     Args:
         capacity: Number of snapshots kept, >= 2.
@@ -44,17 +49,18 @@ class SnapshotRing:
 
     def __init__(self, capacity: int = 4096) -> None:
         self._capacity = capacity
-        self._slots: list[Snapshot | None] = [None] * capacity
-        self._latest: Snapshot | None = None
+        self._slots: list[Record | None] = [None] * capacity
+        self._latest: Record | None = None
 
-    def push(self, snapshot: Snapshot) -> None:
-        """Add the next snapshot; control thread only, cycles without gaps."""
-        self._slots[snapshot.cycle % self._capacity] = snapshot
-        self._latest = snapshot
+    def push(self, record: Record) -> None:
+        """Add the next cycle; control thread only, cycles without gaps."""
+        self._slots[record[0] % self._capacity] = record
+        self._latest = record
 
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
-        return self._latest
+        latest = self._latest
+        return None if latest is None else _unpack(latest)
 
     def read_since(self, cycle: int) -> tuple[list[Snapshot], int]:
         """Return the snapshots after `cycle`, oldest first, and how many were lost.
@@ -62,14 +68,23 @@ class SnapshotRing:
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.
         """
-        newest = self._latest
-        if newest is None or newest.cycle <= cycle:
+        latest = self._latest
+        if latest is None or latest[0] <= cycle:
             return [], 0
-        first = max(cycle + 1, newest.cycle - self._capacity + 1)
+        newest = latest[0]
+        first = max(cycle + 1, newest - self._capacity + 1)
         found = [
-            snapshot
-            for number in range(first, newest.cycle + 1)
-            if (snapshot := self._slots[number % self._capacity]) is not None
-            and snapshot.cycle == number
+            _unpack(record)
+            for number in range(first, newest + 1)
+            if (record := self._slots[number % self._capacity]) is not None
+            and record[0] == number
         ]
-        return found, newest.cycle - cycle - len(found)
+        return found, newest - cycle - len(found)
+
+
+def _unpack(record: Record) -> Snapshot:
+    cycle, epoch, stamp, period, mode, packed, samples = record
+    position, velocity, effort = packed.unpack()
+    return Snapshot(
+        cycle, epoch, stamp, period, mode, position, velocity, effort, samples
+    )

@@ -1,28 +1,17 @@
 """Turn an error into a command: proportional, integral and derivative part.
 
-With `error = target - measured value`:
-
-| quantity         | formula                                                          |
-|------------------|------------------------------------------------------------------|
-| `error_dot`      | `(error - last error) / period`; the last error is 0 at first    |
-|                  | and after `reset`; in the first cycle after `reset_to` the given |
-|                  | rate is used                                                     |
-| integral         | `i_error += period * error`                                      |
-| with antiwindup  | `i_error` is kept between `i_min / i` and `i_max / i` if i != 0  |
-| i term           | `i * i_error`; without antiwindup kept from `i_min` to `i_max`   |
-| command          | `p * error + i term + d * error_dot`                             |
+The law is in `station.kernel.pid`.
 
 Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 """
 
 from dataclasses import dataclass
 from math import isfinite, isnan
-from typing import Final
 
 from station.core.errors import InvalidGainError
 from station.core.parameters import Parameters
-
-_INFINITY: Final[float] = float("inf")
+from station.kernel.doubles import zeros
+from station.kernel.pid import NO_ERROR, PidGroup
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,12 +108,11 @@ class Pid:
             gains: First gains; None for zeros.
         """
         self._gains: PidGains = gains if gains is not None else PidGains()
+        self._error, self._rate, self._output = zeros(1), zeros(1), zeros(1)
+        self._group = PidGroup(self._error, self._rate, self._output)
         self._p_error: float = 0.0
-        self._i_error: float = 0.0
-        self._d_error: float = 0.0
-        self._p_error_last: float = 0.0
-        self._has_p_error_last: bool = True
         self._command: float = 0.0
+        self._applied: PidGains | None = None
 
     @classmethod
     def from_parameters(cls, params: Parameters) -> "Pid":
@@ -169,15 +157,12 @@ class Pid:
         Returns:
             The command; 0 if none can be computed.
         """
-        if period == 0.0 or not -_INFINITY < error < _INFINITY:
-            return 0.0
-        error_dot = self._d_error
-        if period > 0.0:
-            if self._has_p_error_last:
-                error_dot = (error - self._p_error_last) / period
-            self._p_error_last = error
-            self._has_p_error_last = True
-        return self.compute_command_with_rate(error, error_dot, period)
+        missing = self._prepared(error).compute(period)
+        if missing != NO_ERROR:
+            self._p_error = error
+        if not missing:
+            self._command = self._output[0]
+        return self._output[0]
 
     def compute_command_with_rate(
         self, error: float, error_dot: float, period: float
@@ -193,28 +178,20 @@ class Pid:
         Returns:
             The command; 0 if none can be computed.
         """
-        gains = self._gains
         self._p_error = error
-        self._d_error = error_dot
-        if period == 0.0 or not -_INFINITY < error < _INFINITY:
-            return 0.0
-        if not -_INFINITY < error_dot < _INFINITY:
-            return 0.0
-        i_gain = gains.i
-        i_error = self._i_error + period * error
-        if gains.antiwindup and i_gain != 0.0:
-            bound_a = gains.i_min / i_gain
-            bound_b = gains.i_max / i_gain
-            i_error = _clamp_integral(i_error, bound_a, bound_b)
-        self._i_error = i_error
-        i_term = i_gain * i_error
-        if not gains.antiwindup:
-            if i_term < gains.i_min:
-                i_term = gains.i_min
-            elif gains.i_max < i_term:
-                i_term = gains.i_max
-        self._command = gains.p * error + i_term + gains.d * error_dot
-        return self._command
+        self._rate[0] = error_dot
+        if not self._prepared(error).compute_with_rates(period):
+            self._command = self._output[0]
+        return self._output[0]
+
+    def _prepared(self, error: float) -> PidGroup:
+        """Return the group of this one PID, with its error and its newest gains."""
+        gains = self._gains
+        if gains is not self._applied:
+            apply_gains(self._group, 0, gains)
+            self._applied = gains
+        self._error[0] = error
+        return self._group
 
     def get_current_command(self) -> float:
         """Return the command computed or set last."""
@@ -230,11 +207,12 @@ class Pid:
 
     def get_current_pid_errors(self) -> tuple[float, float, float]:
         """Return error, integral of the error [s], and rate of the error [1/s]."""
-        return (self._p_error, self._i_error, self._d_error)
+        return (self._p_error, self._group.integral(0), self._rate[0])
 
     def reset(self) -> None:
         """Forget all errors; the next rate is computed from an error of 0."""
-        self._reset(0.0, 0.0, has_p_error_last=True)
+        self._p_error = self._command = 0.0
+        self._group.reset()
 
     def reset_to(self, d_error: float, i_error: float) -> None:
         """Forget the last error, and start from a known rate and integral.
@@ -243,21 +221,11 @@ class Pid:
             d_error: Rate of the error that the next computation uses [1/s].
             i_error: Integral of the error [s].
         """
-        self._reset(d_error, i_error, has_p_error_last=False)
-
-    def _reset(self, d_error: float, i_error: float, *, has_p_error_last: bool) -> None:
-        self._p_error_last = 0.0
-        self._p_error = 0.0
-        self._i_error = i_error
-        self._d_error = d_error
-        self._command = 0.0
-        self._has_p_error_last = has_p_error_last
+        self._p_error = self._command = 0.0
+        self._group.reset_to(0, d_error, i_error)
 
 
-def _clamp_integral(value: float, bound_a: float, bound_b: float) -> float:
-    low, high = (bound_b, bound_a) if bound_b < bound_a else (bound_a, bound_b)
-    if value < low:
-        return low
-    if high < value:
-        return high
-    return value
+def apply_gains(group: PidGroup, index: int, gains: PidGains) -> None:
+    """Make `gains` those of one joint of a group; its error and integral stay."""
+    group.set_gains(index, gains.p, gains.i, gains.d, gains.i_max, gains.i_min)
+    group.set_antiwindup(index, gains.antiwindup)

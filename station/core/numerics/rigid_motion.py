@@ -1,13 +1,15 @@
-"""Poses, rotation vectors and twists in plain floats.
+"""Poses, rotation vectors and twists as lists of floats, by the kernel's arithmetic.
 
 A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. A rotation is the
-upper left 3 x 3 block of a pose.
+upper left 3 x 3 block of a pose. `station.kernel.rigid_motion` has the same over memory
+that the caller owns, for what runs in every cycle.
 """
 
 from collections.abc import Sequence
-from math import acos, atan2, cos, pi, sin, sqrt
 
-_SMALL = 1e-9
+from station.kernel import arm_chain
+from station.kernel import rigid_motion as kernel
+from station.kernel.doubles import Doubles, doubles, zeros
 
 
 def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[float]:
@@ -20,35 +22,9 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
         first: Pose before the rotation, 16 numbers.
         second: Pose after the rotation, 16 numbers.
     """
-    # R = R_second R_first^T, element by element: this runs several times in each cycle.
-    a0, a1, a2, _, b0, b1, b2, _, c0, c1, c2 = first[:11]
-    d0, d1, d2, _, e0, e1, e2, _, f0, f1, f2 = second[:11]
-    x = d2 * a1 + e2 * b1 + f2 * c1 - d1 * a2 - e1 * b2 - f1 * c2
-    y = d0 * a2 + e0 * b2 + f0 * c2 - d2 * a0 - e2 * b0 - f2 * c0
-    z = d1 * a0 + e1 * b0 + f1 * c0 - d0 * a1 - e0 * b1 - f0 * c1
-    diagonal = (
-        d0 * a0 + e0 * b0 + f0 * c0,
-        d1 * a1 + e1 * b1 + f1 * c1,
-        d2 * a2 + e2 * b2 + f2 * c2,
-    )
-    sine = sqrt(x * x + y * y + z * z) / 2.0
-    cosine = (diagonal[0] + diagonal[1] + diagonal[2] - 1.0) / 2.0
-    if sine > _SMALL:
-        scale = atan2(sine, cosine) / (2.0 * sine)
-        return [scale * x, scale * y, scale * z]
-    if cosine > 0.0:
-        return [x / 2.0, y / 2.0, z / 2.0]
-    # Half a turn: in R = 2 k k^T - 1, each column of R + 1 is parallel to the axis k.
-    lengths = [sqrt(max(0.0, (value + 1.0) / 2.0)) for value in diagonal]
-    largest = lengths.index(max(lengths))
-    axis = [
-        sum(second[4 * k + i] * first[4 * k + largest] for k in range(3))
-        / (2.0 * lengths[largest])
-        for i in range(3)
-    ]
-    axis[largest] = lengths[largest]
-    angle = pi if cosine <= -1.0 else acos(cosine)
-    return [angle * value for value in axis]
+    result = zeros(3)
+    kernel.rotation_between(_view(first), _view(second), result)
+    return [*result]
 
 
 def displace(
@@ -63,37 +39,9 @@ def displace(
         shift: Displacement of the origin [m], shape (3,).
         turn: Rotation vector [rad], shape (3,).
     """
-    angle = sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
-    result = list(pose)
-    if angle > 0.0:
-        kx, ky, kz = (value / angle for value in turn)
-        c, s = cos(angle), sin(angle)
-        for column in (0, 4, 8):
-            vx, vy, vz = pose[column : column + 3]
-            dot = (kx * vx + ky * vy + kz * vz) * (1.0 - c)
-            result[column] = c * vx + s * (ky * vz - kz * vy) + kx * dot
-            result[column + 1] = c * vy + s * (kz * vx - kx * vz) + ky * dot
-            result[column + 2] = c * vz + s * (kx * vy - ky * vx) + kz * dot
-    _orthonormalise(result)
-    result[12] += shift[0]
-    result[13] += shift[1]
-    result[14] += shift[2]
-    return result
-
-
-def _orthonormalise(pose: list[float]) -> None:
-    """Make the rotation of a pose orthonormal, keeping the direction of its x axis."""
-    ax, ay, az = pose[0:3]
-    length = sqrt(ax * ax + ay * ay + az * az)
-    ax, ay, az = ax / length, ay / length, az / length
-    bx, by, bz = pose[4:7]
-    dot = ax * bx + ay * by + az * bz
-    bx, by, bz = bx - dot * ax, by - dot * ay, bz - dot * az
-    length = sqrt(bx * bx + by * by + bz * bz)
-    bx, by, bz = bx / length, by / length, bz / length
-    pose[0:3] = [ax, ay, az]
-    pose[4:7] = [bx, by, bz]
-    pose[8:11] = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+    result = zeros(16)
+    kernel.displace(_view(pose), doubles([*shift, *turn]), 1.0, result)
+    return [*result]
 
 
 def twist_between(
@@ -106,15 +54,9 @@ def twist_between(
         second: Pose after the motion, 16 numbers.
         period: Time between the poses [s], > 0.
     """
-    turn = rotation_between(first, second)
-    return [
-        (second[12] - first[12]) / period,
-        (second[13] - first[13]) / period,
-        (second[14] - first[14]) / period,
-        turn[0] / period,
-        turn[1] / period,
-        turn[2] / period,
-    ]
+    result = zeros(6)
+    kernel.twist_between(_view(first), _view(second), period, result)
+    return [*result]
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[float]:
@@ -136,33 +78,23 @@ def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[floa
 
 def quaternion_of(pose: Sequence[float]) -> list[float]:
     """Return the unit quaternion x, y, z, w of a pose's rotation, with w >= 0."""
-    xx, yy, zz = pose[0], pose[5], pose[10]
-    # Dividing by the largest component is safe.
-    squares = [1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz]
-    squares.append(1.0 + xx + yy + zz)
-    largest = squares.index(max(squares))
-    xy, xz, yz = pose[1] + pose[4], pose[2] + pose[8], pose[6] + pose[9]
-    xw, yw, zw = pose[6] - pose[9], pose[8] - pose[2], pose[1] - pose[4]
-    row = (
-        (squares[0], xy, xz, xw),
-        (xy, squares[1], yz, yw),
-        (xz, yz, squares[2], zw),
-        (xw, yw, zw, squares[3]),
-    )[largest]
-    size = 2.0 * sqrt(squares[largest])
-    sign = -1.0 if row[3] < 0.0 else 1.0
-    return [sign * value / size for value in row]
+    result = zeros(4)
+    kernel.quaternion_of(_view(pose), result)
+    return [*result]
 
 
 def to_outer_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
-    """Return a vector, given in the axes of a pose, in the pose's outer axes, (3,)."""
-    x, y, z = vector
-    return [pose[i] * x + pose[4 + i] * y + pose[8 + i] * z for i in range(3)]
+    """Return vectors, given in the axes of a pose, in the pose's outer axes, (3 n,)."""
+    result = zeros(len(vector))
+    arm_chain.turn_to_outer_axes(_view(pose), _view(vector), result)
+    return [*result]
 
 
 def to_inner_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
-    """Return a vector, given in the outer axes of a pose, in the pose's axes, (3,)."""
-    return [sum(pose[4 * i + k] * vector[k] for k in range(3)) for i in range(3)]
+    """Return vectors, given in the outer axes of a pose, in the pose's axes, (3 n,)."""
+    result = zeros(len(vector))
+    arm_chain.turn_to_inner_axes(_view(pose), _view(vector), result)
+    return [*result]
 
 
 def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
@@ -172,9 +104,10 @@ def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
         jacobian: The Jacobian J, 42 numbers, column-major.
         dq: Joint velocities [rad/s], shape (7,).
     """
-    result = [0.0] * 6
-    for joint, rate in enumerate(dq):
-        if rate:
-            for row in range(6):
-                result[row] += jacobian[6 * joint + row] * rate
-    return result
+    result = zeros(6)
+    arm_chain.twist_of(_view(jacobian), _view(dq), result)
+    return [*result]
+
+
+def _view(values: Sequence[float]) -> Doubles:
+    return values if isinstance(values, memoryview) else doubles(values)

@@ -1,9 +1,11 @@
 """Durations in a ring, and their percentiles."""
 
-from array import array
 from dataclasses import dataclass
 
 import numpy as np
+from typing_extensions import override
+
+from station.kernel.durations import Durations
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,7 @@ class Percentiles:
     count: int
 
 
-class DurationRing:
+class DurationRing(Durations):
     """Keep the last durations. One thread adds, any thread may ask for percentiles.
 
     Args:
@@ -33,28 +35,25 @@ class DurationRing:
     """
 
     def __init__(self, capacity: int = 16384) -> None:
-        self._capacity = capacity
-        self._values = array("d", bytes(8 * capacity))
-        self._count = 0
-        self._max = 0.0
+        super().__init__(capacity)
+        self._before = 0
 
-    def add(self, duration: float) -> None:
-        """Add a duration [s]."""
-        self._values[self._count % self._capacity] = duration
-        self._count += 1
-        if duration > self._max:
-            self._max = duration
+    @property
+    def added(self) -> int:
+        """Number of durations ever added; a reset does not change it."""
+        return self._before + self.count
 
+    @override
     def reset(self) -> None:
         """Forget all durations; only the thread that adds may call this."""
-        self._count = 0
-        self._max = 0.0
+        self._before += self.count
+        super().reset()
 
     def percentiles(self) -> Percentiles:
         """Return the percentiles of the durations in the ring."""
-        count = self._count
-        values = np.array(self._values[: min(count, self._capacity)])
+        count = self.count
+        values = np.array(self.values[: min(count, self.capacity)])
         if values.size == 0:
             return Percentiles(0.0, 0.0, 0.0, 0.0, 0)
         p50, p99, p999 = np.percentile(values, (50.0, 99.0, 99.9))
-        return Percentiles(float(p50), float(p99), float(p999), self._max, count)
+        return Percentiles(float(p50), float(p99), float(p999), self.largest, count)

@@ -6,6 +6,7 @@ from math import inf
 
 from station.core.clock import Clock, SystemClock
 from station.core.errors import InvalidCommandError
+from station.core.ports.receipt import Receipt
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,9 @@ class SetPointPort:
         self.feed_forward: list[SetPointElement] = []
         self.last: list[float] | None = None
         # Appending and popping are atomic, so that no set-point is lost without a lock.
-        self._slot: deque[tuple[list[float], float, int]] = deque(maxlen=1)
+        self._slot: deque[tuple[list[float], float, int, Receipt | None]] = deque(
+            maxlen=1
+        )
         self.generation = 0
         self._deadline = inf
         self._is_void = False
@@ -118,6 +121,7 @@ class SetPointPort:
         values: list[float],
         timeout: float | None = None,
         generation: int | None = None,
+        receipt: Receipt | None = None,
     ) -> None:
         """Put a checked set-point into the slot; an older one there is replaced.
 
@@ -127,20 +131,33 @@ class SetPointPort:
                 timeout.
             generation: The generation in which the sender decided on the set-point,
                 which is dropped if the generation is over. None takes the present one.
+            receipt: Where the cycle is noted that picks the set-point up.
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
         of = self.generation if generation is None else generation
-        self._slot.append((list(values), deadline, of))
+        self._slot.append((list(values), deadline, of, receipt))
+
+    def has_news(self) -> bool:
+        """Return whether a set-point waits, was made void, or has become invalid.
+
+        While there is no news, none of the other methods has anything to tell. Control
+        thread only.
+        """
+        if self._slot or self._is_void:
+            return True
+        return self._deadline != inf and self.clock.now() > self._deadline
 
     def take(self) -> list[float] | None:
         """Empty the slot and return its set-point, or None. Control thread only."""
         if not self._slot:
             return None
-        values, deadline, generation = self._slot.pop()
+        values, deadline, generation, receipt = self._slot.pop()
         if generation != self.generation:
             return None
         self.last, self._deadline = values, deadline
+        if receipt is not None:
+            receipt.pick_up()
         return self.last
 
     def take_expiry(self) -> bool:

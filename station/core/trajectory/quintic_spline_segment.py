@@ -7,6 +7,8 @@ trajectory_interface/quintic_spline_segment.h, pos_vel_acc_state.h.
 from dataclasses import dataclass, field
 
 from station.core.errors import InvalidTrajectoryError
+from station.kernel.doubles import doubles, zeros
+from station.kernel.splines import sample_splines
 
 _PREFIX = "Quintic spline segment can't be constructed: "
 _REMEDY = "Give both ends the same number of positions, and rates of the same size."
@@ -45,6 +47,8 @@ class QuinticSplineSegment:
     Attributes:
         start_time: Time at the start state [s].
         time_from_start: Time of the start state from the trajectory's start [s].
+        size: The number of dimensions n.
+        splines: The splines of all dimensions for the kernel, shape (8 n,).
 
     Raises:
         InvalidTrajectoryError: The end is before the start, or the sizes of the
@@ -65,20 +69,21 @@ class QuinticSplineSegment:
         self.start_time = start_time
         self.time_from_start = start.time_from_start
         self._duration = end_time - start_time
-        self._coefficients: list[tuple[float, float, float, float, float, float]] = [
-            _coefficients(start, end, dimension, self._duration)
-            for dimension in range(len(start.position))
-        ]
+        self.size = len(start.position)
+        self.splines = doubles(
+            number
+            for dimension in range(self.size)
+            for number in (
+                start_time,
+                self._duration,
+                *_coefficients(start, end, dimension, self._duration),
+            )
+        )
 
     @property
     def end_time(self) -> float:
         """The time at the end state [s]."""
         return self.start_time + self._duration
-
-    @property
-    def size(self) -> int:
-        """The number of dimensions."""
-        return len(self._coefficients)
 
     def sample(self, time: float) -> PosVelAccState:
         """Return the state at a time.
@@ -88,34 +93,22 @@ class QuinticSplineSegment:
         Args:
             time: The time [s].
         """
-        states = [self.sample_dimension(time, each) for each in range(self.size)]
+        states, size = self._states(time), self.size
         return PosVelAccState(
-            [state[0] for state in states],
-            [state[1] for state in states],
-            [state[2] for state in states],
+            states[:size], states[size : 2 * size], states[2 * size :]
         )
 
     def sample_dimension(
         self, time: float, dimension: int = 0
     ) -> tuple[float, float, float]:
         """Return position, velocity and acceleration of one dimension at `time` [s]."""
-        c0, c1, c2, c3, c4, c5 = self._coefficients[dimension]
-        t1 = time - self.start_time
-        if t1 < 0.0:
-            return c0, 0.0, 0.0
-        beyond = t1 > self._duration
-        if beyond:
-            t1 = self._duration
-        t2 = t1 * t1
-        t3 = t2 * t1
-        t4 = t3 * t1
-        t5 = t4 * t1
-        position = c0 + t1 * c1 + t2 * c2 + t3 * c3 + t4 * c4 + t5 * c5
-        if beyond:
-            return position, 0.0, 0.0
-        velocity = c1 + 2.0 * t1 * c2 + 3.0 * t2 * c3 + 4.0 * t3 * c4 + 5.0 * t4 * c5
-        acceleration = 2.0 * c2 + 6.0 * t1 * c3 + 12.0 * t2 * c4 + 20.0 * t3 * c5
+        position, velocity, acceleration = self._states(time)[dimension :: self.size]
         return position, velocity, acceleration
+
+    def _states(self, time: float) -> list[float]:
+        states = zeros(3 * self.size)
+        sample_splines(self.splines, time, states)
+        return [*states]
 
 
 def _check(

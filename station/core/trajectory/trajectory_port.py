@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
+from station.core.ports.receipt import Receipt
 from station.core.trajectory.quintic_spline_segment import PosVelAccState
 
 
@@ -13,11 +14,14 @@ class TrajectoryPort(ABC):
     """
 
     @abstractmethod
-    def follow(self, request: Mapping[str, object]) -> None:
+    def follow(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> None:
         """Check a trajectory and let it replace the present one.
 
         Args:
             request: The message as JSON-compatible values.
+            receipt: Where the cycle is noted that takes the trajectory up.
 
         Raises:
             StationError: The trajectory cannot be followed; nothing changed.

@@ -5,8 +5,10 @@ import pytest
 from station.core.control.controller import (
     Controller,
     ControllerBase,
+    ControllerSample,
     ControllerState,
     MultiInterfaceController,
+    PackedSample,
 )
 from station.core.errors import ControllerLoadError, ResourceNotFoundError
 from station.core.hardware.interfaces import (
@@ -19,6 +21,7 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
 from station.hw.mock import MockRobotHW
+from station.kernel.doubles import doubles
 
 REQUESTS = {
     "start": ("starting", ControllerState.RUNNING),
@@ -226,3 +229,28 @@ def test_a_derived_controller_may_claim_more(robot):
     claims = More().init_request(robot, Parameters())
 
     assert len(claims) == 3
+
+
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_a_sample_has_its_four_lists_packed_or_not(is_packed):
+    lists = ([1.0, 2.0], [3.0, 4.0], [-2.0, -2.0], [5.0, 6.0])
+    packed = doubles(value for each in lists for value in each).tobytes()
+    sample = (
+        PackedSample(7.0, packed, 2) if is_packed else ControllerSample(7.0, *lists)
+    )
+    assert sample.columns == lists
+    assert sample._asdict() == {
+        "stamp": 7.0,
+        "desired": sample.desired,
+        "actual": sample.actual,
+        "error": sample.error,
+        "output": sample.output,
+    }
+    assert (sample.desired, sample.actual, sample.error, sample.output) == lists
+    assert "output=[5.0, 6.0]" in repr(sample)
+
+
+def test_a_packed_sample_keeps_what_the_controller_added():
+    sample = PackedSample(7.0, doubles(range(10)).tobytes(), 2)
+    assert sample.output == [6.0, 7.0]
+    assert sample.column(4) == [8.0, 9.0]

@@ -136,7 +136,7 @@ def test_a_failed_controller_can_be_started_again(bench):
     assert bench.switch(["bad"]).ok
 
     assert bench.state("bad") == "running"
-    assert bench.fault("bad") == ""
+    assert bench.fault("bad") is None
 
 
 def test_an_exception_of_stopping_does_not_keep_it_running(bench):

@@ -68,7 +68,7 @@ def test_unloading_what_is_not_loaded_is_refused(bench):
     with pytest.raises(ControllerNotFoundError, match="No controller 'leg'") as caught:
         bench.manager.unload_controller("leg")
 
-    assert caught.value.remedy == "Loaded are: arm."
+    assert caught.value.remedy == "There are: arm."
 
 
 def test_unloading_what_runs_is_refused_and_it_runs_on(bench):

@@ -127,7 +127,7 @@ class Bench:
             if s.state.value == "running"
         }
 
-    def faults(self) -> dict[str, str]:
+    def faults(self) -> dict[str, str | None]:
         return {s.name: s.fault for s in self.manager.list_controllers()}
 
     def told(self) -> set[tuple[str, str]]:
@@ -187,7 +187,7 @@ def _judge(bench, case, before, cycles, result, error) -> str | None:
     if cycles > ROLLBACK + 20:
         return f"it took {cycles} cycles"
     unreleased = {
-        n for n, f in bench.faults().items() if "may still be in its mode" in f
+        n for n, f in bench.faults().items() if "may still be in its mode" in (f or "")
     }
     strange = {name for _, name in bench.told() ^ bench.expected()}
     if strange - unreleased:

@@ -26,7 +26,7 @@ def test_values_at_the_ends_of_a_range_are_allowed():
         ("p", float("inf"), "allowed is"),
         ("p", True, "must be a number"),
         ("p", "600", "must be a number"),
-        ("q", 1.0, "unknown; known are p, d"),
+        ("q", 1.0, "unknown. There are: p, d"),
     ],
 )
 def test_a_change_that_is_not_allowed_is_refused_by_name(name, value, words):

@@ -21,7 +21,7 @@ def make_robot() -> MockRobotHW:
 def controller(name: str, state: ControllerState, *joints: str) -> ControllerStatus:
     claims = (InterfaceResources(EFFORT, joints),)
     time = Percentiles(0.0, 0.0, 0.0, 0.0, 0)
-    return ControllerStatus(name, "test/C", state, claims, "", "", (), time)
+    return ControllerStatus(name, "test/C", state, claims, None, None, (), time)
 
 
 def test_running_controllers_claim_and_others_do_not():

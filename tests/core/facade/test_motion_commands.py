@@ -13,6 +13,7 @@ from station.core.errors import (
 )
 from station.core.facade.station import Station
 from station.core.ports.goal import GoalStatus
+from tests.patient_clock import PatientClock
 from tests.two_joint_station import TRAJECTORY, make_station
 
 GOAL = {"trajectory": TRAJECTORY}
@@ -44,6 +45,49 @@ def test_a_goal_is_reached_and_found_again(arm):
     assert arm.motion.goals("arm") == [goal]
     assert arm.motion.goal("arm", goal.identifier) is goal
     assert positions(arm) == pytest.approx([0.4, -0.4], abs=1e-6)
+
+
+def test_the_cycle_that_takes_a_set_point_up_is_noted(station):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    old, new = station.motion.receipt(), station.motion.receipt()
+    station.motion.set_command("group", [0.1, 0.1], receipt=old)
+    station.motion.set_command("group", [0.2, 0.2], receipt=new)
+    assert station.motion.wait_for(new) is None  # nobody runs the loop
+
+    station.loop.step(3)
+
+    first = next(
+        snapshot.cycle
+        for snapshot in station.snapshots.read_since(0)[0]
+        if (sample := snapshot.samples.get("group")) and sample.desired == [0.2, 0.2]
+    )
+    assert (old.cycle, new.cycle) == (None, first)
+
+
+def test_the_cycle_that_takes_a_trajectory_up_is_noted(arm):
+    receipt = arm.motion.receipt()
+    arm.motion.follow_trajectory("arm", TRAJECTORY, receipt=receipt)
+
+    arm.loop.step(3)
+
+    assert receipt.cycle == arm.loop.cycle - 2
+
+
+def test_a_running_loop_is_waited_for():
+    station = make_station(clock=PatientClock())
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.loop.start()
+    try:
+        receipt = station.motion.receipt()
+        before = station.loop.cycle
+        station.motion.set_command("group", [0.1, 0.1], receipt=receipt)
+        assert station.motion.wait_for(receipt) > before
+        station.simulation.change(paused=True)
+        receipt = station.motion.receipt()
+        station.motion.set_command("group", [0.2, 0.2], receipt=receipt)
+        assert station.motion.wait_for(receipt) is None
+    finally:
+        station.loop.stop()
 
 
 def test_a_cancelled_goal_ends_and_the_joints_hold(arm):
@@ -126,9 +170,9 @@ def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeyp
     controller = arm.manager.get_controller("arm")
     real = controller.execution.plan
 
-    def plan(*arguments):
+    def plan(*arguments, **options):
         arm.loop.next_epoch("A reset.")
-        real(*arguments)
+        real(*arguments, **options)
 
     monkeypatch.setattr(controller.execution, "plan", plan)
     with pytest.raises(StaleEpochError):
@@ -187,7 +231,7 @@ def test_a_goal_before_the_first_update_is_no_jump(station):
     goal = station.motion.submit_goal("gripper", {"command": {"position": 1.5}})
     station.loop.step(5)
 
-    assert station.controller("gripper").fault == ""
+    assert station.controller("gripper").fault is None
     assert goal.status is GoalStatus.SUCCEEDED
     assert positions(station)[0] == pytest.approx(1.5)
 

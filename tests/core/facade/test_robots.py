@@ -18,6 +18,7 @@ from station.core.franka import (
 )
 from station.core.franka.arms import Arms
 from tests.franka_station import JOINTS, make_franka_station
+from tests.service_calls import call_service
 from tests.swing_station import make_swing_station
 
 HIT = SimulatedFault(FaultKind.COLLISION, 30)
@@ -162,18 +163,18 @@ def swing() -> Station:
 
 
 def test_a_declared_service_is_called_by_name(swing):
-    assert swing.robots.call("swing", "push", impulse=2.0) == {
+    assert call_service(swing, "swing", "push", impulse=2.0) == {
         "impulse": 2.0,
         "pushes": 1.0,
     }
-    swing.robots.call("swing", "set_lengths", lengths=[1.0, 3.0])
-    assert swing.robots.call("swing", "length") == 3.0
+    call_service(swing, "swing", "set_lengths", lengths=[1.0, 3.0])
+    assert call_service(swing, "swing", "length") == 3.0
 
 
 @pytest.mark.parametrize("name", ["oil", "name", "jump"])
 def test_what_is_not_declared_cannot_be_called(swing, name):
     with pytest.raises(ServiceNotFoundError, match=f"no service '{name}'") as caught:
-        swing.robots.call("swing", name)
+        call_service(swing, "swing", name)
     assert "set_lengths, push, length" in caught.value.remedy
 
 
@@ -182,8 +183,8 @@ def test_a_service_that_moves_is_refused_while_the_station_is_stopped(swing):
     swing.loop.step()
 
     with pytest.raises(StoppedError):
-        swing.robots.call("swing", "push", impulse=2.0)
-    assert swing.robots.call("swing", "length") == 1.0
+        call_service(swing, "swing", "push", impulse=2.0)
+    assert call_service(swing, "swing", "length") == 1.0
     assert swing.loop.hw.swing.pushes == []
 
 

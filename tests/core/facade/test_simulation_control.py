@@ -12,6 +12,7 @@ from station.core.errors import (
     StaleEpochError,
 )
 from station.core.facade.simulation_control import MOST_STEPS, SimulationControl
+from station.core.franka.grippers import Grippers
 from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop
@@ -19,14 +20,8 @@ from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
 from tests.franka_station import make_franka_station
+from tests.patient_clock import PatientClock
 from tests.two_joint_station import TRAJECTORY, make_station
-
-
-class PatientClock(ManualClock):
-    """A clock that jumps for the loop, while callers wait for it to answer."""
-
-    def wait_for(self, lock, deadline):
-        return lock.acquire(timeout=5.0)
 
 
 @pytest.fixture
@@ -244,3 +239,28 @@ def test_a_real_robot_can_do_none_of_it(ask):
 
     with pytest.raises(SimulationError, match="RealRobot is not simulated"):
         ask(SimulationControl(loop))
+
+
+def test_a_reset_goes_to_a_keyframe_and_positions_come_before_it():
+    station = make_franka_station()
+    assert set(station.simulation.report().keyframes) == {"ready", "default"}
+
+    station.simulation.reset({"panda_joint1": 0.3}, "default")
+    station.loop.step()
+
+    position = dict(zip(station.joint_names, station.latest().position, strict=True))
+    assert position["panda_joint1"] == pytest.approx(0.3, abs=1e-3)
+    assert position["panda_joint4"] == pytest.approx(-2.35619, abs=1e-3)
+    assert Grippers(station.robots).state("panda").width == pytest.approx(
+        0.002, abs=2e-3
+    )
+
+
+def test_an_unknown_keyframe_is_refused_and_nothing_changes():
+    station = make_franka_station()
+    epoch = station.epoch
+
+    with pytest.raises(ParameterError, match="no keyframe 'redy'") as caught:
+        station.simulation.reset(keyframe="redy")
+    assert "Did you mean 'ready'?" in caught.value.remedy
+    assert station.epoch == epoch

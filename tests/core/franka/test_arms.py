@@ -25,6 +25,7 @@ from station.core.franka.arms import Arms
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
 from tests.franka_station import JOINTS, make_franka_station
+from tests.service_calls import call_service
 
 HIT = SimulatedFault(FaultKind.COLLISION, 30)
 
@@ -86,9 +87,11 @@ def test_model_s_gravity_is_the_one_of_the_world():
 
 def test_settings_are_refused_while_the_arm_moves(moving):
     with pytest.raises(ArmCommandError, match="while a motion runs"):
-        moving.robots.call("panda", "set_joint_impedance", joint_stiffness=[100.0] * 7)
+        call_service(
+            moving, "panda", "set_joint_impedance", joint_stiffness=[100.0] * 7
+        )
     with pytest.raises(ArmCommandError, match="a controller commands"):
-        moving.robots.call("panda", "disconnect")
+        call_service(moving, "panda", "disconnect")
 
 
 IN_RANGE = [
@@ -110,22 +113,22 @@ OUT_OF_RANGE = [
 
 @pytest.mark.parametrize(("name", "arguments"), IN_RANGE)
 def test_settings_at_the_end_of_their_range_are_taken(station, name, arguments):
-    assert station.robots.call("panda", name, **arguments) is None
+    assert call_service(station, "panda", name, **arguments) is None
 
 
 @pytest.mark.parametrize(("name", "arguments", "problem"), OUT_OF_RANGE)
 def test_settings_out_of_range_are_refused(station, name, arguments, problem):
     with pytest.raises(InvalidCommandError, match=problem):
-        station.robots.call("panda", name, **arguments)
+        call_service(station, "panda", name, **arguments)
 
 
 def test_frames_and_load_show_in_the_state(station):
     shift = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0.1, 1.0]
     before = Arms(station.robots).state("panda")
-    station.robots.call("panda", "set_EE_frame", NE_T_EE=shift)
-    station.robots.call("panda", "set_K_frame", EE_T_K=shift)
+    call_service(station, "panda", "set_EE_frame", NE_T_EE=shift)
+    call_service(station, "panda", "set_K_frame", EE_T_K=shift)
     load = {"F_x_center_load": [0.01, -0.2, 0.03], "load_inertia": [0.0] * 9}
-    station.robots.call("panda", "set_load", mass=0.5, **load)
+    call_service(station, "panda", "set_load", mass=0.5, **load)
 
     state = Arms(station.robots).state("panda")
 
@@ -135,15 +138,15 @@ def test_frames_and_load_show_in_the_state(station):
 
 
 def test_disconnected_arm_takes_no_controllers(station):
-    station.robots.call("panda", "disconnect")
+    call_service(station, "panda", "disconnect")
     with pytest.raises(SwitchRefusedError, match="not connected"):
         station.switch_controllers(SwitchRequest(("arm",), ()))
     with pytest.raises(ArmCommandError, match="not connected"):
-        station.robots.call("panda", "disconnect")
-    station.robots.call("panda", "connect")
+        call_service(station, "panda", "disconnect")
+    call_service(station, "panda", "connect")
     station.switch_controllers(SwitchRequest(("arm",), ()))
     with pytest.raises(ArmCommandError, match="connected already"):
-        station.robots.call("panda", "connect")
+        call_service(station, "panda", "connect")
 
 
 def test_push_shows_in_the_wrench(station):

@@ -14,7 +14,7 @@ from station.core.franka import (
 @pytest.fixture
 def state():
     state = RobotState()
-    state.O_T_EE_d[12] = 0.5
+    state.doubles("O_T_EE_d")[12] = 0.5
     return state
 
 

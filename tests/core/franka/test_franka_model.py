@@ -13,7 +13,7 @@ Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 def handle():
     state = RobotState(q=list(Q), dq=[0.2] * 7, m_total=0.7, F_x_Ctotal=[0, 0, 0.05])
     model = ArmModel(load_robot_files("example-robot-data:panda"))
-    return FrankaModelHandle("panda_model", model, state, lambda: None)
+    return FrankaModelHandle("panda_model", model, state)
 
 
 def test_state_form_is_the_explicit_form_with_the_state(handle):

@@ -30,7 +30,7 @@ def test_lists_belong_to_one_state() -> None:
 def test_copy_does_not_change_with_the_state() -> None:
     state = RobotState()
     copy = state.copy()
-    state.q[0] = state.time = 1.0
+    state.doubles("q")[0] = state.time = 1.0
     state.current_errors[3] = True
     assert copy == RobotState()
     assert state.copy() == state

@@ -18,13 +18,11 @@ def _report(meter: LoopMeter) -> LoopReport:
 
 def _run_cycle(meter: LoopMeter, clock: ManualClock, *, skipped: int = 0) -> None:
     meter.woke(0.0002, skipped)
-    meter.begin()
-    clock.advance(0.0001)
-    meter.read_done()
-    clock.advance(0.0003)
-    meter.update_done()
-    clock.advance(0.0002)
-    meter.write_done()
+    times = [clock.now()]
+    for duration in (0.0001, 0.0003, 0.0002):
+        clock.advance(duration)
+        times.append(clock.now())
+    meter.add(*times)
 
 
 def test_each_part_of_the_cycle_is_measured_on_its_own():

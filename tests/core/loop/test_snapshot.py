@@ -1,10 +1,12 @@
 """The snapshot ring: every cycle readable, loss detected."""
 
-from station.core.loop.snapshot import Snapshot, SnapshotRing
+from station.core.hardware.interfaces.joint_group import Packed
+from station.core.loop.snapshot import Record, SnapshotRing
 
 
-def _snapshot(cycle: int) -> Snapshot:
-    return Snapshot(cycle, 1, cycle * 0.001, 0.001, "idle", [float(cycle)], [], [], {})
+def _snapshot(cycle: int) -> Record:
+    packed = Packed(([float(cycle)], [], []))
+    return cycle, 1, cycle * 0.001, 0.001, "idle", packed, {}
 
 
 def _ring(capacity: int, cycles: int) -> SnapshotRing:

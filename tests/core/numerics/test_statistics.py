@@ -33,6 +33,33 @@ def test_only_the_last_durations_count_but_the_maximum_stays():
     assert summary.count == 5
 
 
+def test_the_total_goes_on_after_a_reset():
+    ring = DurationRing(4)
+    for value in range(6):
+        ring.add(float(value))
+    ring.reset()
+    ring.add(2.0)
+
+    assert ring.added == 7
+    assert ring.percentiles().count == 1
+
+
+@pytest.mark.parametrize("before", range(6))
+@pytest.mark.parametrize("after", range(1, 9))
+def test_percentiles_after_a_reset_are_those_of_the_last_values(before, after):
+    ring = DurationRing(4)
+    for _ in range(before):
+        ring.add(1000.0)
+    ring.reset()
+    for value in range(after):
+        ring.add(float(value))
+
+    summary = ring.percentiles()
+    assert summary.count == after
+    assert summary.max == after - 1
+    assert summary.p50 == np.median(list(range(after))[-4:])
+
+
 def test_reset_forgets_everything():
     ring = DurationRing(4)
     ring.add(9.0)

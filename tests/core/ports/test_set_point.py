@@ -126,3 +126,19 @@ def test_rates_are_checked_like_the_values(rates):
         port.check([0.1], rates=rates)
     with pytest.raises(InvalidCommandError, match="2 values"):
         port.check([0.1, 0.2])
+
+
+def test_there_is_news_when_a_set_point_waits_is_void_or_expired(port, clock):
+    assert not port.has_news()
+    port.post([0.1, 0.1])
+    assert port.has_news()
+    port.take()
+    assert not port.has_news()
+    clock.advance(0.501)
+    assert port.has_news()
+    assert port.take_expiry()
+    assert not port.has_news()
+    port.clear()
+    assert port.has_news()
+    assert port.take_void()
+    assert not port.has_news()

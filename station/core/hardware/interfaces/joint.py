@@ -15,6 +15,7 @@ from station.core.hardware.interfaces.resource_manager import (
     ResourceHandle,
     check_storage,
 )
+from station.kernel.doubles import Storage
 
 POSITION_START_JUMP = 0.01
 """Largest distance of a first position command from rest [rad or m]."""
@@ -45,13 +46,13 @@ class JointStateHandle(ResourceHandle):
     def __init__(
         self,
         name: str,
-        position: list[float] | None,
-        velocity: list[float] | None,
-        effort: list[float] | None,
+        position: Storage | None,
+        velocity: Storage | None,
+        effort: Storage | None,
         index: int = 0,
         *,
-        absolute_position: list[float] | None = None,
-        torque_sensor: list[float] | None = None,
+        absolute_position: Storage | None = None,
+        torque_sensor: Storage | None = None,
     ) -> None:
         super().__init__(name)
         self.index = index
@@ -152,7 +153,7 @@ class JointHandle(CommandedJointHandle):
     def __init__(
         self,
         state: JointStateHandle,
-        command: list[float] | None,
+        command: Storage | None,
         index: int | None = None,
     ) -> None:
         super().__init__(state, index)
@@ -169,7 +170,7 @@ class JointHandle(CommandedJointHandle):
         self.command_storage[self.command_index] = command
 
     @override
-    def command_slots(self) -> list[tuple[list[float], int]]:
+    def command_slots(self) -> list[tuple[Storage, int]]:
         return [(self.command_storage, self.command_index)]
 
 

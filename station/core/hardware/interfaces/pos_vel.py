@@ -21,6 +21,7 @@ from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     check_storage,
 )
+from station.kernel.doubles import Storage
 
 ACCELERATION_START_JUMP = 1.0
 """Largest distance of a first acceleration command from rest [rad/s^2 or m/s^2]."""
@@ -42,17 +43,17 @@ class PosVelJointHandle(CommandedJointHandle):
     def __init__(
         self,
         state: JointStateHandle,
-        position: list[float] | None,
-        velocity: list[float] | None,
+        position: Storage | None,
+        velocity: Storage | None,
         index: int | None = None,
     ) -> None:
         super().__init__(state, index)
-        self.command_storages: list[list[float]] = []
+        self.command_storages: list[Storage] = []
         self.add_command("Command position", position)
         # The original's message has two spaces here.
         self.add_command("Command velocity ", velocity)
 
-    def add_command(self, what: str, storage: list[float] | None) -> None:
+    def add_command(self, what: str, storage: Storage | None) -> None:
         """Add a quantity to those that the handle commands; for constructors.
 
         Args:
@@ -89,7 +90,7 @@ class PosVelJointHandle(CommandedJointHandle):
         return self.command_storages[1][self.command_index]
 
     @override
-    def command_slots(self) -> list[tuple[list[float], int]]:
+    def command_slots(self) -> list[tuple[Storage, int]]:
         return [(storage, self.command_index) for storage in self.command_storages]
 
 
@@ -110,9 +111,9 @@ class PosVelAccJointHandle(PosVelJointHandle):
     def __init__(
         self,
         state: JointStateHandle,
-        position: list[float] | None,
-        velocity: list[float] | None,
-        acceleration: list[float] | None,
+        position: Storage | None,
+        velocity: Storage | None,
+        acceleration: Storage | None,
         index: int | None = None,
     ) -> None:
         super().__init__(state, position, velocity, index)
@@ -154,11 +155,11 @@ class PositionVelocityTorqueGainsJointHandle(PosVelJointHandle):
     def __init__(
         self,
         state: JointStateHandle,
-        position: list[float] | None,
-        velocity: list[float] | None,
-        effort: list[float] | None,
-        kp: list[float] | None,
-        kd: list[float] | None,
+        position: Storage | None,
+        velocity: Storage | None,
+        effort: Storage | None,
+        kp: Storage | None,
+        kd: Storage | None,
         index: int | None = None,
     ) -> None:
         super().__init__(state, position, velocity, index)

@@ -10,7 +10,12 @@ from typing import ClassVar, Generic, TypeVar
 
 from typing_extensions import override
 
-from station.core.errors import HardwareInterfaceError, ResourceNotFoundError
+from station.core.errors import (
+    HardwareInterfaceError,
+    ResourceNotFoundError,
+    suggest,
+)
+from station.kernel.doubles import Storage
 
 
 class ResourceHandle:
@@ -26,7 +31,7 @@ class ResourceHandle:
     def __init__(self, name: str) -> None:
         self.name = name
 
-    def command_slots(self) -> list[tuple[list[float], int]]:
+    def command_slots(self) -> list[tuple[Storage, int]]:
         """Return the places that this handle commands, as (storage, index) pairs.
 
         The controller manager checks them in every cycle: a value that is not finite
@@ -35,14 +40,17 @@ class ResourceHandle:
         return []
 
 
+StorageT = TypeVar("StorageT", bound=Storage)
+
+
 def check_storage(
     name: str,
     what: str,
-    storage: list[float] | None,
+    storage: StorageT | None,
     index: int,
     kind: str = "data pointer",
-) -> list[float]:
-    """Return `storage` if it is a list that has the slot `index`.
+) -> StorageT:
+    """Return `storage` if it has the slot `index`.
 
     Args:
         name: Name of the resource.
@@ -99,7 +107,7 @@ class ResourceManager(Generic[H]):
         if handle is None:
             raise ResourceNotFoundError(
                 f"Could not find resource '{name}' in '{self.type_name}'.",
-                remedy=f"Known resources: {', '.join(self.get_names()) or 'none'}.",
+                remedy=suggest(name, self.get_names()),
                 details={"resource": name, "hardware_interface": self.type_name},
             )
         return handle

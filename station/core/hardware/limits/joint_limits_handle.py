@@ -1,9 +1,8 @@
 """Enforce the limits of one joint, and count the commands that were changed."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
-from math import inf
+from math import nan
 from typing import ClassVar
 
 from station.core.hardware.interfaces.joint import JointHandle
@@ -13,6 +12,9 @@ from station.core.hardware.limits.joint_limits import (
     JointLimitsError,
     SoftJointLimits,
 )
+from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
+from station.kernel import clamp_codes
+from station.kernel.joint_limits import LimitedJoints
 
 
 class ClampReason(Enum):
@@ -24,6 +26,9 @@ class ClampReason(Enum):
     JERK = "jerk"
     EFFORT = "effort"
     SOFT_POSITION = "soft_position"
+
+
+_REASONS = tuple(ClampReason(name) for name in clamp_codes.NAMES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +48,7 @@ class Clamp:
     reason: ClampReason
 
 
-class JointLimitsHandle(ResourceHandle, ABC):
+class JointLimitsHandle(ResourceHandle):
     """Enforce the limits of one joint once per cycle, after the controllers.
 
     Contract: `enforce_limits` is called by the control thread in `RobotHW.write`, with
@@ -52,12 +57,21 @@ class JointLimitsHandle(ResourceHandle, ABC):
     clamp figures may be read by any thread. A NaN command passes through unchanged and
     is not counted, as in the original: the robot and the manager refuse it.
 
+    A kind of limits names its arithmetic, or overrides `enforce_limits`. Arithmetic of
+    one kind runs for all joints of a `JointLimitsInterface` in one call.
+
     Args:
         joint: The joint's state and command, in the unit of the joint's command.
         limits: The joint's limits, read once.
+        soft_limits: Range and gains of a kind that slows the joint down.
 
     Attributes:
+        arithmetic: The kernel's arithmetic; that of the base class limits nothing.
         required: The limits that the joint must have, such as "velocity".
+        unlimited: What stands for a limit that the joint does not have.
+        first_previous: The command of the last cycle in the first one; NaN if the
+            measured state takes its place.
+        is_grouped: Whether an interface enforces the limits together with others.
         clamp_count: Number of cycles in which the command was changed, since
             construction.
 
@@ -66,23 +80,32 @@ class JointLimitsHandle(ResourceHandle, ABC):
             limits.
     """
 
+    arithmetic: ClassVar[type[LimitedJoints]] = LimitedJoints
     required: ClassVar[tuple[str, ...]] = ()
+    unlimited: ClassVar[float] = nan
+    first_previous: ClassVar[float] = nan
 
-    def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
+    def __init__(
+        self,
+        joint: JointHandle,
+        limits: JointLimits,
+        soft_limits: SoftJointLimits | None = None,
+    ) -> None:
         super().__init__(joint.name)
         for kind in self.required:
             _require_limit(joint.name, kind, getattr(limits, f"max_{kind}"))
         limits.validate(joint.name)
-        self._joint: JointHandle = joint
-        self._has_position_limits: bool = limits.has_position_limits
-        self._has_acceleration_limits: bool = limits.max_acceleration is not None
-        self._min_position: float = _or_else(limits.min_position, -inf)
-        self._max_position: float = _or_else(limits.max_position, inf)
-        self._max_velocity: float = _or_else(limits.max_velocity, inf)
-        self._max_acceleration: float = _or_else(limits.max_acceleration, inf)
-        self._max_effort: float = _or_else(limits.max_effort, inf)
+        if soft_limits is not None:
+            soft_limits.validate(joint.name)
+        self.joint: JointHandle = joint
+        self.bounds: dict[str, float] = self.find_bounds(limits, soft_limits)
+        self.is_grouped: bool = False
         self.clamp_count: int = 0
-        self._last_clamp: tuple[float, float, ClampReason] | None = None
+        self._last_clamp: tuple[float, float, int] | None = None
+        self._slot: int = 0
+        self._group: JointLimitsGroup = JointLimitsGroup(
+            self.arithmetic, [joint], [self.bounds], [self._first_memory()]
+        )
 
     @property
     def last_clamp(self) -> Clamp | None:
@@ -90,23 +113,82 @@ class JointLimitsHandle(ResourceHandle, ABC):
         last = self._last_clamp
         if last is None:
             return None
-        return Clamp(self.name, last[0], last[1], last[2])
+        return Clamp(self.name, last[0], last[1], _REASONS[last[2]])
 
-    @abstractmethod
+    def find_bounds(
+        self, limits: JointLimits, soft_limits: SoftJointLimits | None
+    ) -> dict[str, float]:
+        """Return the limits as the arithmetic wants them, by `joint_limits.LIMITS`.
+
+        Args:
+            limits: The joint's limits.
+            soft_limits: The soft limits; their range counts for a joint that has one.
+        """
+        soft = SoftJointLimits() if soft_limits is None else soft_limits
+        has_range = limits.has_position_limits
+        found = {
+            "min_position": limits.min_position,
+            "max_position": limits.max_position,
+            "max_velocity": limits.max_velocity,
+            "max_acceleration": limits.max_acceleration,
+            "max_jerk": limits.max_jerk,
+            "max_effort": limits.max_effort,
+            "soft_min": soft.min_position if has_range else None,
+            "soft_max": soft.max_position if has_range else None,
+            "k_position": soft.k_position,
+            "k_velocity": soft.k_velocity,
+        }
+        absent = self.unlimited
+        bounds = {name: absent if x is None else x for name, x in found.items()}
+        if limits.min_position is None:
+            bounds["min_position"] = -absent
+        return bounds
+
     def enforce_limits(self, period: float) -> None:
         """Replace the joint's command by the nearest admissible one.
 
         Args:
             period: Time since the last cycle [s], > 0.
         """
+        slot = self._slot
+        if self._group.enforce(period, slot, slot + 1):
+            self.count_clamp()
 
     def reset(self) -> None:
         """Forget the previous command; the next cycle starts from the joint's state."""
+        self._group.remember(self._slot, self._first_memory())
 
-    def _count_clamp(self, asked: float, given: float, reason: ClampReason) -> None:
+    @property
+    def enforces_alone(self) -> bool:
+        """Whether the handle's class has a way of its own to enforce limits."""
+        return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
+
+    def memory(self) -> dict[str, float]:
+        """Return what is remembered of the last cycle. For interfaces."""
+        return self._group.memory(self._slot)
+
+    def join(self, group: JointLimitsGroup, slot: int) -> None:
+        """Use the memory of a group from now on. For interfaces.
+
+        Args:
+            group: A group that has begun with `bounds` and `memory()`.
+            slot: The joint's place in it.
+        """
+        self._group, self._slot = group, slot
+        self.is_grouped = True
+
+    def count_clamp(self) -> None:
+        """Count the change that the group has just made. Control thread."""
         # Readers in other threads exchange one reference, so they see whole tuples.
-        self._last_clamp = (asked, given, reason)
+        self._last_clamp = self._group.clamp(self._slot)
         self.clamp_count += 1
+
+    def _first_memory(self) -> dict[str, float]:
+        return {
+            "previous": self.first_previous,
+            "velocity_before": nan,
+            "acceleration_before": 0.0,
+        }
 
 
 class SoftLimitsHandle(JointLimitsHandle):
@@ -125,12 +207,7 @@ class SoftLimitsHandle(JointLimitsHandle):
     def __init__(
         self, joint: JointHandle, limits: JointLimits, soft_limits: SoftJointLimits
     ) -> None:
-        super().__init__(joint, limits)
-        soft_limits.validate(joint.name)
-        self._soft_min: float = soft_limits.min_position
-        self._soft_max: float = soft_limits.max_position
-        self._k_position: float = soft_limits.k_position
-        self._k_velocity: float = soft_limits.k_velocity
+        super().__init__(joint, limits, soft_limits)
 
 
 def _require_limit(joint: str, kind: str, value: float | None) -> None:
@@ -141,7 +218,3 @@ def _require_limit(joint: str, kind: str, value: float | None) -> None:
             remedy=f"Give joint '{joint}' a {kind} limit in the URDF (<limit "
             f'{kind}="...">) or as joint_limits/{joint}/max_{kind}.',
         )
-
-
-def _or_else(limit: float | None, unlimited: float) -> float:
-    return unlimited if limit is None else limit

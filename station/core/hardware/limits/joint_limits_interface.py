@@ -5,6 +5,7 @@ interfaces derived from it; differs: every interface can be reset, and an unknow
 raises `ResourceNotFoundError` as in every other interface.
 """
 
+from collections.abc import Collection
 from typing import TypeVar
 
 from typing_extensions import override
@@ -14,6 +15,7 @@ from station.core.hardware.limits.effort_joint_limits import (
     EffortJointSaturationHandle,
     EffortJointSoftLimitsHandle,
 )
+from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
 from station.core.hardware.limits.joint_limits_handle import Clamp, JointLimitsHandle
 from station.core.hardware.limits.position_joint_limits import (
     PositionJointSaturationHandle,
@@ -23,16 +25,26 @@ from station.core.hardware.limits.velocity_joint_limits import (
     VelocityJointSaturationHandle,
     VelocityJointSoftLimitsHandle,
 )
+from station.kernel.joint_limits import MOST_JOINTS, LimitedJoints
 
 L = TypeVar("L", bound=JointLimitsHandle)
 
 
 class JointLimitsInterface(ResourceManager[L]):
-    """Hold the limit handles of a robot, filled at start and enforced in `write`."""
+    """Hold the limit handles of a robot, filled at start and enforced in `write`.
+
+    Limits of one kind are enforced together: in one call of the kernel, in place if the
+    joints lie side by side in the robot's doubles.
+    """
 
     def __init__(self) -> None:
         super().__init__()
         self._enforced: list[L] = []
+        self._groups: list[tuple[JointLimitsGroup, list[L]]] = []
+        # Handles that another interface has grouped, or that enforce in their own way.
+        self._single: list[L] = []
+        self._runs: list[tuple[JointLimitsGroup, int, int, list[L]]] = []
+        self._active_single: list[L] = []
 
     @override
     def __init_subclass__(cls) -> None:
@@ -44,14 +56,41 @@ class JointLimitsInterface(ResourceManager[L]):
     def register_handle(self, handle: L) -> None:
         super().register_handle(handle)
         self._enforced = self.handles()
+        self._group_handles()
+        self.activate(self.get_names())
+
+    def activate(self, names: Collection[str]) -> None:
+        """Enforce the limits of these joints alone, until a handle is registered.
+
+        At first the limits of all joints are enforced. Control thread.
+
+        Args:
+            names: Names of joints; those that are not registered do not count.
+        """
+        self._runs = []
+        for group, members in self._groups:
+            first = 0
+            for last in range(1, len(members) + 1):
+                is_end = last == len(members) or members[last].name not in names
+                if members[last - 1].name not in names:
+                    first = last
+                elif is_end:
+                    self._runs.append((group, first, last, members[first:last]))
+        self._active_single = [h for h in self._single if h.name in names]
 
     def enforce_limits(self, period: float) -> None:
-        """Enforce the limits of all joints. Control thread.
+        """Enforce the limits of all active joints. Control thread.
 
         Args:
             period: Time since the last cycle [s], > 0.
         """
-        for handle in self._enforced:
+        for group, first, last, members in self._runs:
+            mask = group.enforce(period, first, last)
+            if mask:
+                for i, member in enumerate(members):
+                    if mask >> i & 1:
+                        member.count_clamp()
+        for handle in self._active_single:
             handle.enforce_limits(period)
 
     def reset(self) -> None:
@@ -68,6 +107,40 @@ class JointLimitsInterface(ResourceManager[L]):
         """Return the latest clamp of every joint that had one. Any thread."""
         clamps = [handle.last_clamp for handle in self._enforced]
         return [clamp for clamp in clamps if clamp is not None]
+
+    def _group_handles(self) -> None:
+        mine = [member for _, members in self._groups for member in members]
+        self._groups, self._single = [], []
+        alike: dict[tuple[type[LimitedJoints], int], list[L]] = {}
+        for handle in self._enforced:
+            if handle.enforces_alone or (handle.is_grouped and handle not in mine):
+                self._single.append(handle)
+            else:
+                key = (handle.arithmetic, id(handle.joint.command_storage))
+                alike.setdefault(key, []).append(handle)
+        for (arithmetic, _), handles in alike.items():
+            for members in _side_by_side(handles):
+                group = JointLimitsGroup(
+                    arithmetic,
+                    [member.joint for member in members],
+                    [member.bounds for member in members],
+                    [member.memory() for member in members],
+                )
+                for slot, member in enumerate(members):
+                    member.join(group, slot)
+                self._groups.append((group, members))
+
+
+def _side_by_side(handles: list[L]) -> list[list[L]]:
+    """Return the handles in groups whose commands lie side by side."""
+    groups: list[list[L]] = [[]]
+    expected = -1
+    for handle in sorted(handles, key=lambda handle: handle.joint.command_index):
+        if handle.joint.command_index != expected or len(groups[-1]) == MOST_JOINTS:
+            groups.append([])
+        groups[-1].append(handle)
+        expected = handle.joint.command_index + 1
+    return groups[1:]
 
 
 class PositionJointSaturationInterface(

@@ -2,114 +2,59 @@
 
 These handles can be used instead of the saturation and soft limit handles. They limit
 acceleration and jerk, too, and a joint outside its range is not pulled back, but may
-only move towards the range. The rules are those of `velocity_profile`. Effort commands
-have no rate to limit; `EffortJointSaturationHandle` serves them in this mode. Outside
-the range it admits only an effort that points back.
+only move towards the range. Effort commands have no rate to limit;
+`EffortJointSaturationHandle` serves them in this mode. Outside the range it admits only
+an effort that points back.
+
+The limits act against the velocity and acceleration of the last cycle. They are applied
+in this order, so that the later ones win:
+
+1. jerk: the acceleration changes by at most `j_max * period`;
+2. acceleration: at most `a_max`, and less towards `v_max` so that jerk can hold there;
+3. velocity: at most `v_max`;
+4. range: the joint can still stop at the bound with `a_max`; outside its range it may
+   only move back towards it.
+
+`approach` gives the largest rate from which a value stops within a distance D when the
+rate may fall by `r * period` in each cycle: `r * (sqrt(2*D/r) - period/2)`. One cycle
+later, the rate minus `r * period` is again within the value of `approach`. Therefore
+range and acceleration never contradict each other, nor do velocity and jerk. With both
+acceleration and jerk limits, braking begins earlier, by the distance that the rise of
+the deceleration takes. The range then seldom requires more jerk than allowed; if it
+does, the range wins.
 """
 
-from typing_extensions import override
+from math import inf
+from typing import ClassVar
 
-from station.core.hardware.interfaces.joint import JointHandle
-from station.core.hardware.limits.joint_limits import JointLimits
 from station.core.hardware.limits.joint_limits_handle import JointLimitsHandle
 from station.core.hardware.limits.joint_limits_interface import JointLimitsInterface
-from station.core.hardware.limits.velocity_profile import VelocityProfile
+from station.kernel.joint_limits import LimitedJoints
+from station.kernel.rate_limits import PositionRateLimits, VelocityRateLimits
 
 
-class _RateLimitsHandle(JointLimitsHandle):
-    """Hold the range and the velocity profile, which both kinds of command need."""
-
-    def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
-        super().__init__(joint, limits)
-        self._profile: VelocityProfile = VelocityProfile(limits)
-        self._is_started: bool = False
-
-    @override
-    def reset(self) -> None:
-        self._is_started = False
-
-    def _note(self, asked: float, given: float) -> None:
-        reason = self._profile.reason
-        if reason is not None:
-            self._count_clamp(asked, given, reason)
-
-
-class PositionJointRateLimitsHandle(_RateLimitsHandle):
+class PositionJointRateLimitsHandle(JointLimitsHandle):
     """Limit the velocity, acceleration and jerk of position commands, and their range.
 
     The first command after construction or `reset` starts from the measured position
-    and velocity. A period of 0 or less repeats the last command.
+    and velocity. A period of 0 or less repeats the last command. Position commands are
+    in [rad or m]. All limits are optional.
     """
 
-    def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
-        """Read the limits once.
-
-        Args:
-            joint: The joint's state and position command [rad or m].
-            limits: Limits, each of them optional.
-        """
-        super().__init__(joint, limits)
-        self._previous: float = 0.0
-
-    @override
-    def enforce_limits(self, period: float) -> None:
-        joint = self._joint
-        asked = joint.get_command()
-        # The manager refuses NaN; the profile starts afresh after one.
-        if asked != asked:
-            self._is_started = False
-            return
-        if not self._is_started:
-            self._previous = joint.get_position()
-            self._profile.start(joint.get_velocity())
-            self._is_started = True
-        previous = self._previous
-        if period <= 0.0:
-            joint.set_command(previous)
-            return
-        down = previous - self._min_position
-        up = self._max_position - previous
-        velocity = self._profile.limit((asked - previous) / period, down, up, period)
-        given = asked
-        if self._profile.reason is not None:
-            given = previous + velocity * period
-            if down >= 0.0 and given < self._min_position:
-                given = self._min_position  # against rounding
-            if up >= 0.0 and given > self._max_position:
-                given = self._max_position  # against rounding
-        joint.set_command(given)
-        self._previous = given
-        self._note(asked, given)
+    arithmetic: ClassVar[type[LimitedJoints]] = PositionRateLimits
+    unlimited: ClassVar[float] = inf
 
 
-class VelocityJointRateLimitsHandle(_RateLimitsHandle):
+class VelocityJointRateLimitsHandle(JointLimitsHandle):
     """Limit the acceleration and jerk of velocity commands, and the joint's range.
 
     The range is that of the measured position. The first command after construction
     or `reset` starts from the measured velocity. A period of 0 or less repeats the last
-    command.
+    command. Velocity commands are in [rad/s or m/s]. All limits are optional.
     """
 
-    @override
-    def enforce_limits(self, period: float) -> None:
-        joint = self._joint
-        asked = joint.get_command()
-        # The manager refuses NaN; the profile starts afresh after one.
-        if asked != asked:
-            self._is_started = False
-            return
-        if not self._is_started:
-            self._profile.start(joint.get_velocity())
-            self._is_started = True
-        if period <= 0.0:
-            joint.set_command(self._profile.velocity)
-            return
-        position = joint.get_position()
-        down = position - self._min_position
-        up = self._max_position - position
-        given = self._profile.limit(asked, down, up, period)
-        joint.set_command(given)
-        self._note(asked, given)
+    arithmetic: ClassVar[type[LimitedJoints]] = VelocityRateLimits
+    unlimited: ClassVar[float] = inf
 
 
 class PositionJointRateLimitsInterface(

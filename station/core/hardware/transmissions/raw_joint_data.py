@@ -1,15 +1,24 @@
 """The joints of a robot whose hardware has actuators only."""
 
+from collections.abc import Sequence
 from math import nan
 
+from station.core.errors import HardwareInterfaceError
 from station.core.hardware.transmissions.transmission_handle import JointData, Slot
+from station.kernel.doubles import Storage, doubles
 
 
 class RawJointData:
-    """Hold state and commands of joints in lists of floats, one slot per joint.
+    """Hold state and commands of joints, one slot per joint.
+
+    Joints that are named at the start have their values side by side in doubles.
+    Without names the values are lists, which grow with the joints.
 
     All values are NaN until they are first written: states by the transmissions in the
     robot's first `read`, commands by the robot when it starts and by controllers.
+
+    Args:
+        joints: Names of all joints that will be added; None if they are not known yet.
 
     Attributes:
         names: Joint names, in the order of the slots.
@@ -27,16 +36,23 @@ class RawJointData:
         list per quantity, not one object per joint.
     """
 
-    def __init__(self) -> None:
-        self.names: list[str] = []
-        self.position: list[float] = []
-        self.velocity: list[float] = []
-        self.effort: list[float] = []
-        self.absolute_position: list[float] = []
-        self.torque_sensor: list[float] = []
-        self.position_command: list[float] = []
-        self.velocity_command: list[float] = []
-        self.effort_command: list[float] = []
+    def __init__(self, joints: Sequence[str] | None = None) -> None:
+        self.names: list[str] = list(joints or [])
+        count = len(self.names)
+        self.position: Storage = [] if joints is None else doubles([nan] * count)
+        self.velocity: Storage = [] if joints is None else doubles([nan] * count)
+        self.effort: Storage = [] if joints is None else doubles([nan] * count)
+        self.absolute_position: Storage = (
+            [] if joints is None else doubles([nan] * count)
+        )
+        self.torque_sensor: Storage = [] if joints is None else doubles([nan] * count)
+        self.position_command: Storage = (
+            [] if joints is None else doubles([nan] * count)
+        )
+        self.velocity_command: Storage = (
+            [] if joints is None else doubles([nan] * count)
+        )
+        self.effort_command: Storage = [] if joints is None else doubles([nan] * count)
         self._states = {
             "position": self.position,
             "velocity": self.velocity,
@@ -57,13 +73,21 @@ class RawJointData:
             name: Name of the joint.
 
         Returns:
-            The index in every list.
+            The index in all values.
+
+        Raises:
+            HardwareInterfaceError: Other joints were named at the start.
         """
         if name in self.names:
             return self.names.index(name)
-        self.names.append(name)
         for values in (*self._states.values(), *self._commands.values()):
+            if not isinstance(values, list):
+                raise HardwareInterfaceError(
+                    f"Joint '{name}' was not named when the storage was made.",
+                    remedy=f"Choose among {', '.join(self.names) or 'none'}.",
+                )
             values.append(nan)
+        self.names.append(name)
         return len(self.names) - 1
 
     def state_data(self, names: list[str]) -> JointData:
@@ -94,16 +118,16 @@ class RawJointData:
         data.set_quantity(quantity, self._slots(self.commands(quantity), names))
         return data
 
-    def commands(self, quantity: str) -> list[float]:
-        """Return the list that holds one kind of command.
+    def commands(self, quantity: str) -> Storage:
+        """Return the storage that holds one kind of command.
 
         Args:
             quantity: "position", "velocity" or "effort".
 
         Returns:
-            The list itself, one slot per joint.
+            The storage itself, one slot per joint.
         """
         return self._commands[quantity]
 
-    def _slots(self, values: list[float], names: list[str]) -> list[Slot | None]:
+    def _slots(self, values: Storage, names: list[str]) -> list[Slot | None]:
         return [(values, self.names.index(name)) for name in names]

@@ -16,8 +16,9 @@ from station.core.hardware.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
+from station.kernel.doubles import Storage
 
-Slot = tuple[list[float], int]
+Slot = tuple[Storage, int]
 """A place for one value: the list that holds it, and the index in that list."""
 
 STATE = ("position", "velocity", "effort")

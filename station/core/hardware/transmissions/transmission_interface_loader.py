@@ -9,7 +9,7 @@ joints and actuators stay in the order of the document. They must therefore be l
 the order of their roles.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -94,6 +94,7 @@ class TransmissionInterfaceLoader:
         robot_hw: InterfaceManager,
         robot_transmissions: RobotTransmissions,
         transmission_types: Mapping[str, TransmissionFactory] | None = None,
+        joints: Sequence[str] | None = None,
     ) -> None:
         """Start with nothing loaded.
 
@@ -101,11 +102,14 @@ class TransmissionInterfaceLoader:
             robot_hw: The robot that has the actuators and gets the joints.
             robot_transmissions: The manager that gets the transmission interfaces.
             transmission_types: Further types of transmissions, by the name in `<type>`.
+            joints: Names of all joints that will be loaded, if they are known; their
+                values then lie side by side in doubles.
         """
         self._robot_hw = robot_hw
         self._robot_transmissions = robot_transmissions
         self._transmission_types = transmission_types
-        self.raw_joint_data = RawJointData()
+        self.raw_joint_data = RawJointData(joints)
+        self._joints: set[str] = set()
         self.loaded: list[LoadedTransmission] = []
         self.problems: list[str] = []
 
@@ -227,7 +231,7 @@ class TransmissionInterfaceLoader:
         raw = self.raw_joint_data
         registered = interface.get_names()
         for name in _joint_names(info):
-            if name in registered and name not in raw.names:
+            if name in registered and name not in self._joints:
                 raise TransmissionInterfaceError(
                     f"Joint '{name}' of transmission '{info.name}' already has a state "
                     "that does not come from a transmission.",
@@ -240,6 +244,7 @@ class TransmissionInterfaceLoader:
             if name in registered:
                 continue
             index = raw.add(name)
+            self._joints.add(name)
             handle = JointStateHandle(
                 name,
                 raw.position,

@@ -1,5 +1,8 @@
 """Every joint has one slot in every list."""
 
+import pytest
+
+from station.core.errors import HardwareInterfaceError
 from station.core.hardware.transmissions import RawJointData
 
 
@@ -24,3 +27,13 @@ def test_places_are_in_the_order_asked_for():
     assert data.velocity == [(raw.velocity_command, 1), (raw.velocity_command, 0)]
     assert data.velocity[0][0] is raw.velocity_command
     assert data.position == data.effort == []
+
+
+def test_joints_named_at_the_start_lie_side_by_side_and_are_all():
+    raw = RawJointData(["a", "b"])
+    assert [raw.add(name) for name in ("b", "a")] == [1, 0]
+    assert all(isinstance(v, memoryview) for v in (raw.position, raw.effort_command))
+    assert all(value != value for value in raw.velocity)  # NaN until it is written
+    with pytest.raises(HardwareInterfaceError, match="Joint 'c' was not named"):
+        raw.add("c")
+    assert (raw.names, len(raw.position)) == (["a", "b"], 2)

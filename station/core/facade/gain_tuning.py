@@ -1,0 +1,174 @@
+"""Run-time parameters of controllers: read, changed in one cycle, and taken back."""
+
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.tunables import Gains, GainsChange, Tunables
+from station.core.errors import GainsChangedError, NothingToUndoError
+from station.core.loop.control_loop import ControlLoop
+
+HISTORY = 100
+"""How many changes can be taken back."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Done:
+    """A change that can be taken back.
+
+    Attributes:
+        tunables: The parameters of each controller, to recognise it.
+        previous: The values before the change, by controller and name.
+    """
+
+    tunables: dict[str, Tunables]
+    previous: dict[str, dict[str, float]]
+
+
+class GainTuning:
+    """Changes the gains of controllers, of several in one cycle if need be. Any thread.
+
+    Args:
+        loop: The loop.
+        manager: Its controller manager.
+        change_lock: Held while somebody loads or unloads a controller.
+    """
+
+    def __init__(
+        self,
+        loop: ControlLoop,
+        manager: ControllerManager,
+        change_lock: threading.Lock,
+    ) -> None:
+        self._loop = loop
+        self._manager = manager
+        self._change_lock = change_lock
+        self._revisions: dict[str, int] = {}
+        self._history: deque[_Done] = deque(maxlen=HISTORY)
+
+    def begin(self, name: str) -> None:
+        """Begin a revision for a controller that was loaded; the lock is held."""
+        self._revisions[name] = self._revisions.get(name, 0) + 1
+
+    def gains(self, name: str) -> Gains:
+        """Return the run-time parameters of a controller.
+
+        Raises:
+            ControllerNotFoundError: No controller of that name is loaded.
+        """
+        tunables = self._manager.get_controller(name).tunables
+        revision = self._revisions.get(name, 0)
+        return Gains(tunables.values, tunables.schema, revision)
+
+    def all_gains(self) -> dict[str, dict[str, float]]:
+        """Return the values of every loaded controller that has some, by its name."""
+        found = {}
+        for status in self._manager.controller_statistics():
+            values = self._manager.get_controller(status.name).tunables.values
+            if values:
+                found[status.name] = dict(values)
+        return found
+
+    def set_gains(
+        self, name: str, changes: Mapping[str, float], revision: int | None = None
+    ) -> GainsChange:
+        """Change run-time parameters, all of them between the same two cycles.
+
+        Args:
+            name: The controller.
+            changes: New values by name; the others stay.
+            revision: Revision the caller has read; any when None.
+
+        Raises:
+            ControllerNotFoundError: No controller of that name is loaded.
+            GainsChangedError: `revision` is not the present one.
+            InvalidGainError: A name or value is not allowed; nothing changed.
+            LoopError: The loop died or hangs.
+        """
+        with self._change_lock:
+            self._manager.get_controller(name)
+            present = self._revisions.get(name, 0)
+            if revision is not None and revision != present:
+                raise GainsChangedError(
+                    f"The gains of '{name}' changed since revision {revision}; they "
+                    f"are at {present}.",
+                    remedy="Read them again and repeat the change.",
+                    details={"revision": present},
+                )
+            return self._apply({name: changes})[name]
+
+    def set_many(
+        self, changes: Mapping[str, Mapping[str, float]]
+    ) -> dict[str, GainsChange]:
+        """Change the parameters of several controllers between the same two cycles.
+
+        Args:
+            changes: New values by controller and name; the others stay.
+
+        Returns:
+            What changed, by controller.
+
+        Raises:
+            ControllerNotFoundError: A controller is not loaded; nothing changed.
+            InvalidGainError: A name or value is not allowed; nothing changed.
+            LoopError: The loop died or hangs.
+        """
+        with self._change_lock:
+            return self._apply(changes)
+
+    def undo(self) -> dict[str, GainsChange]:
+        """Take the last change back that was not taken back; return what changed.
+
+        Raises:
+            NothingToUndoError: There is no such change, or a controller of it was
+                loaded anew since.
+            LoopError: The loop died or hangs.
+        """
+        with self._change_lock:
+            if not self._history:
+                raise NothingToUndoError(
+                    "No change of gains is left to be taken back.",
+                    remedy="Set the gains, or apply a saved set.",
+                )
+            done = self._history.pop()
+            loaded = {s.name for s in self._manager.controller_statistics()}
+            for name, tunables in done.tunables.items():
+                if (
+                    name not in loaded
+                    or self._manager.get_controller(name).tunables is not tunables
+                ):
+                    raise NothingToUndoError(
+                        f"The last change was one of controller '{name}', which was "
+                        "unloaded since; the change was dropped.",
+                        remedy="Undo once more for the change before.",
+                        details={"controller": name},
+                    )
+            return self._apply(done.previous, remember=False)
+
+    def _apply(
+        self, changes: Mapping[str, Mapping[str, float]], *, remember: bool = True
+    ) -> dict[str, GainsChange]:
+        found = {name: self._manager.get_controller(name).tunables for name in changes}
+        before = {name: tunables.values for name, tunables in found.items()}
+        wanted = {name: found[name].checked(changes[name]) for name in changes}
+
+        def apply() -> int:
+            for name, values in wanted.items():
+                found[name].apply(values)
+            return self._loop.cycle
+
+        cycle = self._loop.run_in_cycle(apply)
+        if remember and found:
+            previous = {
+                name: {key: before[name][key] for key in changes[name]}
+                for name in changes
+            }
+            self._history.append(_Done(found, previous))
+        done = {}
+        for name in changes:
+            self.begin(name)
+            revision = self._revisions[name]
+            done[name] = GainsChange(wanted[name], before[name], revision, cycle)
+        return done

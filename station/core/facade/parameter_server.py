@@ -1,0 +1,128 @@
+"""The tree of parameters as rosparam shows it: read, set and delete, from any thread.
+
+Controllers read their parameters when they are loaded; a change has no effect on a
+controller that is loaded already.
+"""
+
+import threading
+from collections.abc import Collection
+
+from station.core.errors import (
+    ControllerExistsError,
+    ParameterError,
+    ParameterNotFoundError,
+    suggest,
+)
+from station.core.parameters import Parameters
+
+_MISSING = object()
+
+
+class ParameterServer:
+    """Reads and changes the parameters of a station.
+
+    Args:
+        parameters: The root of the tree.
+        change_lock: Held while somebody loads or unloads a controller.
+        loading: Names of the controllers that are being loaded at the moment.
+        reserved: Names at the root that cannot be changed while the station runs.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        change_lock: threading.Lock,
+        loading: Collection[str],
+        reserved: Collection[str] = (),
+    ) -> None:
+        self._tree = parameters.tree
+        self._change_lock = change_lock
+        self._loading = loading
+        self._reserved = reserved
+
+    def get(self, path: str = "") -> object:
+        """Return the value at a path; the whole tree without a path.
+
+        Args:
+            path: Names separated by `/`.
+
+        Raises:
+            ParameterNotFoundError: There is no such parameter.
+        """
+        value = self._tree.get(path, _MISSING)
+        if value is _MISSING:
+            raise self._not_found(path)
+        return value
+
+    def set(self, path: str, value: object) -> None:
+        """Set the value at a path; namespaces that are missing are made.
+
+        Args:
+            path: Names separated by `/`.
+            value: Plain data; a mapping replaces the whole namespace.
+
+        Raises:
+            ParameterError: The path is empty or reserved, or leads through a value that
+                is no namespace.
+            ControllerExistsError: The parameters belong to a controller that is being
+                loaded.
+        """
+        with self._change_lock:
+            parts = self._changeable(path)
+            for count in range(1, len(parts)):
+                above = "/".join(parts[:count])
+                if not isinstance(self._tree.get(above, {}), dict):
+                    raise ParameterError(
+                        f"Parameter '{above}' has a value, so '{path}' cannot be "
+                        "below it.",
+                        remedy=f"Delete '{above}' first, or choose another path.",
+                        details={"parameter": above},
+                    )
+            self._tree.set(path, value)
+
+    def delete(self, path: str) -> object:
+        """Remove the value at a path and return it.
+
+        Raises:
+            ParameterNotFoundError: There is no such parameter.
+            ParameterError: The path is empty or reserved.
+            ControllerExistsError: The parameters belong to a controller that is being
+                loaded.
+        """
+        with self._change_lock:
+            self._changeable(path)
+            value = self.get(path)
+            self._tree.delete(path)
+            return value
+
+    def _changeable(self, path: str) -> list[str]:
+        """Return the parts of a path.
+
+        Raises:
+            ParameterError: The path is empty or reserved.
+            ControllerExistsError: A controller is being loaded with it.
+        """
+        parts = [part for part in path.split("/") if part]
+        if not parts or parts[0] in self._reserved:
+            raise ParameterError(
+                f"Parameter '{path}' cannot be changed while the station runs.",
+                remedy="Change it in the configuration and start the station again.",
+                details={"parameter": path},
+            )
+        if parts[0] in self._loading:
+            raise ControllerExistsError(
+                f"Controller '{parts[0]}' is being loaded with these parameters.",
+                remedy="Wait until it is loaded, or unload it to cancel.",
+                details={"controller": parts[0]},
+            )
+        return parts
+
+    def _not_found(self, path: str) -> ParameterNotFoundError:
+        above, _, name = path.strip("/").rpartition("/")
+        beside = self._tree.get(above)
+        names = list(beside) if isinstance(beside, dict) else []
+        return ParameterNotFoundError(
+            f"There is no parameter '{path}'.",
+            remedy=suggest(name, names),
+            details={"parameter": path},
+        )

@@ -1,0 +1,102 @@
+"""A sample of something in every cycle, for as long as somebody reads it."""
+
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+
+from station.core.faults import CONTAINED, describe
+
+if TYPE_CHECKING:
+    from station.core.loop.control_loop import ControlLoop
+
+SampleT = TypeVar("SampleT")
+
+CAPACITY = 512
+"""Samples that are kept; about half a second at 1 kHz."""
+_changes = threading.Lock()
+
+
+class TappedCycle(NamedTuple, Generic[SampleT]):
+    """The sample of one cycle.
+
+    Attributes:
+        cycle: Number of the cycle.
+        epoch: The station's epoch in that cycle.
+        stamp: Station time [s].
+        period: Time since the cycle before [s].
+        sample: What was sampled.
+    """
+
+    cycle: int
+    epoch: int
+    stamp: float
+    period: float
+    sample: SampleT
+
+
+class CycleTap(Generic[SampleT]):
+    """Samples in the control thread at the end of every cycle while it is open.
+
+    What every cycle leaves in any case is in the ring of snapshots. A tap is for what
+    costs too much to be kept when nobody reads it, such as the whole state of an arm.
+
+    Args:
+        loop: The loop.
+        sample: Returns what is kept of a cycle; must not wait, and nobody may change
+            what it returned.
+
+    Attributes:
+        failure: What `sample` raised; no cycle is sampled after that. None if it did
+            not raise.
+    """
+
+    def __init__(self, loop: "ControlLoop", sample: Callable[[], SampleT]) -> None:
+        self.failure: str | None = None
+        self._loop = loop
+        self._sample = sample
+        self._slots: list[TappedCycle[SampleT] | None] = [None] * CAPACITY
+        self._newest = loop.cycle
+
+    def open(self) -> None:
+        """Sample from the next cycle on."""
+        with _changes:
+            self._newest = self._loop.cycle
+            self._loop.taps = (*self._loop.taps, self)
+
+    def close(self) -> None:
+        """Sample no more."""
+        with _changes:
+            self._loop.taps = tuple(one for one in self._loop.taps if one is not self)
+
+    def take(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
+        """Sample a cycle; control thread only."""
+        if self.failure is not None:
+            return
+        try:
+            sample = self._sample()
+        except CONTAINED as error:
+            self.failure = describe(error)
+            return
+        taken = TappedCycle(cycle, epoch, stamp, period, sample)
+        self._slots[cycle % CAPACITY] = taken
+        self._newest = cycle
+
+    def newest_cycle(self) -> int:
+        """Return the number of the last cycle that was sampled."""
+        return self._newest
+
+    def read_since(self, cycle: int) -> tuple[list[TappedCycle[SampleT]], int]:
+        """Return the cycles after `cycle`, oldest first, and how many were lost.
+
+        Args:
+            cycle: Number of the last cycle the reader has seen.
+        """
+        newest = self._newest
+        first = max(cycle + 1, newest - CAPACITY + 1)
+        found = [
+            taken
+            for number in range(first, newest + 1)
+            if (taken := self._slots[number % CAPACITY]) is not None
+            and taken.cycle == number
+        ]
+        return found, max(0, newest - cycle - len(found))
