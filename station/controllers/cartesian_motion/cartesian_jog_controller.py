@@ -69,23 +69,15 @@ class CartesianJogController(CartesianMotionController):
         if self._frame == 0:
             self.generator.go_at(set_point)
             return
-        pose = self.generator.pose
-        self.generator.go_at([
-            *to_outer_axes(pose, set_point[:3]),
-            *to_outer_axes(pose, set_point[3:]),
-        ])
+        self.generator.go_at(to_outer_axes(self.generator.pose, set_point))
 
     @override
     def sample_of(self, time: float, state: RobotState) -> ControllerSample:
-        desired = self.generator.twist
+        desired = [*self.generator.twist]
         if self._frame == 0:
             jacobian = self.model.get_zero_jacobian(Frame.END_EFFECTOR)
         else:
-            pose = self.generator.pose
-            desired = [
-                *to_inner_axes(pose, desired[:3]),
-                *to_inner_axes(pose, desired[3:]),
-            ]
+            desired = to_inner_axes(self.generator.pose, desired)
             jacobian = self.model.get_body_jacobian(Frame.END_EFFECTOR)
         actual = times(jacobian, state.dq)
         errors = [d - a for d, a in zip(desired, actual, strict=True)]

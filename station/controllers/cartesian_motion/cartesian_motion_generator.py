@@ -6,14 +6,17 @@ cycle. Its rates therefore equal the angular velocity and acceleration, the limi
 for rotations of any size, and the rotation to a target is always the shorter one.
 """
 
-from math import copysign, sqrt
+from collections.abc import Sequence
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.core.numerics.rigid_motion import displace, rotation_between
+from station.kernel.braking import braking_peaks, peak_speed, resting_ways
+from station.kernel.doubles import Doubles, doubles, put, zeros
+from station.kernel.rigid_motion import displace, rotation_between
 
 # Velocities and accelerations below this are rounding after a motion has ended.
 _AT_REST = 1e-12
+_SLACK = 1.0 + 1e-9  # for rounding
 
 
 class CartesianMotionGenerator:
@@ -26,62 +29,50 @@ class CartesianMotionGenerator:
         limits: The limits.
 
     Attributes:
-        pose: Desired pose, 16 numbers, column-major, a new list each cycle.
+        twist: Desired linear [m/s] and angular velocity [rad/s] in the axes of the
+            base, shape (6,).
+        accelerations: Desired linear [m/s^2] and angular [rad/s^2] acceleration in the
+            same axes, then the peak acceleration of each axis while the motion brakes,
+            shape (12,).
     """
 
     def __init__(self, limits: CartesianLimits) -> None:
         self._limits = limits
-        self._axes = limits.of_axes()
-        self._generator = MotionGenerator(self._axes)
-        self._target: list[float] = []
+        axes = limits.of_axes()
+        self._generator = MotionGenerator(axes)
+        self._largest, self._jerk = doubles(axes.acceleration), doubles(axes.jerk)
+        self._pose, self._resting, self._target = zeros(16), zeros(16), zeros(16)
         self._last = (self._generator.state(), [0.0] * 16)
-        self.pose = [0.0] * 16
+        self._way = zeros(6)
+        self._has_target = False
+        self.twist, self.accelerations = zeros(6), zeros(12)
+        self._acceleration = self.accelerations[:6]
+        self._braking = self.accelerations[6:]
 
     @property
-    def twist(self) -> list[float]:
-        """Desired linear [m/s] and angular velocity [rad/s], axes of the base."""
-        return self._generator.velocities
+    def pose(self) -> list[float]:
+        """Desired pose, 16 numbers, column-major, a new list."""
+        return [*self._pose]
 
-    @property
-    def acceleration(self) -> list[float]:
-        """Desired linear [m/s^2] and angular [rad/s^2] acceleration, same axes."""
-        return self._generator.accelerations
-
-    def braking(self) -> list[float]:
-        """Return each axis' peak acceleration while the motion brakes, shape (6,).
-
-        In m/s^2 and rad/s^2, in the axes of the base. An axis with velocity v and
-        acceleration a that brakes with jerk j reaches sqrt(|v| j + a^2 / 2), unless its
-        acceleration limit is smaller.
-        """
-        return [
-            -copysign(min(largest, sqrt(abs(v) * jerk + a * a / 2.0)), v)
-            for v, a, largest, jerk in zip(
-                self._generator.velocities,
-                self._generator.accelerations,
-                self._axes.acceleration,
-                self._axes.jerk,
-                strict=True,
-            )
-        ]
-
-    def start(self, pose: list[float]) -> None:
+    def start(self, pose: Sequence[float]) -> None:
         """Start at rest at a pose.
 
         Args:
             pose: The pose, 16 numbers, column-major.
         """
-        self.pose = list(pose)
-        self._target = []
-        self._generator.start(_coordinates(pose), [0.0] * 6)
+        put(self._pose, pose)
+        self._has_target = False
+        self._generator.start(self._coordinates(), [0.0] * 6)
+        self._take_rates()
 
-    def go_to(self, pose: list[float]) -> None:
+    def go_to(self, pose: Sequence[float]) -> None:
         """Make a pose the target: position and orientation arrive together and rest.
 
         Args:
             pose: Target pose, 16 numbers, column-major.
         """
-        self._target = pose
+        put(self._target, pose)
+        self._has_target = True
 
     def go_at(self, twist: list[float]) -> None:
         """Make a twist the target.
@@ -90,7 +81,7 @@ class CartesianMotionGenerator:
             twist: Velocity [m/s], then angular velocity [rad/s], in the axes of the
                 base, each with a length within its limit.
         """
-        self._target = []
+        self._has_target = False
         self._generator.go_at(twist)
 
     def brake(self) -> None:
@@ -100,33 +91,21 @@ class CartesianMotionGenerator:
     def is_at_rest(self) -> bool:
         """Return whether all velocities and accelerations are zero."""
         now = self._generator
-        return max(map(abs, (*now.velocities, *now.accelerations))) < _AT_REST
+        return max(map(abs, (*now.velocities, *self._acceleration))) < _AT_REST
 
-    def resting_pose(self) -> list[float]:
-        """Return the pose at which the motion rests if it brakes now, 16 numbers.
-
-        Raises:
-            InvalidCommandError: There is no such motion.
-        """
-        end = self._generator.resting_positions()
-        shift = [end[i] - self.pose[12 + i] for i in range(3)]
-        return displace(self.pose, shift, end[3:])
+    def resting_pose(self) -> Doubles:
+        """Return the pose at which the motion rests if it brakes now, 16 numbers."""
+        way = self._way
+        resting_ways(self.twist, self._acceleration, self._largest, self._jerk, way)
+        displace(self._pose, way, 1.0, self._resting)
+        return self._resting
 
     def stays_within_speed(self) -> bool:
         """Return whether no velocity exceeds its limit while the motion brakes."""
-        peaks = [
-            max(abs(v), abs(v + a * abs(a) / (2.0 * jerk)))
-            for v, a, jerk in zip(
-                self._generator.velocities,
-                self._generator.accelerations,
-                self._axes.jerk,
-                strict=True,
-            )
-        ]
-        slack = 1.0 + 1e-9
+        v, a, jerk, limits = self.twist, self._acceleration, self._jerk, self._limits
         return (
-            _length(peaks[:3]) <= self._limits.translation.velocity * slack
-            and _length(peaks[3:]) <= self._limits.rotation.velocity * slack
+            peak_speed(v[:3], a[:3], jerk[:3]) <= limits.translation.velocity * _SLACK
+            and peak_speed(v[3:], a[3:], jerk[3:]) <= limits.rotation.velocity * _SLACK
         )
 
     def advance(self, period: float) -> None:
@@ -140,26 +119,30 @@ class CartesianMotionGenerator:
         """
         if period == 0.0:
             return
-        generator = self._generator
-        self._last = (generator.state(), self.pose)
-        if self._target:
-            away = rotation_between(self.pose, self._target)
-            generator.go_to([*self._target[12:15], *away])
+        generator, pose, way = self._generator, self._pose, self._way
+        self._last = (generator.state(), [*pose])
+        if self._has_target:
+            rotation_between(pose, self._target, way)
+            generator.go_to([*self._target[12:15], *way[:3]])
         generator.advance(period)
-        reached = generator.positions
-        shift = [reached[i] - self.pose[12 + i] for i in range(3)]
-        self.pose = displace(self.pose, shift, reached[3:])
-        generator.relocate(_coordinates(self.pose))
+        x, y, z, *turn = generator.positions
+        put(way, (x - pose[12], y - pose[13], z - pose[14], *turn))
+        displace(pose, way, 1.0, pose)
+        generator.relocate(self._coordinates())
+        self._take_rates()
 
     def undo(self) -> None:
         """Return to the state before the last `advance`; the target stays."""
-        state, self.pose = self._last
+        state, pose = self._last
+        put(self._pose, pose)
         self._generator.restore(state)
+        self._take_rates()
 
+    def _coordinates(self) -> list[float]:
+        return [*self._pose[12:15], 0.0, 0.0, 0.0]
 
-def _coordinates(pose: list[float]) -> list[float]:
-    return [*pose[12:15], 0.0, 0.0, 0.0]
-
-
-def _length(vector: list[float]) -> float:
-    return sqrt(sum(value * value for value in vector))
+    def _take_rates(self) -> None:
+        generator, v, a = self._generator, self.twist, self._acceleration
+        put(v, generator.velocities)
+        put(a, generator.accelerations)
+        braking_peaks(v, a, self._largest, self._jerk, self._braking)

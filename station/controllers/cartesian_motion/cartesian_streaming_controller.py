@@ -1,5 +1,7 @@
 """Follow poses that arrive 10 to 100 times a second, e.g. from a policy."""
 
+from collections.abc import Sequence
+
 from typing_extensions import override
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
@@ -65,7 +67,7 @@ class CartesianStreamingController(CartesianMotionController):
         return ControllerSample(time, desired, actual, errors, desired)
 
 
-def _numbers(pose: list[float], near: list[float]) -> list[float]:
+def _numbers(pose: Sequence[float], near: list[float]) -> list[float]:
     """Return a pose in the form of a set-point, 7 numbers.
 
     Args:
@@ -73,7 +75,8 @@ def _numbers(pose: list[float], near: list[float]) -> list[float]:
         near: Of the two quaternions of the orientation, the one nearer to this
             quaternion is returned, so that samples do not jump.
     """
-    quaternion = quaternion_of(pose)
-    if sum(a * b for a, b in zip(quaternion, near, strict=True)) < 0.0:
-        quaternion = [-value for value in quaternion]
-    return [*pose[12:15], *quaternion]
+    x, y, z, w = quaternion_of(pose)
+    a, b, c, d = near
+    if x * a + y * b + z * c + w * d < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    return [*pose[12:15], x, y, z, w]

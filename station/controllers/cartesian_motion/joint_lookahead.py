@@ -7,10 +7,7 @@ Jacobians and distances are computed again only when the joints have moved, not 
 cycle.
 """
 
-from collections.abc import Sequence
 from enum import Enum
-
-import numpy as np
 
 from station.controllers.cartesian_motion.arm_configuration import (
     ELBOW,
@@ -23,7 +20,9 @@ from station.controllers.cartesian_motion.lookahead_settings import LookaheadSet
 from station.core.description.robot_description import JointDescription
 from station.core.franka import Frame, FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotState
-from station.core.numerics.rigid_motion import twist_between
+from station.kernel.doubles import Doubles, doubles, put, zeros
+from station.kernel.linear_kinematics import limited_joint, moved, way_between
+from station.kernel.rigid_motion import twist_between
 
 # Results for one configuration are used for configurations within this distance [rad].
 _NEAR = 0.01
@@ -63,19 +62,26 @@ class JointLookahead:
         self._model = model.model
         self._joints = joints
         self._settings = settings
-        # Bounds of the rows of `ArmConfiguration.joint_motion`.
-        fastest = [joint.velocity * settings.joint_velocity_share for joint in joints]
-        hardest = settings.max_joint_acceleration
-        self._bounds = np.array([fastest, hardest, hardest, hardest])
+        margin = settings.joint_limit_margin
+        self._lower = doubles(joint.lower + margin for joint in joints)
+        self._upper = doubles(joint.upper - margin for joint in joints)
+        share = settings.joint_velocity_share
+        self._velocity = doubles(joint.velocity * share for joint in joints)
+        self._acceleration = doubles(settings.max_joint_acceleration)
         self.obstacle = Obstacle.NONE
         self.joint: str | None = None
         self._state = RobotState()
         self._elbow = 0.0
+        self._q_d = self._state.doubles("q_d")
         nowhere = ArmConfiguration([0.0] * 7, [0.0] * 42)
         self._present = self._resting = nowhere
-        self._rest, self._pose = [0.0] * 7, [0.0] * 16
+        # Pose of the end effector at the configuration at rest.
+        self._pose = zeros(16)
+        # Joint positions at rest: after the last allowed step, and after a new one.
+        self._rest, self._new = zeros(7), zeros(7)
+        self._way, self._step = zeros(6), zeros(7)
         self._dexterity = 0.0
-        self._clearance, self._clear_at = 0.0, [0.0] * 7
+        self._clearance, self._clear_at = 0.0, zeros(7)
 
     def start(self, state: RobotState) -> None:
         """Start at rest at the desired joint positions.
@@ -83,14 +89,14 @@ class JointLookahead:
         Args:
             state: The arm's state, which is updated in every cycle.
         """
-        self._state = state
-        self._elbow = state.q_d[ELBOW]
+        self._state, self._q_d = state, state.doubles("q_d")
+        self._elbow = self._q_d[ELBOW]
         self.obstacle, self.joint = Obstacle.NONE, None
-        q = list(state.q_d)
-        self._present = self._resting = self._configuration(q)
-        self._rest, self._pose = q, self._pose_at(q)
+        self._rest[:] = self._new[:] = self._clear_at[:] = self._q_d
+        self._present = self._resting = self._configuration(self._q_d)
+        self._place_pose()
         self._dexterity = self._resting.dexterity()
-        self._clearance, self._clear_at = self._model.clearance(q), q
+        self._clearance = self._model.clearance(self._q_d)
 
     def allows(self, motion: CartesianMotionGenerator) -> bool:
         """Return whether the joints can follow a step; note the obstacle if not.
@@ -101,32 +107,33 @@ class JointLookahead:
         Args:
             motion: The motion after the step.
         """
-        resting = self._resting
-        away = twist_between(self._pose, motion.resting_pose(), 1.0)
-        step = resting.joint_step(away, self._elbow)
-        q = [a + b for a, b in zip(resting.q, step, strict=True)]
-        if max(map(abs, step)) > _NEAR:
+        resting, q, step = self._resting, self._new, self._step
+        twist_between(self._pose, motion.resting_pose(), 1.0, self._way)
+        resting.motion.joint_step(self._way, self._elbow, step)
+        if moved(resting.q, step, q) > _NEAR:
             resting = self._configuration(q)
         self.joint = None
-        self.obstacle = self._obstacle_at(q, resting)
+        self.obstacle = self._obstacle_at(resting)
         if self.obstacle is Obstacle.NONE:
             self.obstacle = self._speed_obstacle(resting, motion)
         if self.obstacle is not Obstacle.NONE:
             return False
         if resting is not self._resting:
-            self._resting, self._pose = resting, self._pose_at(q)
-        self._rest = q
+            self._resting = resting
+            self._place_pose()
+        self._rest[:] = q
         return True
 
-    def _obstacle_at(self, q: list[float], resting: ArmConfiguration) -> Obstacle:
-        """Return what keeps the arm from resting at joint positions.
+    def _obstacle_at(self, resting: ArmConfiguration) -> Obstacle:
+        """Return what keeps the arm from resting at the new joint positions.
 
         Args:
-            q: Joint positions [rad], shape (7,).
             resting: A configuration near these positions.
         """
-        self.joint = self._joint_at_limit(q)
-        if self.joint is not None:
+        q = self._new
+        limited = limited_joint(q, self._rest, self._lower, self._upper)
+        if limited >= 0:
+            self.joint = self._joints[limited].name
             return Obstacle.JOINT_LIMIT
         dexterity = self._dexterity
         if resting is not self._resting:
@@ -135,47 +142,38 @@ class JointLookahead:
                 return Obstacle.SINGULARITY
         least = self._settings.least_clearance
         room = max(_NEAR, (self._clearance - least) / _REACH)
-        if _distance(q, self._clear_at) > room:
+        if way_between(q, self._clear_at) > room:
             clearance = self._model.clearance(q)
             if clearance < min(least, self._clearance):
                 return Obstacle.SELF_COLLISION
-            self._clearance, self._clear_at = clearance, q
+            self._clearance = clearance
+            self._clear_at[:] = q
         self._dexterity = dexterity
         return Obstacle.NONE
 
     def _speed_obstacle(
         self, resting: ArmConfiguration, motion: CartesianMotionGenerator
     ) -> Obstacle:
-        q = self._state.q_d
-        if _distance(q, self._present.q) > _NEAR:
-            self._present = self._configuration(list(q))
-        needed = (motion.acceleration, motion.braking())
+        if way_between(self._q_d, self._present.q) > _NEAR:
+            self._present = self._configuration(self._q_d)
         for configuration in (self._present, resting):
-            wanted = configuration.joint_motion(motion.twist, needed)
-            excess = np.abs(wanted) / self._bounds
-            if excess.max() > 1.0:
-                self.joint = self._joints[int(excess.argmax()) % len(q)].name
+            fastest = configuration.motion.fastest_joint(
+                motion.twist,
+                motion.accelerations,
+                self._velocity,
+                self._acceleration,
+            )
+            if fastest >= 0:
+                self.joint = self._joints[fastest].name
                 return Obstacle.JOINT_SPEED
         return Obstacle.NONE
 
-    def _configuration(self, q: list[float]) -> ArmConfiguration:
+    def _configuration(self, q: Doubles) -> ArmConfiguration:
         state, model, frame = self._state, self._model, Frame.END_EFFECTOR
         jacobian = model.zero_jacobian(frame, q, state.F_T_EE, state.EE_T_K)
         return ArmConfiguration(q, jacobian)
 
-    def _pose_at(self, q: list[float]) -> list[float]:
-        state, frame = self._state, Frame.END_EFFECTOR
-        return self._model.pose(frame, q, state.F_T_EE, state.EE_T_K)
-
-    def _joint_at_limit(self, q: list[float]) -> str | None:
-        margin = self._settings.joint_limit_margin
-        for joint, new, old in zip(self._joints, q, self._rest, strict=True):
-            if (new < old and new < joint.lower + margin) or (
-                new > old and new > joint.upper - margin
-            ):
-                return joint.name
-        return None
-
-
-def _distance(q: Sequence[float], other: Sequence[float]) -> float:
-    return sum(abs(a - b) for a, b in zip(q, other, strict=True))
+    def _place_pose(self) -> None:
+        state, model, frame = self._state, self._model, Frame.END_EFFECTOR
+        q = self._resting.q
+        put(self._pose, model.pose(frame, q, state.F_T_EE, state.EE_T_K))

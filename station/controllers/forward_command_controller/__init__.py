@@ -1,5 +1,8 @@
 """Controllers that forward set-points, and what all set-point controllers share."""
 
+from station.controllers.forward_command_controller.controlled_joints import (
+    ControlledJoints,
+)
 from station.controllers.forward_command_controller.forward_command_controller import (
     ForwardCommandController,
     ForwardJointGroupCommandController,
@@ -12,6 +15,7 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
 
 __all__ = [
     "CommandInterfaceT",
+    "ControlledJoints",
     "ForwardCommandController",
     "ForwardJointGroupCommandController",
     "JointQuantity",

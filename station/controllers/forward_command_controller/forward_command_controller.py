@@ -12,7 +12,10 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
     CommandInterfaceT,
     JointSetPointController,
 )
-from station.core.control.controller import ControllerSample
+from station.core.control.controller import PackedSample
+from station.core.parameters import Parameters
+from station.kernel.doubles import Doubles, zeros
+from station.kernel.joint_errors import JointErrors
 
 
 class ForwardJointGroupCommandController(JointSetPointController[CommandInterfaceT]):
@@ -26,18 +29,28 @@ class ForwardJointGroupCommandController(JointSetPointController[CommandInterfac
         the robot description is refused.
     """
 
+    _errors: JointErrors
+    _columns: tuple[Doubles, ...]
+
+    @override
+    def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
+        super().init(interface, params)
+        desired, actual = self._watched.desired, self.quantity.measured(self.memory)
+        errors = zeros(self.memory.size)
+        self._errors = JointErrors(desired, actual, errors)
+        self._columns = (desired, actual, errors, desired)
+
     @override
     def update(self, time: float, period: float) -> None:
-        set_point = self.newest_set_point()
-        self.group.set_commands(set_point)
-        actual = self.quantity.measure(self.group)
-        self.sample = ControllerSample(
-            time,
-            set_point,
-            actual,
-            [d - a for d, a in zip(set_point, actual, strict=True)],
-            set_point,
-        )
+        watched, memory = self._watched, self.memory
+        watched.newest()
+        if memory.is_copy:
+            memory.read()
+        memory.commands[:] = watched.desired
+        if memory.is_copy:
+            memory.write()
+        self._errors.compare()
+        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
 
 
 class ForwardCommandController(ForwardJointGroupCommandController[CommandInterfaceT]):

@@ -3,8 +3,11 @@
 from enum import Enum
 from typing import assert_never
 
+from station.controllers.forward_command_controller.controlled_joints import (
+    ControlledJoints,
+)
 from station.core.description.robot_description import JointDescription
-from station.core.hardware.interfaces import JointStateGroup
+from station.kernel.doubles import Doubles
 
 
 class JointQuantity(Enum):
@@ -38,10 +41,10 @@ class JointQuantity(Enum):
             case _:
                 assert_never(self)
 
-    def measure(self, group: JointStateGroup) -> list[float]:
-        """Return the measured values of a group as a new list, shape (n,)."""
+    def measured(self, memory: ControlledJoints) -> Doubles:
+        """Return the measured values of joints, shape (n,), not a copy."""
         if self is JointQuantity.POSITION:
-            return group.get_positions()
+            return memory.positions
         if self is JointQuantity.VELOCITY:
-            return group.get_velocities()
-        return group.get_efforts()
+            return memory.velocities
+        return memory.efforts

@@ -8,6 +8,9 @@ from typing_extensions import override
 from station.controllers.forward_command_controller.command_timeout import (
     read_command_timeout,
 )
+from station.controllers.forward_command_controller.controlled_joints import (
+    ControlledJoints,
+)
 from station.controllers.forward_command_controller.joint_names import read_joint_names
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
 from station.controllers.forward_command_controller.watched_set_point import (
@@ -48,6 +51,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         longest_timeout: Longest validity of a set-point [s]; when it is finite, every
             set-point expires.
         group: Handles of the joints.
+        memory: Their values as doubles.
         joints: Descriptions of the joints, in the same order.
     """
 
@@ -57,6 +61,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     default_timeout: ClassVar[float] = 0.0
     longest_timeout: ClassVar[float] = inf
     group: JointGroup
+    memory: ControlledJoints
     joints: list[JointDescription]
     _watched: WatchedSetPoint
 
@@ -66,6 +71,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
             read_joint_names(params) if self.is_group else [params.get_str("joint")]
         )
         self.group = JointGroup([interface.get_handle(n) for n in self.joint_names])
+        self.memory = ControlledJoints(self.group)
         find = (
             require_robot_description
             if self.needs_description

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from station.controllers.forward_command_controller.command_timeout import TimeoutAction
 from station.core.errors import CommandTimeoutError
 from station.core.ports.set_point import SetPointPort
+from station.kernel.doubles import put, zeros
 
 
 class WatchedSetPoint:
@@ -19,6 +20,8 @@ class WatchedSetPoint:
     Attributes:
         values: The set-point in force, shape (n,); never changed, only replaced.
         rates: Rates at which the set-point changes, shape (n,); empty when unknown.
+        desired: The values as doubles; always the same memory.
+        desired_rates: The rates as doubles; always the same memory.
     """
 
     def __init__(
@@ -34,10 +37,12 @@ class WatchedSetPoint:
         self._rest = rest
         self.values: list[float] = []
         self.rates: list[float] = []
+        self.desired = zeros(len(port.elements))
+        self.desired_rates = zeros(len(port.elements))
 
     def begin(self) -> None:
         """Make rest the set-point; called when the controller starts."""
-        self.values, self.rates = self._rest(), []
+        self._put_in_force(self._rest(), [])
 
     def newest(self) -> list[float]:
         """Return the set-point in force, shape (n,); the caller must not change it.
@@ -48,6 +53,11 @@ class WatchedSetPoint:
         Raises:
             CommandTimeoutError: The set-point has expired and the action is `stop`.
         """
+        if self._port.has_news():
+            self._take_news()
+        return self.values
+
+    def _take_news(self) -> None:
         port = self._port
         if port.take_void():
             self.begin()
@@ -55,14 +65,19 @@ class WatchedSetPoint:
         if newest is not None:
             # Set-points may be posted unchecked, so they are clamped once more here.
             # After the values come the rates, if the set-point has any.
-            self.values = [
+            values = [
                 min(max(value, element.minimum), element.maximum)
                 for value, element in zip(newest, port.elements, strict=False)
             ]
-            self.rates = newest[len(self.values) :]
+            self._put_in_force(values, newest[len(values) :])
         if port.take_expiry():
             self._end()
-        return self.values
+
+    def _put_in_force(self, values: list[float], rates: list[float]) -> None:
+        put(self.desired, values)
+        if rates:
+            put(self.desired_rates, rates)
+        self.values, self.rates = values, rates
 
     def _end(self) -> None:
         if self._action is TimeoutAction.STOP:

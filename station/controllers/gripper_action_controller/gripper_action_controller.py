@@ -263,10 +263,11 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
     def command(
         self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
-        error = target.position - handle.get_position()
-        (wanted,) = self._pids.compute_commands_with_rates(
-            [error], [-handle.get_velocity()], period
-        )
+        pids = self._pids
+        pids.errors[0] = target.position - handle.get_position()
+        pids.rates[0] = -handle.get_velocity()
+        pids.compute_with_rates(period)
+        wanted = pids.commands[0]
         effort = max(-target.max_effort, min(target.max_effort, wanted))
         handle.set_command(effort)
         return effort

@@ -12,10 +12,11 @@ from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goa
 from station.core.description.robot_description import JointDescription
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.trajectory import JointTrajectorySegment, SegmentTrajectory
+from station.kernel.doubles import Storage
 
 
 @dataclass(frozen=True, slots=True)
-class JointErrors:
+class StateErrors:
     """Differences between desired and measured joint states, shape (n,) each.
 
     Attributes:
@@ -23,8 +24,8 @@ class JointErrors:
         velocities: Desired minus measured velocities [rad/s or m/s].
     """
 
-    positions: list[float]
-    velocities: list[float]
+    positions: Storage
+    velocities: Storage
 
 
 class GoalSupervision:
@@ -75,11 +76,22 @@ class GoalSupervision:
             self.goal.finish(status, GoalResult(0, reason))
             self.goal = None
 
+    def follow_progress(self, goal: Goal, now: float) -> None:
+        """Report how much of the time of the active goal has passed.
+
+        Args:
+            goal: The active goal.
+            now: Trajectory time [s].
+        """
+        duration = self._end - self._start
+        passed = (now - self._start) / duration if duration > 0.0 else 1.0
+        goal.progress = passed if passed < 1.0 else 1.0
+
     def check(
         self,
         active: list[JointTrajectorySegment],
         trajectory: SegmentTrajectory,
-        errors: JointErrors,
+        errors: StateErrors,
         now: float,
     ) -> bool:
         """Compare the errors with the tolerances; return whether the goal was aborted.
@@ -93,9 +105,7 @@ class GoalSupervision:
         goal = self.goal
         if goal is None:
             return False
-        duration = self._end - self._start
-        passed = (now - self._start) / duration if duration > 0.0 else 1.0
-        goal.progress = min(1.0, passed)
+        self.follow_progress(goal, now)
         for index, segment in enumerate(active):
             if segment.goal is not goal:
                 continue
@@ -116,7 +126,7 @@ class GoalSupervision:
         self,
         index: int,
         segment: JointTrajectorySegment,
-        errors: JointErrors,
+        errors: StateErrors,
         now: float,
     ) -> GoalResult | None:
         tolerances = segment.tolerances

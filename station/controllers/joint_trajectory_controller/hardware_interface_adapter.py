@@ -10,8 +10,8 @@ from collections.abc import Callable  # noqa: TC003 - a native attribute
 from typing_extensions import override
 
 from station.controllers.forward_command_controller import JointQuantity
-from station.controllers.joint_trajectory_controller.trajectory_execution import (
-    TrajectoryExecution,
+from station.controllers.joint_trajectory_controller.joint_tracking import (
+    JointTracking,
 )
 from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
 from station.core.control.tunables import Tunables
@@ -29,38 +29,39 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.parameters import Parameters
+from station.kernel.doubles import doubles
+from station.kernel.pid import add_feed_forward
 
 
 class HardwareInterfaceAdapter(ABC):
     """Reads joints and commands them towards desired states. Control thread only.
 
+    The controller reads and writes `tracking.memory` before and after the command.
+
     Args:
-        group: The joints, for reading.
+        joints: The joints.
+        group: Their handles, in the same order.
 
     Attributes:
-        group: As given.
+        tracking: Desired and measured states of the joints.
+        output: What a sample shows as output, shape (n,); always the same memory.
         tunables: Run-time parameters of the command law; none by default.
     """
 
-    def __init__(self, group: JointStateGroup) -> None:
-        self.group = group
+    def __init__(self, joints: list[JointDescription], group: JointStateGroup) -> None:
+        self.tracking = JointTracking(joints, group)
+        self.output = self.tracking.memory.commands
         self.tunables = Tunables()
 
     def starting(self) -> None:  # noqa: B027 - most adapters have nothing to forget
         """Forget earlier commands; called when the controller starts."""
 
     @abstractmethod
-    def update_command(
-        self, execution: TrajectoryExecution, period: float
-    ) -> list[float]:
-        """Command the joints towards the desired states; return the commands.
+    def update_command(self, period: float) -> None:
+        """Command the joints towards the desired states.
 
         Args:
-            execution: Desired states and errors of this cycle.
             period: Time since the last cycle [s], >= 0.
-
-        Returns:
-            What a sample shows as output, shape (n,).
         """
 
 
@@ -75,15 +76,12 @@ class PositionAdapter(HardwareInterfaceAdapter):
     def __init__(
         self, interface: JointCommandInterface, joints: list[JointDescription]
     ) -> None:
-        self._joints = JointGroup([interface.get_handle(j.name) for j in joints])
-        super().__init__(self._joints)
+        handles = [interface.get_handle(joint.name) for joint in joints]
+        super().__init__(joints, JointGroup(handles))
 
     @override
-    def update_command(
-        self, execution: TrajectoryExecution, period: float
-    ) -> list[float]:
-        self._joints.set_commands(execution.positions)
-        return execution.positions
+    def update_command(self, period: float) -> None:
+        self.output[:] = self.tracking.positions
 
 
 class ClosedLoopAdapter(HardwareInterfaceAdapter):
@@ -113,17 +111,21 @@ class ClosedLoopAdapter(HardwareInterfaceAdapter):
         params: Parameters,
         command: JointQuantity,
     ) -> None:
-        self._joints = JointGroup([interface.get_handle(j.name) for j in joints])
-        super().__init__(self._joints)
+        handles = [interface.get_handle(joint.name) for joint in joints]
+        super().__init__(joints, JointGroup(handles))
         self._pids = JointPidGroup(
             joints,
             read_pid_gains(params, joints),
             error=JointQuantity.POSITION,
             command=command,
+            commands=self.output,
+            errors=self.tracking.errors,
+            rates=self.tracking.rate_errors,
         )
-        self._velocity_ff = [
+        self._velocity_ff = doubles(
             params.get_float(f"velocity_ff/{joint.name}", 0.0) for joint in joints
-        ]
+        )
+        self._feeds_forward = any(self._velocity_ff)
         self.tunables = self._pids.tunables
 
     @override
@@ -131,21 +133,11 @@ class ClosedLoopAdapter(HardwareInterfaceAdapter):
         self._pids.reset()
 
     @override
-    def update_command(
-        self, execution: TrajectoryExecution, period: float
-    ) -> list[float]:
-        errors = execution.errors
-        corrections = self._pids.compute_commands_with_rates(
-            errors.positions, errors.velocities, period
-        )
-        commands = [
-            share * velocity + correction
-            for share, velocity, correction in zip(
-                self._velocity_ff, execution.velocities, corrections, strict=True
-            )
-        ]
-        self._joints.set_commands(commands)
-        return commands
+    def update_command(self, period: float) -> None:
+        self._pids.compute_with_rates(period)
+        if self._feeds_forward:
+            desired = self.tracking.velocities
+            add_feed_forward(self.output, desired, self._velocity_ff)
 
 
 class DesiredStateAdapter(HardwareInterfaceAdapter):
@@ -164,23 +156,22 @@ class DesiredStateAdapter(HardwareInterfaceAdapter):
         joints: list[JointDescription],
     ) -> None:
         handles = [interface.get_handle(joint.name) for joint in joints]
-        super().__init__(JointStateGroup(handles))
+        super().__init__(joints, JointStateGroup(handles))
+        self.output = self.tracking.positions
         self._takes_accelerations = isinstance(interface, PosVelAccJointInterface)
         self._set_commands: list[Callable[..., None]] = [
             handle.set_command for handle in handles
         ]
 
     @override
-    def update_command(
-        self, execution: TrajectoryExecution, period: float
-    ) -> list[float]:
-        columns = [execution.positions, execution.velocities]
+    def update_command(self, period: float) -> None:
+        tracking = self.tracking
+        columns = [tracking.positions, tracking.velocities]
         if self._takes_accelerations:
-            columns.append(execution.accelerations)
-        states = zip(*columns, strict=True)
-        for set_command, state in zip(self._set_commands, states, strict=True):
+            columns.append(tracking.accelerations)
+        numbers = zip(*columns, strict=True)
+        for set_command, state in zip(self._set_commands, numbers, strict=True):
             set_command(*state)
-        return execution.positions
 
 
 def adapter_for(

@@ -27,7 +27,7 @@ from station.controllers.joint_trajectory_controller.speed_scaling import (
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
-from station.core.control.controller import Controller, ControllerSample
+from station.core.control.controller import Controller, PackedSample
 from station.core.control.tunables import Tunables
 from station.core.description.robot_description import (
     JointDescription,
@@ -47,6 +47,7 @@ from station.core.trajectory import (
     PosVelAccState,
     read_tolerances,
 )
+from station.kernel.doubles import Doubles
 
 InterfaceT = TypeVar("InterfaceT")
 
@@ -84,17 +85,12 @@ class JointTrajectoryController(Controller[InterfaceT]):
     Attributes:
         joints: Descriptions of the joints.
         execution: The trajectory that is executed.
-        trajectory_state: What was desired and measured in the last cycle, a new object
-            each cycle; None before the first.
     """
 
     joints: list[JointDescription]
     execution: TrajectoryExecution
     _adapter: HardwareInterfaceAdapter
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.trajectory_state: JointTrajectoryState | None = None
+    _columns: tuple[Doubles, ...]
 
     @override
     def init(self, interface: InterfaceT, params: Parameters) -> None:
@@ -103,13 +99,26 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.joints = [description.joint(name) for name in self.joint_names]
         self._adapter = self.make_adapter(interface, params)
         speed = _read_speed(params)
+        tracking = self._adapter.tracking
         self.execution = TrajectoryExecution(
             self.joints,
+            tracking,
             stop_duration=_read_duration(params, "stop_trajectory_duration", 0.0),
             allow_partial_joints_goal=params.get_bool(
                 "allow_partial_joints_goal", default=False
             ),
             speed=speed,
+        )
+        self._columns = (
+            tracking.positions,
+            tracking.memory.positions,
+            tracking.errors,
+            self._adapter.output,
+            tracking.velocities,
+            tracking.accelerations,
+            tracking.memory.velocities,
+            tracking.rate_errors,
+            self.execution.times_from_start,
         )
         self.goals = FollowJointTrajectoryPort(
             self.execution,
@@ -136,8 +145,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
 
     @override
     def starting(self, time: float) -> None:
-        group = self._adapter.group
-        self.execution.start(time, group.get_positions(), group.get_velocities())
+        self._adapter.tracking.memory.read()
+        self.execution.start(time)
         self._adapter.starting()
 
     @override
@@ -152,25 +161,31 @@ class JointTrajectoryController(Controller[InterfaceT]):
 
     @override
     def update(self, time: float, period: float) -> None:
-        group = self._adapter.group
-        positions, velocities = group.get_positions(), group.get_velocities()
-        execution = self.execution
-        execution.advance(time, period, positions, velocities)
-        output = self._adapter.update_command(execution, period)
-        desired, errors = execution.positions, execution.errors
-        begun, passed = execution.times_from_start
-        self.sample = ControllerSample(
-            time, desired, positions, errors.positions, output
+        memory = self._adapter.tracking.memory
+        if memory.is_copy:
+            memory.read()
+        self.execution.advance(time, period)
+        self._adapter.update_command(period)
+        if memory.is_copy:
+            memory.write()
+        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
+
+    @property
+    def trajectory_state(self) -> JointTrajectoryState | None:
+        """What was desired and measured in the last cycle; None before the first."""
+        sample = self.sample
+        if not isinstance(sample, PackedSample):
+            return None
+        desired, actual, errors, _ = sample.columns
+        velocities, accelerations, measured, rate_errors = map(
+            sample.column, range(4, 8)
         )
-        self.trajectory_state = JointTrajectoryState(
-            time,
-            PosVelAccState(
-                desired, execution.velocities, execution.accelerations, begun
-            ),
-            PosVelAccState(positions, velocities, time_from_start=passed),
-            PosVelAccState(
-                errors.positions, errors.velocities, time_from_start=begun - passed
-            ),
+        begun, passed = sample.rest(8)
+        return JointTrajectoryState(
+            sample.stamp,
+            PosVelAccState(desired, velocities, accelerations, begun),
+            PosVelAccState(actual, measured, time_from_start=passed),
+            PosVelAccState(errors, rate_errors, time_from_start=begun - passed),
         )
 
     @override

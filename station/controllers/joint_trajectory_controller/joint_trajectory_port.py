@@ -11,6 +11,7 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
     TrajectoryExecution,
 )
 from station.core.errors import ControllerStateError
+from station.core.ports.receipt import Receipt
 from station.core.trajectory import PosVelAccState
 from station.core.trajectory.trajectory_port import TrajectoryPort
 
@@ -30,11 +31,14 @@ class JointTrajectoryPort(TrajectoryPort):
         self._is_running = is_running
 
     @override
-    def follow(self, request: Mapping[str, object]) -> None:
+    def follow(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> None:
         """Replace the trajectory being executed.
 
         Args:
             request: See `parse_trajectory`; without points: stop and hold.
+            receipt: Where the cycle is noted that takes the trajectory up.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -42,7 +46,7 @@ class JointTrajectoryPort(TrajectoryPort):
         """
         trajectory = parse_trajectory(request)
         self._check_running()
-        self._execution.plan(trajectory)
+        self._execution.plan(trajectory, receipt=receipt)
 
     @override
     def hold(self) -> None:

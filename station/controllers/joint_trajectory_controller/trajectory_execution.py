@@ -8,10 +8,14 @@ import threading
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 
 from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
-    JointErrors,
+    StateErrors,
+)
+from station.controllers.joint_trajectory_controller.joint_tracking import (
+    JointTracking,
 )
 from station.controllers.joint_trajectory_controller.request_limits import (
     check_duration,
@@ -22,8 +26,8 @@ from station.controllers.joint_trajectory_controller.speed_scaling import SpeedS
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import InvalidTrajectoryError
-from station.core.numerics.angles import shortest_angular_distance
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
+from station.core.ports.receipt import Receipt
 from station.core.trajectory import (
     JointTolerances,
     JointTrajectory,
@@ -39,26 +43,13 @@ from station.core.trajectory import (
     stop_trajectory,
 )
 from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
+from station.kernel.doubles import zeros
+from station.kernel.splines import EXCEEDS, IS_OVER
 
 _STANDSTILL = 1e-6
 """Speed scaling below which a trajectory counts as paused."""
 _KEPT = 8
 """Number of replaced trajectories kept until a planning thread frees them."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Moment:
-    """The time of one cycle, replaced as a whole so that any thread may read it.
-
-    Attributes:
-        time: Station time [s].
-        period: Time since the previous cycle [s].
-        uptime: Trajectory time [ns]: integral of the speed scaling over real time.
-    """
-
-    time: float = 0.0
-    period: float = 0.0
-    uptime: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +59,12 @@ class _Request:
     Attributes:
         trajectory: The segments of every joint; None to stop and hold.
         goal: The goal that ends with the trajectory; None for a trajectory without one.
+        receipt: Where the cycle is noted that takes the request up.
     """
 
     trajectory: SegmentTrajectory | None
     goal: Goal | None
+    receipt: Receipt | None = None
 
 
 class TrajectoryExecution:
@@ -85,6 +78,7 @@ class TrajectoryExecution:
 
     Args:
         joints: The joints.
+        tracking: Their measured states; receives desired states and errors.
         stop_duration: Time in which a motion is ended [s]; 0 to hold the measured
             positions at once.
         allow_partial_joints_goal: Whether a trajectory may leave joints out.
@@ -92,12 +86,9 @@ class TrajectoryExecution:
 
     Attributes:
         speed: Speed scaling of the trajectory.
-        positions: Desired positions [rad or m], shape (n,).
-        velocities: Desired velocities [rad/s or m/s], shape (n,).
-        accelerations: Desired accelerations [rad/s^2 or m/s^2], shape (n,).
-        errors: Desired minus measured states.
+        tracking: As given.
         times_from_start: Start of the first joint's segment, and the present time, both
-            from the start of the trajectory [s].
+            from the start of the trajectory [s], shape (2,); always the same memory.
 
     Source:
         JointTrajectoryController; differs: after a violated tolerance the joints are
@@ -109,6 +100,7 @@ class TrajectoryExecution:
     def __init__(
         self,
         joints: list[JointDescription],
+        tracking: JointTracking,
         *,
         stop_duration: float = 0.0,
         allow_partial_joints_goal: bool = False,
@@ -120,38 +112,45 @@ class TrajectoryExecution:
         self._stop_duration = stop_duration
         self._allow_partial = allow_partial_joints_goal
         self.speed = SpeedScaling() if speed is None else speed
-        self.positions: list[float] = []
-        self.velocities: list[float] = []
-        self.accelerations: list[float] = []
-        self.errors = JointErrors([], [])
-        self.times_from_start = (0.0, 0.0)
+        self.tracking = tracking
+        self.times_from_start = zeros(2)
+        # The trajectory time that passes per cycle [s, ns].
+        self._passed, self._passed_ns = 0.0, 0
+        self._splines = tracking.splines
+        self._errors = StateErrors(tracking.errors, tracking.rate_errors)
+        # What is loaded: the active segment of each joint, when the next one follows,
+        # and when the first of them ends.
+        self._active: list[JointTrajectorySegment] = []
+        self._load_time = -inf
+        self._path_end = -inf
+        self._begin = 0.0
+        self._rests = False
         self._sampled = 0.0
         self._trajectory: SegmentTrajectory = []
         self._retired: deque[SegmentTrajectory] = deque(maxlen=_KEPT)
-        self._moment = _Moment()
+        # Station time [s], time since the previous cycle [s], and trajectory time [ns]:
+        # the integral of the speed scaling over real time. One object, replaced as a
+        # whole, so that any thread may read it.
+        self._moment = (0.0, 0.0, 0)
         self._supervision = GoalSupervision(joints)
         self._requests: deque[_Request] = deque()
         self._planning = threading.Lock()
 
-    def start(
-        self, time: float, positions: list[float], velocities: list[float]
-    ) -> None:
-        """Hold the present positions, or come to rest if the joints move.
+    def start(self, time: float) -> None:
+        """Hold the measured positions, or come to rest if the joints move.
 
         Args:
             time: Station time [s].
-            positions: Measured positions [rad or m], shape (n,).
-            velocities: Measured velocities [rad/s or m/s], shape (n,).
         """
-        size = len(self._joints)
+        tracking, memory = self.tracking, self.tracking.memory
         self.end_goals(GoalStatus.PREEMPTED, "The controller was restarted.")
-        self._moment = _Moment(time)
-        self.positions = positions
-        self.velocities = velocities
-        self.accelerations = [0.0] * size
+        self._moment = (time, 0.0, 0)
+        tracking.positions[:] = memory.positions
+        tracking.velocities[:] = memory.velocities
+        tracking.accelerations[:] = zeros(len(self._joints))
         self._sampled = 0.0
-        self.errors = JointErrors([0.0] * size, [0.0] * size)
-        self._trajectory = self._resting(positions)
+        self._trajectory = self._resting()
+        self._load_time = -inf
 
     def end_goals(self, status: GoalStatus, reason: str) -> None:
         """End the active goal and every waiting goal for good.
@@ -171,6 +170,7 @@ class TrajectoryExecution:
         request: JointTrajectory,
         goal: Goal | None = None,
         tolerances: Mapping[str, JointTolerances] | None = None,
+        receipt: Receipt | None = None,
     ) -> None:
         """Plan a request and let the next cycle take it up.
 
@@ -179,6 +179,7 @@ class TrajectoryExecution:
             goal: The goal that ends with the trajectory. The request of a goal names
                 the joints even when it has no points.
             tolerances: Bounds of the errors by joint, used with a goal.
+            receipt: Where the cycle is noted that takes the request up.
 
         Raises:
             InvalidTrajectoryError: The request cannot be followed; nothing changed.
@@ -188,7 +189,7 @@ class TrajectoryExecution:
             self._retired.clear()
             if request.points:
                 planned = self._planned(request, goal, tolerances)
-                self._requests.append(_Request(planned, goal))
+                self._requests.append(_Request(planned, goal, receipt))
                 return
             if goal is not None:
                 check_joint_names(
@@ -196,43 +197,42 @@ class TrajectoryExecution:
                     self._names,
                     allow_partial_joints_goal=self._allow_partial,
                 )
-            self._requests.append(_Request(None, goal))
+            self._requests.append(_Request(None, goal, receipt))
 
     def hold(self) -> None:
         """Let the next cycle end the motion and hold. Any thread; takes no lock."""
         self._requests.append(_Request(None, None))
 
-    def advance(
-        self,
-        time: float,
-        period: float,
-        positions: list[float],
-        velocities: list[float],
-    ) -> None:
+    def advance(self, time: float, period: float) -> None:
         """Compute the desired states and the errors of the present cycle.
 
         Args:
             time: Station time [s].
             period: Time since the last cycle [s], >= 0.
-            positions: Measured positions [rad or m], shape (n,).
-            velocities: Measured velocities [rad/s or m/s], shape (n,).
         """
         passed = self.speed.advance(period)
-        uptime = self._moment.uptime + to_nanoseconds(passed)
-        self._moment = _Moment(time, period, uptime)
+        if passed != self._passed:
+            self._passed, self._passed_ns = passed, to_nanoseconds(passed)
+        uptime = self._moment[2] + self._passed_ns
+        self._moment = (time, period, uptime)
         now = to_seconds(uptime)
         while self._requests:
             # A request stays queued until it is followed, so that a thread that plans
             # in between continues from it (see `_latest_trajectory`).
-            self._take_up(self._requests[0], now, positions)
+            self._take_up(self._requests[0], now)
             self._requests.popleft()
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
             self._supervision.end(GoalStatus.PREEMPTED, "The goal was cancelled.")
-            self._follow(self._resting(positions))
-        active = self._sample(now, positions, velocities)
-        if self._supervision.check(active, self._trajectory, self.errors, now):
-            self._follow(self._resting(positions))
+            self._follow(self._resting())
+            goal = None
+        is_within = not self._sample(now)
+        if goal is None:
+            return
+        if is_within and now < self._path_end:
+            self._supervision.follow_progress(goal, now)
+        elif self._supervision.check(self._active, self._trajectory, self._errors, now):
+            self._follow(self._resting())
 
     def query(self, time: float) -> PosVelAccState:
         """Return the desired state at a past or future time. Any thread.
@@ -245,14 +245,15 @@ class TrajectoryExecution:
         Raises:
             InvalidTrajectoryError: `time` is before the trajectory being executed.
         """
-        moment, trajectory, factor = self._moment, self._trajectory, self.speed.factor
-        when = to_seconds(moment.uptime) + factor * (time - moment.time)
+        (present, _, uptime), trajectory = self._moment, self._trajectory
+        factor = self.speed.factor
+        when = to_seconds(uptime) + factor * (time - present)
         states = []
         for segments in trajectory:
             if find_segment(segments, when) is None:
                 raise InvalidTrajectoryError(
                     f"The time {time} s is before the trajectory being executed.",
-                    remedy=f"Ask for a later time; now it is {moment.time} s.",
+                    remedy=f"Ask for a later time; now it is {present} s.",
                 )
             states.append(sample_segments(segments, when))
         return PosVelAccState(
@@ -267,13 +268,13 @@ class TrajectoryExecution:
         goal: Goal | None,
         tolerances: Mapping[str, JointTolerances] | None,
     ) -> SegmentTrajectory:
-        moment = self._moment
-        check_duration(request, moment.time)
+        time, period, uptime = self._moment
+        check_duration(request, time)
         current = self._latest_trajectory()
-        following = moment.uptime + to_nanoseconds(moment.period * self.speed.factor)
+        following = uptime + to_nanoseconds(period * self.speed.factor)
         planned = init_joint_trajectory(
             request,
-            moment.time + moment.period,
+            time + period,
             TrajectoryOptions(
                 current=current,
                 joint_names=self._names,
@@ -295,7 +296,7 @@ class TrajectoryExecution:
         except IndexError:
             return self._trajectory
         if latest is None:  # After a stop nothing of the present trajectory goes on.
-            return hold_trajectory(self._sampled, self.positions)
+            return hold_trajectory(self._sampled, [*self.tracking.positions])
         return latest
 
     def _check_velocities(
@@ -315,71 +316,76 @@ class TrajectoryExecution:
                 if id(segment.spline) not in known:
                     check_segment_velocity(joint, segment)
 
-    def _take_up(self, request: _Request, now: float, positions: list[float]) -> None:
+    def _take_up(self, request: _Request, now: float) -> None:
         if request.trajectory is None:
-            self._follow(self._resting(positions, request.goal))
+            self._follow(self._resting(request.goal))
         else:
             self._follow(_timely(request.trajectory, self._trajectory, now))
         self._supervision.begin(request.goal, now, self._trajectory)
+        if request.receipt is not None:
+            request.receipt.pick_up()
 
     def _follow(self, trajectory: SegmentTrajectory) -> None:
         """Execute `trajectory` from now on; `plan` frees the old trajectory."""
         # To free a long trajectory takes milliseconds, which no cycle has.
         self._retired.append(self._trajectory)
         self._trajectory = trajectory
+        self._load_time = -inf
 
-    def _resting(
-        self, positions: list[float], goal: Goal | None = None
-    ) -> SegmentTrajectory:
+    def _resting(self, goal: Goal | None = None) -> SegmentTrajectory:
         """Return a trajectory that ends the motion, from the present cycle on.
 
         A stop ramp begins at the last desired state, so that the motion is continuous
         in this cycle.
         """
-        now = to_seconds(self._moment.uptime)
+        now = to_seconds(self._moment[2])
+        tracking = self.tracking
         if self._stop_duration == 0.0:
-            return hold_trajectory(now, positions, goal)
+            return hold_trajectory(now, tracking.memory.positions, goal)
         now = self._sampled
         factor = self.speed.factor
         if factor < _STANDSTILL:
-            return hold_trajectory(now, self.positions, goal)
+            return hold_trajectory(now, tracking.positions, goal)
         # `stop_duration` is real time, while the ramp runs in trajectory time.
-        moving = [
-            (position, velocity / factor)
-            for position, velocity in zip(self.positions, self.velocities, strict=True)
-        ]
+        states = zip(tracking.positions, tracking.velocities, strict=True)
+        moving = [(position, velocity / factor) for position, velocity in states]
         return stop_trajectory(now, self._stop_duration * factor, moving, goal)
 
-    def _sample(
-        self, now: float, measured: list[float], velocities: list[float]
-    ) -> list[JointTrajectorySegment]:
-        """Set desired states and errors; return the active segment of each joint."""
-        active: list[JointTrajectorySegment] = []
-        wanted, rates, accelerations = [], [], []
-        factor, rate = self.speed.factor, self.speed.rate
-        for segments in self._trajectory:
-            segment = segments[find_segment(segments, now) or 0]
-            active.append(segment)
-            position, velocity, acceleration = segment.spline.sample_dimension(now)
-            wanted.append(position)
-            rates.append(velocity)
-            accelerations.append(acceleration * factor * factor + velocity * rate)
-        if active:
-            begun = active[0].spline.time_from_start
-            self.times_from_start = (begun, now - active[0].start_time + begun)
+    def _sample(self, now: float) -> bool:
+        """Compute desired states and errors; return whether one may be too large."""
+        if now >= self._load_time:
+            self._load(now)
+        times = self.times_from_start
+        times[1] = now - self._begin + times[0]
         self._sampled = now
-        self.positions = wanted
-        self.velocities = [velocity * factor for velocity in rates]
-        self.accelerations = accelerations
-        errors = [d - a for d, a in zip(wanted, measured, strict=True)]
-        for index, wraps in enumerate(self._wraps):
-            if wraps:
-                errors[index] = shortest_angular_distance(
-                    measured[index], wanted[index]
-                )
-        rate_errors = [d - a for d, a in zip(self.velocities, velocities, strict=True)]
-        self.errors = JointErrors(errors, rate_errors)
-        return active
+        if self._rests:
+            self._splines.compare()
+            return True
+        found = self._splines.follow(now, self.speed.factor, self.speed.rate)
+        if found & IS_OVER:
+            self._rests = self._load_time == inf
+        return found >= EXCEEDS
+
+    def _load(self, now: float) -> None:
+        """Load the segments that are active until the next segment of a joint."""
+        self._active = active = []
+        self._load_time = self._path_end = inf
+        self._rests = False
+        for index, segments in enumerate(self._trajectory):
+            position = find_segment(segments, now) or 0
+            segment = segments[position]
+            active.append(segment)
+            self._splines.load(index, segment.spline.splines)
+            is_watched = segment.goal is not None
+            self.tracking.set_bounds(
+                index, segment.tolerances.path if is_watched else None
+            )
+            self._path_end = min(self._path_end, segment.end_time)
+            if position + 1 < len(segments):
+                following = segments[position + 1].start_time
+                self._load_time = min(self._load_time, following)
+        self._begin = active[0].start_time
+        self.times_from_start[0] = active[0].spline.time_from_start
 
 
 def _timely(

@@ -2,11 +2,11 @@
 
 from station.controllers.pid_command_controller.joint_pid_controller import (
     JointPidController,
-    position_error,
+    set_ways,
 )
 from station.controllers.pid_command_controller.joint_pid_group import (
     JointPidGroup,
     read_pid_gains,
 )
 
-__all__ = ["JointPidController", "JointPidGroup", "position_error", "read_pid_gains"]
+__all__ = ["JointPidController", "JointPidGroup", "read_pid_gains", "set_ways"]

@@ -6,7 +6,6 @@ joint_velocity_controller.cpp, velocity_controllers/src/joint_position_controlle
 """
 
 from collections.abc import Mapping
-from math import pi
 from typing import ClassVar
 
 from typing_extensions import override
@@ -20,21 +19,19 @@ from station.controllers.pid_command_controller.joint_pid_group import (
     JointPidGroup,
     read_pid_gains,
 )
-from station.core.control.controller import ControllerSample
+from station.core.control.controller import PackedSample
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
-from station.core.numerics.angles import (
-    shortest_angular_distance,
-    shortest_angular_distance_with_limits,
-)
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement
+from station.kernel.doubles import Doubles
+from station.kernel.joint_errors import BOUNDED, CONTINUOUS, PLAIN, JointErrors
 
 
 class JointPidController(JointSetPointController[CommandInterfaceT]):
     """Commands what one PID per joint computes from the error of the set-point.
 
-    The error of a position is the way that the joint can go, see `position_error`; the
+    The error of a position is the way that the joint can go, see `set_ways`; the
     limits come from the robot description, without which positions are not controlled.
     A set-point of positions may include velocities; the derivative gain then acts on
     the difference to these velocities.
@@ -54,6 +51,9 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
     command_quantity: ClassVar[JointQuantity]
     _pids: JointPidGroup
+    _errors: JointErrors
+    _rate_errors: JointErrors
+    _columns: tuple[Doubles, ...]
     _period: float
 
     @override
@@ -64,7 +64,16 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
             read_pid_gains(params, self.joints),
             error=self.quantity,
             command=self.command_quantity,
+            commands=self.memory.commands,
         )
+        desired, actual = self._watched.desired, self.quantity.measured(self.memory)
+        self._errors = JointErrors(desired, actual, self._pids.errors)
+        self._rate_errors = JointErrors(
+            self._watched.desired_rates, self.memory.velocities, self._pids.rates
+        )
+        if self.quantity is JointQuantity.POSITION:
+            set_ways(self._errors, self.joints)
+        self._columns = (desired, actual, self._pids.errors, self.memory.commands)
         self._period = 0.0
         self.tunables = self._pids.tunables
         if self.quantity is JointQuantity.POSITION and self.set_points is not None:
@@ -81,26 +90,20 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
     @override
     def update(self, time: float, period: float) -> None:
-        set_point = self.newest_set_point()
-        actual = self.quantity.measure(self.group)
-        errors = [d - a for d, a in zip(set_point, actual, strict=True)]
-        if self.quantity is JointQuantity.POSITION:
-            for index, error in enumerate(errors):
-                # Only beyond half a turn can the way of a joint differ from the error.
-                if not -pi <= error <= pi:
-                    errors[index] = position_error(
-                        self.joints[index], actual[index], set_point[index]
-                    )
-        rates = self._watched.rates
-        if rates:
-            measured = self.group.get_velocities()
-            missing = [d - a for d, a in zip(rates, measured, strict=True)]
-            commands = self._pids.compute_commands_with_rates(errors, missing, period)
+        watched, memory, pids = self._watched, self.memory, self._pids
+        watched.newest()
+        if memory.is_copy:
+            memory.read()
+        self._errors.compare()
+        if watched.rates:
+            self._rate_errors.compare()
+            pids.compute_with_rates(period)
         else:
-            commands = self._pids.compute_commands(errors, period)
-        self.group.set_commands(commands)
+            pids.compute(period)
+        if memory.is_copy:
+            memory.write()
         self._period = period
-        self.sample = ControllerSample(time, set_point, actual, errors, commands)
+        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
@@ -126,24 +129,17 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
         return {"state": {**common, **{key: each[0] for key, each in columns.items()}}}
 
 
-def position_error(joint: JointDescription, measured: float, set_point: float) -> float:
-    """Return the signed way from a measured position to a set-point.
+def set_ways(errors: JointErrors, joints: list[JointDescription]) -> None:
+    """Let the errors of positions be the ways that the joints can go.
 
     A continuous joint takes the shorter of the two ways round, a revolute joint the
     shortest way that stays within its limits.
 
     Args:
-        joint: Type and limits of the joint.
-        measured: Measured position [rad or m].
-        set_point: Desired position within the limits [rad or m].
-
-    Returns:
-        The way [rad or m]; NaN when a position is not finite.
+        errors: Compares the positions of the joints.
+        joints: The joints, in the same order.
     """
-    if joint.type is JointType.CONTINUOUS:
-        return shortest_angular_distance(measured, set_point)
-    if joint.type is JointType.REVOLUTE:
-        return shortest_angular_distance_with_limits(
-            measured, set_point, joint.lower, joint.upper
-        )
-    return set_point - measured
+    ways = {JointType.CONTINUOUS: CONTINUOUS, JointType.REVOLUTE: BOUNDED}
+    for index, joint in enumerate(joints):
+        way = ways.get(joint.type, PLAIN)
+        errors.set_way(index, way, joint.lower, joint.upper)

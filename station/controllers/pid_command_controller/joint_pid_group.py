@@ -1,13 +1,15 @@
 """One PID per joint, and its gains as run-time parameters."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.core.control.tunables import Tunable, Tunables
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidGainError, ParameterError
-from station.core.numerics.pid import Pid, PidGains
+from station.core.numerics.pid import PidGains, apply_gains
 from station.core.parameters import Parameters
+from station.kernel.doubles import Doubles, zeros
+from station.kernel.pid import PidGroup
 
 GAIN_MAXIMUM = 10_000.0
 """Largest `p` and `i` offered for tuning, in the units of the gain."""
@@ -33,8 +35,18 @@ class JointPidGroup:
         gains: First gains, in the same order.
         error: The quantity whose error the PIDs reduce.
         command: The quantity that the PIDs compute.
+        commands: Where the commands are written, shape (n,); None for new memory.
+        errors: Where the errors are found, shape (n,); None for new memory.
+        rates: Where the rates of the errors are found, shape (n,); None for new memory.
 
     Attributes:
+        errors: Set-points minus measured values, in the unit of the error, shape (n,);
+            the controller writes them.
+        rates: Rates of the errors, in the unit of the error per second, shape (n,);
+            written by the controller where they are known.
+        commands: The commands, shape (n,).
+        compute: `PidGroup.compute`.
+        compute_with_rates: `PidGroup.compute_with_rates`.
         tunables: The gains as run-time parameters, named `<joint>/p`, `/i`, `/d`,
             `/i_clamp_max` and `/i_clamp_min`. A change keeps errors and integrals.
     """
@@ -46,9 +58,20 @@ class JointPidGroup:
         *,
         error: JointQuantity,
         command: JointQuantity,
+        commands: Doubles | None = None,
+        errors: Doubles | None = None,
+        rates: Doubles | None = None,
     ) -> None:
+        size = len(joints)
         self._names = [joint.name for joint in joints]
-        self._pids = [Pid(each) for each in gains]
+        self.errors = zeros(size) if errors is None else errors
+        self.rates = zeros(size) if rates is None else rates
+        self.commands = zeros(size) if commands is None else commands
+        self._group = PidGroup(self.errors, self.rates, self.commands)
+        self.compute: Callable[[float], int] = self._group.compute
+        self.compute_with_rates: Callable[[float], int] = self._group.compute_with_rates
+        self._gains: list[PidGains] = []
+        self._use(gains)
         schema: dict[str, Tunable] = {}
         values: dict[str, float] = {}
         for joint, each in zip(joints, gains, strict=True):
@@ -62,35 +85,7 @@ class JointPidGroup:
 
     def reset(self) -> None:
         """Forget all errors and integrals."""
-        for pid in self._pids:
-            pid.reset()
-
-    def compute_commands(self, errors: list[float], period: float) -> list[float]:
-        """Return the commands for `errors`, shape (n,) both.
-
-        Args:
-            errors: Set-points minus measured values, in the unit of the error.
-            period: Time since the last cycle [s]; the commands are 0 when it is 0.
-        """
-        return [
-            pid.compute_command(error, period)
-            for pid, error in zip(self._pids, errors, strict=True)
-        ]
-
-    def compute_commands_with_rates(
-        self, errors: list[float], rates: list[float], period: float
-    ) -> list[float]:
-        """Return the commands for `errors` whose rates are known, shape (n,) all.
-
-        Args:
-            errors: Set-points minus measured values, in the unit of the error.
-            rates: Rates of the errors, in the unit of the error per second.
-            period: Time since the last cycle [s]; the commands are 0 when it is 0.
-        """
-        return [
-            pid.compute_command_with_rate(error, rate, period)
-            for pid, error, rate in zip(self._pids, errors, rates, strict=True)
-        ]
+        self._group.reset()
 
     def columns(self) -> dict[str, list[float] | list[bool]]:
         """Return the gains in force by their name in JointControllerState, (n,) each.
@@ -98,7 +93,7 @@ class JointPidGroup:
         Source:
             control_msgs@1.5.2 msg/JointControllerState.msg.
         """
-        gains = [pid.gains for pid in self._pids]
+        gains = self._gains
         return {
             "p": [each.p for each in gains],
             "i": [each.i for each in gains],
@@ -119,17 +114,22 @@ class JointPidGroup:
                 )
 
     def _set_gains(self, values: Mapping[str, float]) -> None:
-        for name, pid in zip(self._names, self._pids, strict=True):
-            pid.set_gains(
-                PidGains(
-                    p=values[f"{name}/p"],
-                    i=values[f"{name}/i"],
-                    d=values[f"{name}/d"],
-                    i_max=values[f"{name}/i_clamp_max"],
-                    i_min=values[f"{name}/i_clamp_min"],
-                    antiwindup=pid.gains.antiwindup,
-                )
+        self._use([
+            PidGains(
+                p=values[f"{name}/p"],
+                i=values[f"{name}/i"],
+                d=values[f"{name}/d"],
+                i_max=values[f"{name}/i_clamp_max"],
+                i_min=values[f"{name}/i_clamp_min"],
+                antiwindup=before.antiwindup,
             )
+            for name, before in zip(self._names, self._gains, strict=True)
+        ])
+
+    def _use(self, gains: list[PidGains]) -> None:
+        for index, each in enumerate(gains):
+            apply_gains(self._group, index, each)
+        self._gains = gains
 
 
 def read_pid_gains(

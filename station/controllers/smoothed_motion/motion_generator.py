@@ -42,6 +42,7 @@ class MotionGenerator:
         self._size = size
         # The target velocities; empty while the target is a position.
         self._held: list[float] = []
+        self._period = _NOMINAL_PERIOD
         self._ruckig = Ruckig(size, _NOMINAL_PERIOD)
         self._input = InputParameter(size)
         self._output = OutputParameter(size)
@@ -115,11 +116,12 @@ class MotionGenerator:
         """Make velocities the target, which each axis reaches as soon as it can.
 
         Args:
-            velocities: Target velocities within the limits [rad/s or m/s], shape (n,).
+            velocities: Target velocities within the limits [rad/s or m/s], shape (n,);
+                the caller does not change the list afterwards.
         """
-        if velocities == self._held:
+        if velocities is self._held or velocities == self._held:
             return
-        self._held = list(velocities)
+        self._held = velocities
         self._input.control_interface = ControlInterface.Velocity
         self._input.synchronization = Synchronization.No
         self._input.target_velocity = velocities
@@ -154,8 +156,8 @@ class MotionGenerator:
         """
         if period == 0.0:
             return
-        if period != self._ruckig.delta_time:
-            self._ruckig.delta_time = period
+        if period != self._period:
+            self._period = self._ruckig.delta_time = period
         try:
             result = self._ruckig.update(self._input, self._output)
         except RuckigError:
@@ -170,7 +172,8 @@ class MotionGenerator:
 
 
 def _check(result: Result) -> None:
-    if result not in {Result.Working, Result.Finished}:
+    # All errors are negative. To compare members of this enumeration takes longer.
+    if int(result) < 0:
         raise InvalidCommandError(
             f"There is no motion to the target: {result}.",
             remedy="Send finite targets within the limits and restart the controller.",

@@ -7,6 +7,7 @@ from typing_extensions import override
 
 from station.controllers.forward_command_controller import (
     CommandInterfaceT,
+    ControlledJoints,
     JointQuantity,
     JointSetPointController,
 )
@@ -17,9 +18,11 @@ from station.controllers.smoothed_motion.axis_limits import (
     read_max_lead,
 )
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.core.control.controller import ControllerSample
+from station.core.control.controller import PackedSample
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters
+from station.kernel.doubles import Doubles, put, zeros
+from station.kernel.joint_errors import JointErrors
 
 LONGEST_TIMEOUT = 1.0
 """Longest validity of a set-point [s], so that set-points must be repeated."""
@@ -55,6 +58,11 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     limits: AxisLimits
     generator: MotionGenerator
     _pids: JointPidGroup | None
+    _desired: Doubles
+    _desired_rates: Doubles
+    _errors: JointErrors
+    _rate_errors: JointErrors
+    _columns: tuple[Doubles, ...]
     _max_lead: list[float]
 
     @override
@@ -77,8 +85,24 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
                 read_pid_gains(params, self.joints),
                 error=JointQuantity.POSITION,
                 command=JointQuantity.EFFORT,
+                commands=self.memory.commands,
             )
             self.tunables = self._pids.tunables
+        self._compare_in(self.memory)
+
+    def _compare_in(self, memory: ControlledJoints) -> None:
+        """Compare the generated motion with the measured values of the joints."""
+        size, pids = memory.size, self._pids
+        self._desired, self._desired_rates = zeros(size), zeros(size)
+        errors = zeros(size) if pids is None else pids.errors
+        rate_errors = zeros(size) if pids is None else pids.rates
+        self._errors = JointErrors(self._desired, memory.positions, errors)
+        for index, bound in enumerate(self._max_lead):
+            self._errors.set_bound(index, bound)
+        self._rate_errors = JointErrors(
+            self._desired_rates, memory.velocities, rate_errors
+        )
+        self._columns = (self._desired, memory.positions, errors, memory.commands)
 
     def steer(self, set_point: list[float], period: float) -> None:
         """Set the target of the generator in this cycle.
@@ -104,6 +128,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     @override
     def starting(self, time: float) -> None:
         self.generator.start(self.group.get_positions(), self.group.get_velocities())
+        put(self._desired, self.generator.positions)
         if self._pids is not None:
             self._pids.reset()
         super().starting(time)
@@ -112,32 +137,35 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     def update(self, time: float, period: float) -> None:
         """Command the joints along the motion; report its positions as desired."""
         set_point = self.newest_set_point()
-        if self._max_lead and self._runs_away(set_point):
+        memory, generator, pids = self.memory, self.generator, self._pids
+        if memory.is_copy:
+            memory.read()
+        if pids is not None and self._runs_away(set_point):
             self.wait()
         else:
             self.steer(set_point, period)
-        generator = self.generator
         generator.advance(period)
-        desired, actual = generator.positions, self.group.get_positions()
-        errors = [d - a for d, a in zip(desired, actual, strict=True)]
-        output = desired
-        if self._pids is not None:
-            measured = self.group.get_velocities()
-            rates = [d - a for d, a in zip(generator.velocities, measured, strict=True)]
-            output = self._pids.compute_commands_with_rates(errors, rates, period)
-        self.group.set_commands(output)
-        self.sample = ControllerSample(time, desired, actual, errors, output)
+        put(self._desired, generator.positions)
+        self._errors.compare()
+        if pids is None:
+            memory.commands[:] = self._desired
+        else:
+            put(self._desired_rates, generator.velocities)
+            self._rate_errors.compare()
+            pids.compute_with_rates(period)
+        if memory.is_copy:
+            memory.write()
+        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
 
     def _runs_away(self, set_point: list[float]) -> bool:
         """Return whether a joint is too far behind and would fall behind further."""
-        ahead = zip(
-            self.generator.positions,
-            self.group.get_positions(),
-            self.heading(set_point),
-            self._max_lead,
-            strict=True,
+        self._errors.compare()
+        if not self._errors.exceeds():
+            return False
+        behind = zip(
+            self._columns[2], self.heading(set_point), self._max_lead, strict=True
         )
         return any(
-            abs(desired - actual) > bound and (desired - actual) * direction > 0.0
-            for desired, actual, direction, bound in ahead
+            abs(error) > bound and error * direction > 0.0
+            for error, direction, bound in behind
         )

@@ -59,7 +59,7 @@ class IdealArm(RobotHW):
             )
         )
         models.register_handle(
-            FrankaModelHandle("panda_model", Kinematics(), self.state, lambda: None)
+            FrankaModelHandle("panda_model", Kinematics(), self.state)
         )
         self.register_interface(poses)
         self.register_interface(models)
@@ -118,19 +118,19 @@ class IdealArm(RobotHW):
         self.errors += errors
         self.twists.append(list(self.state.O_dP_EE_c))
         last = self.state.dq_d[:]
-        self.state.dq_d[:] = [
+        self.state.dq_d = [
             (new - old) / PERIOD for new, old in zip(q, self.state.q_d, strict=True)
         ]
-        self.state.ddq_d[:] = [
+        self.state.ddq_d = [
             (new - old) / PERIOD for new, old in zip(self.state.dq_d, last, strict=True)
         ]
         self._go_to(q)
 
     def _go_to(self, q):
         state = self.state
-        state.q[:], state.q_d[:], state.dq[:] = q, q, state.dq_d
+        state.q, state.q_d, state.dq = q, q, state.dq_d
         pose = frame_pose(Frame.END_EFFECTOR, q, state.F_T_EE)
-        state.O_T_EE[:], state.O_T_EE_d[:] = pose, pose
+        state.O_T_EE, state.O_T_EE_d = pose, pose
 
 
 def length(vector):

@@ -10,6 +10,7 @@ from station.controllers.cartesian_motion.arm_configuration import (
 from station.core.franka import Frame
 from station.core.numerics.rigid_motion import twist_between
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.kernel.doubles import doubles, zeros
 
 Q = [0.2, -0.6, 0.3, -2.0, 0.4, 1.7, 0.5]
 TWIST = [0.1, -0.2, 0.05, 0.3, 0.1, -0.4]
@@ -28,15 +29,22 @@ def twist_of(q, dq):
     return twist_between(ends[0], ends[1], 2.0 * STEP)
 
 
+def joint_velocities(configuration, twist):
+    result = zeros(7)
+    configuration.motion.follow(doubles(twist), result)
+    return np.array(result)
+
+
 def test_joint_velocities_make_the_twist_and_leave_the_elbow():
-    dq = configuration(Q).joint_motion(TWIST, [])[0]
+    dq = joint_velocities(configuration(Q), TWIST)
 
     assert twist_of(Q, dq) == pytest.approx(TWIST, abs=1e-6)
     assert dq[ELBOW] == pytest.approx(0.0, abs=1e-7)
 
 
 def test_a_joint_step_leads_to_the_pose_and_the_elbow():
-    step = configuration(Q).joint_step([1e-4, 0.0, 2e-4, 0.0, 1e-4, 0.0], Q[2] + 1e-3)
+    step, way = zeros(7), doubles([1e-4, 0.0, 2e-4, 0.0, 1e-4, 0.0])
+    configuration(Q).motion.joint_step(way, Q[2] + 1e-3, step)
     q = [a + b for a, b in zip(Q, step, strict=True)]
     before, after = (frame_pose(Frame.END_EFFECTOR, each) for each in (Q, q))
 
@@ -45,25 +53,51 @@ def test_a_joint_step_leads_to_the_pose_and_the_elbow():
     assert q[ELBOW] == pytest.approx(Q[2] + 1e-3)
 
 
-def test_joint_accelerations_keep_the_acceleration_asked_for():
-    wanted = np.array([0.3, -0.1, 0.2, 0.5, -0.2, 0.1])
-    dq, ddq, _ = configuration(Q).joint_motion(TWIST, [wanted])
+def test_an_arm_that_does_not_accelerate_drifts():
+    kernel, drift = configuration(Q).motion, zeros(6)
+    dq = joint_velocities(configuration(Q), TWIST)
+    dq[ELBOW] = 0.3
+    kernel.drift(doubles(dq), drift)
     before, after = (
-        twist_of(
-            (np.array(Q) + t * dq + 0.5 * t * t * ddq).tolist(), np.array(dq + t * ddq)
-        )
-        for t in (-1e-3, 1e-3)
+        twist_of((np.array(Q) + t * dq).tolist(), dq) for t in (-1e-3, 1e-3)
     )
 
     found = (np.array(after) - np.array(before)) / 2e-3
-    assert found == pytest.approx(wanted, abs=1e-4)
+    assert found == pytest.approx(np.array(drift), abs=1e-4)
+    assert np.abs(found).max() > 0.05
 
 
-def test_accelerations_without_any_of_the_end_effector_come_last():
-    motion = configuration(Q).joint_motion(TWIST, [[0.0] * 6])
+@pytest.mark.parametrize("which", range(3))
+def test_the_joint_that_exceeds_its_bounds_most_is_found(which):
+    wanted = [0.3, -0.1, 0.2, 0.5, -0.2, 0.1]
+    accelerations = [[0.0] * 6, [0.0] * 6]
+    if which < 2:
+        accelerations[which] = wanted
+    kernel, drift = configuration(Q).motion, zeros(6)
+    dq = joint_velocities(configuration(Q), TWIST)
+    kernel.drift(doubles(dq), drift)
+    needed = [
+        np.abs(joint_velocities(configuration(Q), np.subtract(each, drift)))
+        for each in ([0.0] * 6, *accelerations)
+    ]
 
-    assert motion[1] == pytest.approx(motion[2])
-    assert max(abs(motion[2])) > 0.01
+    def fastest(velocity, acceleration):
+        return kernel.fastest_joint(
+            doubles(TWIST),
+            doubles(accelerations[0] + accelerations[1]),
+            doubles(velocity),
+            doubles(acceleration),
+        )
+
+    largest, far = np.max(needed, axis=0), [1e9] * 7
+    assert fastest(np.abs(dq) * 1.01 + 1e-6, largest * 1.01 + 1e-6) == -1
+    assert fastest(far, largest * 0.99 + 1e-6) >= 0
+    for joint in (0, 1, 3, 4, 5, 6):
+        bounds = [1e9] * 7
+        bounds[joint] = 0.99 * largest[joint]
+        assert fastest(far, bounds) == joint
+        bounds[joint] = 0.99 * abs(dq[joint])
+        assert fastest(bounds, far) == joint
 
 
 def test_a_stretched_arm_has_no_dexterity():

@@ -2,7 +2,10 @@
 
 import pytest
 
-from station.controllers.forward_command_controller import JointQuantity
+from station.controllers.forward_command_controller import (
+    ControlledJoints,
+    JointQuantity,
+)
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup, JointStateHandle
@@ -27,8 +30,7 @@ def test_unit_and_range_follow_the_joint(quantity, angular, linear, bounds):
 
 def test_the_measured_value_is_that_of_the_quantity():
     group = JointStateGroup([JointStateHandle("elbow", [1.0], [2.0], [3.0])])
-    assert [quantity.measure(group) for quantity in JointQuantity] == [
-        [1.0],
-        [2.0],
-        [3.0],
-    ]
+    memory = ControlledJoints(group)
+    memory.read()
+    values = [quantity.measured(memory).tolist() for quantity in JointQuantity]
+    assert values == [[1.0], [2.0], [3.0]]

@@ -53,7 +53,7 @@ def test_torques_follow_the_formula_when_the_spring_is_deflected():
     spring = (now[:3, 3] - then[:3, 3], turned, 200.0, 10.0, 20.0)
 
     assert angle > 0.01
-    commanded = station.loop.hw.commands.efforts
+    commanded = [*station.loop.hw.commands.efforts]
     assert commanded == pytest.approx(torques(model, state, spring, rest), abs=1e-4)
 
 

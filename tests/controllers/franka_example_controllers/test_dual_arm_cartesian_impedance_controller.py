@@ -92,7 +92,7 @@ def test_torques_follow_the_formula(station):
     expected = torques(model, state, spring, np.array(start["r"].q))
 
     assert angle > 0.01
-    commanded = station.loop.hw.arms[1].commands.efforts
+    commanded = [*station.loop.hw.arms[1].commands.efforts]
     assert commanded == pytest.approx(expected, abs=1e-3)
 
 

@@ -75,7 +75,7 @@ def test_torques_follow_the_formula():
             present[name] = 0.001 * value + 0.999 * present[name]
 
     assert np.abs(tau).max() > 0.1
-    assert station.loop.hw.commands.efforts == pytest.approx(tau, abs=0.01)
+    assert list(station.loop.hw.commands.efforts) == pytest.approx(tau, abs=0.01)
 
 
 def test_start_presses_with_nothing():

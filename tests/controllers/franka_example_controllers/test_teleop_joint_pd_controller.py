@@ -94,12 +94,12 @@ def test_follower_is_commanded_by_its_pd_law():
         for key in ("p_gains", "d_gains")
     )
     tau = p * np.subtract(told.desired, state.q) + d * (velocity - state.dq)
-    assert station.loop.hw.arms[1].commands.efforts == pytest.approx(tau)
+    assert list(station.loop.hw.arms[1].commands.efforts) == pytest.approx(tau)
 
 
 def test_joint_beyond_its_soft_limits_is_refused():
     controller = start(tuple(START)).manager.get_controller("example")
-    controller._leader.state.get_robot_state().q[3] = 0.0
+    controller._leader.state.get_robot_state().doubles("q")[3] = 0.0
 
     with pytest.raises(ControllerStateError, match="'leader_joint4' is at 0"):
         controller.starting(1.0)
@@ -113,6 +113,6 @@ def test_torques_decay_while_an_arm_has_an_error():
     controller._leader.state.get_robot_state().current_errors[3] = True
     controller.update(1.0, 0.001)
 
-    after = station.loop.hw.arms[1].commands.efforts
+    after = list(station.loop.hw.arms[1].commands.efforts)
     assert np.abs(before).max() > 0.1
     assert after == pytest.approx(0.95 * before)

@@ -4,7 +4,7 @@ import pytest
 
 from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
-    JointErrors,
+    StateErrors,
 )
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
@@ -48,7 +48,7 @@ def supervision(goal, trajectory):
 
 def _check(supervision, trajectory, now, positions=(0.0, 0.0), velocities=(0.0, 0.0)):
     active = [segments[0] for segments in trajectory]
-    errors = JointErrors(list(positions), list(velocities))
+    errors = StateErrors(list(positions), list(velocities))
     return supervision.check(active, trajectory, errors, now)
 
 

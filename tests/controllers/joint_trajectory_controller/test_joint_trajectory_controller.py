@@ -293,7 +293,7 @@ def test_speed_scaling_slows_down_and_pauses_on_the_same_path(robot, start, make
     goal = controller.goals.submit(make_goal(AWAY))
     robot.run_with_position(controller, 1000)
     assert robot.position[1] == pytest.approx(0.25, abs=1e-3)
-    assert controller.execution.velocities[1] == pytest.approx(0.25, abs=1e-6)
+    assert controller.execution.tracking.velocities[1] == pytest.approx(0.25, abs=1e-6)
     controller.tunables.apply(controller.tunables.values | {"speed_scaling": 0.0})
     robot.run_with_position(controller, 200)
     paused = list(robot.position)

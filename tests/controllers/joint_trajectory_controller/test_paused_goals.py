@@ -72,10 +72,12 @@ def test_the_desired_velocity_is_the_change_of_the_desired_position(
     robot.run_with_position(controller, 300)
     set_speed(controller, 0.3)
     for _ in range(600):
-        before = controller.execution.positions[1]
+        before = controller.execution.tracking.positions[1]
         robot.run_with_position(controller)
-        change = (controller.execution.positions[1] - before) / PERIOD
-        assert controller.execution.velocities[1] == pytest.approx(change, abs=0.01)
+        change = (controller.execution.tracking.positions[1] - before) / PERIOD
+        assert controller.execution.tracking.velocities[1] == pytest.approx(
+            change, abs=0.01
+        )
 
 
 def test_a_pause_of_any_length_does_not_abort_a_goal(robot, started, pause):
@@ -186,7 +188,7 @@ def test_a_stop_ramp_takes_its_time_whatever_the_speed(
 def test_starting_slowly_takes_the_present_velocity_over(robot, started):
     robot.velocity[1] = 0.3
     controller = started(stop_trajectory_duration=0.4, speed_scaling=0.5)
-    assert controller.execution.velocities[1] == pytest.approx(0.3, rel=0.02)
+    assert controller.execution.tracking.velocities[1] == pytest.approx(0.3, rel=0.02)
 
 
 def test_the_desired_state_is_told_for_the_present_speed(robot, started, make_goal):
@@ -194,9 +196,15 @@ def test_the_desired_state_is_told_for_the_present_speed(robot, started, make_go
     controller.goals.submit(make_goal(TO_AWAY))
     robot.run_with_position(controller, 600)
     state = controller.trajectories.query_state(robot.time)
-    assert state.position == controller.execution.positions
-    assert state.velocity == pytest.approx(controller.execution.velocities)
-    assert state.acceleration == pytest.approx(controller.execution.accelerations)
+    assert state.position == list(controller.execution.tracking.positions)
+    assert state.velocity == pytest.approx(
+        list(controller.execution.tracking.velocities)
+    )
+    assert state.acceleration == pytest.approx(
+        list(controller.execution.tracking.accelerations)
+    )
     later = controller.trajectories.query_state(robot.time + 0.2)
     robot.run_with_position(controller, 200)
-    assert later.position == pytest.approx(controller.execution.positions, abs=1e-6)
+    assert later.position == pytest.approx(
+        list(controller.execution.tracking.positions), abs=1e-6
+    )

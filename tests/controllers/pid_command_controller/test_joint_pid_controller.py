@@ -9,10 +9,12 @@ from station.controllers.effort_controllers import (
     JointGroupPositionController,
     JointVelocityController,
 )
-from station.controllers.pid_command_controller import position_error
+from station.controllers.pid_command_controller import set_ways
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import RobotDescriptionError
+from station.kernel.doubles import doubles, zeros
+from station.kernel.joint_errors import JointErrors
 
 single_joint = pytest.mark.parametrize(
     ("package", "commanded"),
@@ -38,8 +40,19 @@ def test_the_error_is_the_way_the_joint_can_go(joint_type, measured, set_point, 
     assert position_error(joint, measured, set_point) == pytest.approx(error)
 
 
-def test_an_unknown_position_has_no_error():
-    assert isnan(position_error(JointDescription("j"), float("nan"), 0.0))
+@pytest.mark.parametrize("joint_type", JointType)
+def test_an_unknown_position_has_no_error(joint_type):
+    joint = JointDescription("j", joint_type)
+    assert isnan(position_error(joint, float("nan"), 0.0))
+
+
+def position_error(joint, measured, set_point):
+    """Return the error of the position of one joint."""
+    errors = zeros(1)
+    comparison = JointErrors(doubles([set_point]), doubles([measured]), errors)
+    set_ways(comparison, [joint])
+    comparison.compare()
+    return errors[0]
 
 
 @single_joint

@@ -9,6 +9,7 @@ from station.core.description.urdf import JointType
 from station.core.errors import ParameterError
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters, ParameterTree
+from station.kernel.doubles import put, zeros
 
 ELBOW = JointDescription("elbow", JointType.REVOLUTE)
 SLIDE = JointDescription("slide", JointType.PRISMATIC)
@@ -37,10 +38,24 @@ def test_commands_are_computed_joint_by_joint():
         error=POSITION,
         command=EFFORT,
     )
-    assert pids.compute_commands([0.5, 0.1], 0.1) == pytest.approx([1.0, 0.03])
-    assert pids.compute_commands([0.5, 0.1], 0.1) == pytest.approx([1.0, 0.06])
+    put(pids.errors, [0.5, 0.1])
+    for step in range(1, 3):
+        pids.compute(0.1)
+        assert list(pids.commands) == pytest.approx([1.0, 0.03 * step])
     pids.reset()
-    assert pids.compute_commands([0.5, 0.1], 0.1) == pytest.approx([1.0, 0.03])
+    pids.compute(0.1)
+    assert list(pids.commands) == pytest.approx([1.0, 0.03])
+
+
+def test_commands_are_written_where_the_robot_reads_them():
+    commands = zeros(1)
+    pids = JointPidGroup(
+        [ELBOW], [PidGains(d=2.0)], error=POSITION, command=EFFORT, commands=commands
+    )
+    put(pids.errors, [0.5])
+    put(pids.rates, [3.0])
+    pids.compute_with_rates(0.1)
+    assert list(commands) == [6.0]
 
 
 def test_gains_go_in_and_come_out_by_name():
@@ -54,6 +69,10 @@ def test_gains_go_in_and_come_out_by_name():
     }
     pids.tunables.apply(pids.tunables.checked(wanted))
     assert pids.tunables.values == wanted
+    assert pids.columns()["i_clamp"] == [4.0]
+    put(pids.errors, [0.5])
+    pids.compute(0.1)
+    assert list(pids.commands) == pytest.approx([0.5 + 2.0 * 0.05 + 3.0 * 5.0])
 
 
 def test_the_gains_of_a_group_are_not_taken_from_a_single_pid_block():
