@@ -26,9 +26,18 @@ from station.wire.controllers import (
     GainsPatch,
     LoadRequest,
     Percentiles,
+    Reloaded,
+    ReloadRequest,
     SwitchRequest,
     SwitchResult,
     Tunable,
+)
+from station.wire.gain_sets import (
+    GainDifference,
+    GainsChanges,
+    GainSet,
+    GainSetRequest,
+    GainSets,
 )
 from station.wire.goals import (
     DesiredState,
@@ -59,6 +68,7 @@ from station.wire.hardware import (
     HardwareTransmission,
     SoftLimits,
 )
+from station.wire.parameters import Parameter, ParameterRequest
 from station.wire.problem import PROBLEM_MEDIA_TYPE, FieldError, Problem
 from station.wire.robots import (
     ActiveFault,
@@ -99,6 +109,7 @@ from station.wire.station import (
     CommandViolations,
     Health,
     JointStates,
+    Kernel,
     LoginRequest,
     LoopReport,
     Ready,
@@ -164,8 +175,13 @@ __all__ = [
     "FrameName",
     "FrankaState",
     "FullCollisionBehavior",
+    "GainDifference",
+    "GainSet",
+    "GainSetRequest",
+    "GainSets",
     "Gains",
     "GainsChange",
+    "GainsChanges",
     "GainsPatch",
     "Goal",
     "GoalRequest",
@@ -189,12 +205,15 @@ __all__ = [
     "Health",
     "JointImpedance",
     "JointStates",
+    "Kernel",
     "Load",
     "LoadRequest",
     "LoginRequest",
     "LoopReport",
     "Measured",
     "ObjectKind",
+    "Parameter",
+    "ParameterRequest",
     "Percentiles",
     "Problem",
     "Ready",
@@ -202,6 +221,8 @@ __all__ = [
     "Recovery",
     "RecoveryRequest",
     "ReleaseRequest",
+    "ReloadRequest",
+    "Reloaded",
     "RequestModel",
     "ResetRequest",
     "ResponseModel",

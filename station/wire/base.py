@@ -5,10 +5,12 @@ Answers are read from the core's own values by attribute, without importing them
 for: numbers that are not finite, members of enumerations, tuples and absent reasons.
 """
 
+import inspect
 import math
+import re
 from collections.abc import Iterable
 from enum import Enum
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -16,10 +18,14 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    GetJsonSchemaHandler,
     JsonValue,
 )
+from pydantic.json_schema import JsonSchemaValue
+from typing_extensions import override
 
 MAX_DEPTH = 32
+_ATTRIBUTE = re.compile(r" {4}(\w+(?:, \w+)*): (.*)")
 
 ControllerName = Annotated[
     str, Field(min_length=1, max_length=128, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
@@ -75,7 +81,55 @@ FromEnum = BeforeValidator(name_of)
 """Reads the name of a member of one of the core's enumerations."""
 
 
-class ResponseModel(BaseModel):
+class WireModel(BaseModel):
+    """Describes its fields in the JSON schema by the `Attributes` of its docstring."""
+
+    @classmethod
+    @override
+    def __get_pydantic_json_schema__(
+        cls,
+        core_schema: Any,
+        handler: GetJsonSchemaHandler,
+    ) -> JsonSchemaValue:
+        schema = handler(core_schema)
+        found = handler.resolve_ref_schema(schema)
+        found["description"] = described(cls.__doc__)[0]
+        properties = found.get("properties", {})
+        for kind in reversed(cls.__mro__):
+            attributes = described(kind.__doc__)[1]
+            for name, field in cls.model_fields.items():
+                key = field.alias or name
+                if name in attributes and key in properties:
+                    properties[key]["description"] = attributes[name]
+        return schema
+
+
+def example(values: dict[str, JsonValue]) -> ConfigDict:
+    """Return a configuration of a model with one example for its schema."""
+    return ConfigDict(json_schema_extra={"examples": [values]})
+
+
+def described(docstring: str | None) -> tuple[str, dict[str, str]]:
+    """Return the text of a docstring, and its description of each attribute.
+
+    Args:
+        docstring: In Google's style; `a, b: Text` describes both.
+    """
+    text, _, section = inspect.cleandoc(docstring or "").partition("\n\nAttributes:\n")
+    attributes: dict[str, str] = {}
+    names: list[str] = []
+    for line in section.partition("\n\n")[0].splitlines():
+        begin = _ATTRIBUTE.fullmatch(line)
+        if begin is not None:
+            names = [name.strip() for name in begin[1].split(",")]
+            attributes |= dict.fromkeys(names, begin[2])
+        else:
+            for name in names:
+                attributes[name] += f" {line.strip()}"
+    return " ".join(text.split()), attributes
+
+
+class ResponseModel(WireModel):
     """What the station answers; read from JSON, or from the core by attribute.
 
     Unknown keys are ignored, because a newer station may add some.
@@ -90,7 +144,7 @@ class ResponseModel(BaseModel):
     )
 
 
-class RequestModel(BaseModel):
+class RequestModel(WireModel):
     """What the station is asked. Unknown keys, `"600"`, `true` and NaN are refused."""
 
     model_config = ConfigDict(

@@ -30,7 +30,12 @@ ControllerStateName = Annotated[
 
 
 class ClaimedResources(ResponseModel):
-    """What a controller claims of one interface (HardwareInterfaceResources)."""
+    """What a controller claims of one interface (HardwareInterfaceResources).
+
+    Attributes:
+        hardware_interface: Name of the interface.
+        resources: Names of the resources, usually joints.
+    """
 
     hardware_interface: str
     resources: Items[str]
@@ -62,8 +67,8 @@ class ControllerState(ResponseModel):
         type: Its plugin type.
         state: Where it is in its life.
         claimed_resources: What it claims, per interface.
-        fault: Why the station stopped it; empty if it did not.
-        traceback: Traceback that belongs to `fault`; empty if there was none.
+        fault: Why the station stopped it; null if it did not.
+        traceback: Traceback that belongs to `fault`; null if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
     """
@@ -72,14 +77,18 @@ class ControllerState(ResponseModel):
     type: str
     state: ControllerStateName
     claimed_resources: Items[ClaimedResources]
-    fault: Reason
-    traceback: Reason
+    fault: str | None
+    traceback: str | None
     fallback: Items[str]
     time: Percentiles
 
 
 class Controllers(ResponseModel):
-    """All loaded controllers, in the order in which they are updated."""
+    """All loaded controllers.
+
+    Attributes:
+        controllers: The controllers, in the order in which they are updated.
+    """
 
     controllers: Items[ControllerState]
 
@@ -235,7 +244,12 @@ class Gains(ResponseModel):
 
 
 class GainsPatch(RequestModel):
-    """Change some gains; the set is checked whole and takes effect in one cycle."""
+    """Change some gains; the set is checked whole and takes effect in one cycle.
+
+    Attributes:
+        values: New values by name, in the units and ranges of the gains' schema; the
+            other gains stay.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"values": {"panda_joint1/p": 500.0}}]}
@@ -261,7 +275,14 @@ class GainsChange(ResponseModel):
 
 
 class CommandElement(ResponseModel):
-    """One number of a set-point: its name, unit and range."""
+    """One number of a set-point: its name, unit and range.
+
+    Attributes:
+        name: The commanded quantity, usually named after a joint.
+        unit: Unit of the number.
+        minimum: Smallest allowed value, in the unit; null where unlimited.
+        maximum: Largest allowed value, in the unit; null where unlimited.
+    """
 
     name: str
     unit: str
@@ -306,13 +327,17 @@ class CommandRequest(RequestModel):
 
 
 class CommandAccepted(ResponseModel):
-    """A set-point was accepted; the next cycle takes it over.
+    """A set-point or a trajectory was accepted.
 
     Attributes:
         epoch: The epoch it counts for; a stop or reset makes it void.
+        cycle: Number of the first cycle that took it into account; the samples of
+            streams have the same numbers. Null when no cycle has done so yet: the
+            simulation is paused, or a newer set-point came before.
     """
 
     epoch: int
+    cycle: int | None = None
 
 
 class ControllerSample(ResponseModel):
@@ -339,7 +364,13 @@ class ControllerSample(ResponseModel):
 
 
 class ControllerType(ResponseModel):
-    """A plugin that can be loaded."""
+    """A plugin that can be loaded.
+
+    Attributes:
+        type: Its type, `package/Class`.
+        base_class: Class of plugins that it belongs to.
+        description: What it does; empty where it does not say.
+    """
 
     type: str
     base_class: str
@@ -347,6 +378,33 @@ class ControllerType(ResponseModel):
 
 
 class ControllerTypes(ResponseModel):
-    """All plugins that can be loaded, by type."""
+    """All plugins that can be loaded.
+
+    Attributes:
+        controller_types: The types, in the order in which they are declared.
+    """
 
     controller_types: Items[ControllerType]
+
+
+class ReloadRequest(RequestModel):
+    """Forget the code of controllers that was imported.
+
+    Attributes:
+        force_kill: Stop and unload all controllers first; without it, loaded
+            controllers are a reason to refuse.
+    """
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"force_kill": True}]})
+
+    force_kill: bool = False
+
+
+class Reloaded(ResponseModel):
+    """What a reload did.
+
+    Attributes:
+        unloaded: Names of the controllers that were unloaded.
+    """
+
+    unloaded: Items[str]

@@ -83,7 +83,11 @@ class Goal(ResponseModel):
 
 
 class Goals(ResponseModel):
-    """The latest goals of a controller, oldest first."""
+    """The latest goals of a controller.
+
+    Attributes:
+        goals: The goals, oldest first.
+    """
 
     goals: Items[Goal]
 

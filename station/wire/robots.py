@@ -13,6 +13,7 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
+    example,
 )
 
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
@@ -105,13 +106,21 @@ class ServiceInfo(ResponseModel):
 
 
 class Services(ResponseModel):
-    """The services of a robot."""
+    """The services of a robot.
+
+    Attributes:
+        services: The services, in the order in which they are declared.
+    """
 
     services: list[ServiceInfo]
 
 
 class Arms(ResponseModel):
-    """All arms of the station."""
+    """All arms of the station.
+
+    Attributes:
+        robots: The arms with their modes and errors.
+    """
 
     robots: Items[ArmReport]
 
@@ -123,6 +132,8 @@ class RecoveryRequest(RequestModel):
         restart: `previous` starts the controllers again that the error stopped; with
             `none` they stay stopped and nothing moves by itself.
     """
+
+    model_config = example({"restart": "previous"})
 
     restart: Literal["none", "previous"] = "none"
 
@@ -148,13 +159,25 @@ class Recoveries(Arms):
 
 
 class UserStopRequest(RequestModel):
-    """Press or release the user stop."""
+    """Press or release the user stop.
+
+    Attributes:
+        pressed: True presses it, false releases it.
+    """
+
+    model_config = example({"pressed": True})
 
     pressed: bool
 
 
 class GuidingRequest(RequestModel):
-    """Press or release the guiding buttons."""
+    """Press or release the guiding buttons.
+
+    Attributes:
+        pressed: True presses them, false releases them.
+    """
+
+    model_config = example({"pressed": True})
 
     pressed: bool
 
@@ -182,34 +205,104 @@ class ArmRecord(ResponseModel):
 
 
 class ArmLog(ResponseModel):
-    """The last cycles of the motion before the last error, oldest first, up to 50."""
+    """The last cycles of the motion before the last error.
+
+    Attributes:
+        records: The cycles, oldest first, up to 50.
+    """
 
     records: Items[ArmRecord]
 
 
 class JointImpedance(RequestModel):
-    """Stiffness of the internal joint impedance [Nm/rad], 0 to 14250."""
+    """Stiffness of the internal joint impedance.
+
+    Attributes:
+        joint_stiffness: Stiffness of each joint [Nm/rad], 0 to 14250, shape (7,).
+    """
+
+    model_config = example({
+        "joint_stiffness": [3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0]
+    })
 
     joint_stiffness: Joints
 
 
 class CartesianImpedance(RequestModel):
-    """Stiffness of the internal Cartesian impedance, axes of the stiffness frame.
+    """Stiffness of the internal Cartesian impedance.
 
-    Three times 10 to 3000 [N/m], then 1 to 300 [Nm/rad].
+    Attributes:
+        cartesian_stiffness: Along and about the axes of the stiffness frame: three
+            times 10 to 3000 [N/m], then three times 1 to 300 [Nm/rad].
     """
+
+    model_config = example({
+        "cartesian_stiffness": [2000.0, 2000.0, 2000.0, 100.0, 100.0, 100.0]
+    })
 
     cartesian_stiffness: Wrench
 
 
 class EndEffectorFrame(RequestModel):
-    """End effector in the nominal end effector frame, column-major."""
+    """Where the end effector is.
+
+    Attributes:
+        NE_T_EE: Pose of the end effector in the nominal end effector frame, column-
+            major, translation [m], shape (16,).
+    """
+
+    model_config = example({
+        "NE_T_EE": [
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.1,
+            1.0,
+        ]
+    })
 
     NE_T_EE: Transform
 
 
 class StiffnessFrame(RequestModel):
-    """Stiffness frame in the end effector frame, column-major."""
+    """Where the stiffness frame is.
+
+    Attributes:
+        EE_T_K: Pose of the stiffness frame in the end effector frame, column-major,
+            translation [m], shape (16,).
+    """
+
+    model_config = example({
+        "EE_T_K": [
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+        ]
+    })
 
     EE_T_K: Transform
 
@@ -218,10 +311,16 @@ class Load(RequestModel):
     """The load that the hand holds.
 
     Attributes:
-        mass: [kg].
+        mass: Mass [kg], 0 to the largest load of the arm.
         F_x_center_load: Centre of mass in the flange frame [m].
         load_inertia: About it [kg m^2], column-major.
     """
+
+    model_config = example({
+        "mass": 0.5,
+        "F_x_center_load": [0.0, 0.0, 0.1],
+        "load_inertia": [0.001, 0.0, 0.0, 0.0, 0.001, 0.0, 0.0, 0.0, 0.001],
+    })
 
     mass: float
     F_x_center_load: Vector3
@@ -229,7 +328,24 @@ class Load(RequestModel):
 
 
 class ForceTorqueCollisionBehavior(RequestModel):
-    """Thresholds of contact (lower) and collision (upper), in every phase."""
+    """Thresholds of contact (lower) and collision (upper), in every phase.
+
+    Attributes:
+        lower_torque_thresholds_nominal: Torques of a contact [Nm], >= 0, shape (7,).
+        upper_torque_thresholds_nominal: Torques of a collision [Nm], not below those of
+            a contact, shape (7,).
+        lower_force_thresholds_nominal: Forces [N], then torques [Nm] of a contact,
+            >= 0, shape (6,).
+        upper_force_thresholds_nominal: Forces [N], then torques [Nm] of a collision,
+            not below those of a contact, shape (6,).
+    """
+
+    model_config = example({
+        "lower_torque_thresholds_nominal": [20.0] * 7,
+        "upper_torque_thresholds_nominal": [40.0] * 7,
+        "lower_force_thresholds_nominal": [10.0] * 6,
+        "upper_force_thresholds_nominal": [30.0] * 6,
+    })
 
     lower_torque_thresholds_nominal: Joints
     upper_torque_thresholds_nominal: Joints
@@ -238,7 +354,29 @@ class ForceTorqueCollisionBehavior(RequestModel):
 
 
 class FullCollisionBehavior(ForceTorqueCollisionBehavior):
-    """The same, with thresholds of their own while the desired motion accelerates."""
+    """The same, with thresholds of their own while the desired motion accelerates.
+
+    Attributes:
+        lower_torque_thresholds_acceleration: Torques of a contact [Nm], >= 0,
+            shape (7,).
+        upper_torque_thresholds_acceleration: Torques of a collision [Nm], not below
+            those of a contact, shape (7,).
+        lower_force_thresholds_acceleration: Forces [N], then torques [Nm] of a contact,
+            >= 0, shape (6,).
+        upper_force_thresholds_acceleration: Forces [N], then torques [Nm] of a
+            collision, not below those of a contact, shape (6,).
+    """
+
+    model_config = example({
+        "lower_torque_thresholds_nominal": [20.0] * 7,
+        "upper_torque_thresholds_nominal": [40.0] * 7,
+        "lower_force_thresholds_nominal": [10.0] * 6,
+        "upper_force_thresholds_nominal": [30.0] * 6,
+        "lower_torque_thresholds_acceleration": [20.0] * 7,
+        "upper_torque_thresholds_acceleration": [40.0] * 7,
+        "lower_force_thresholds_acceleration": [10.0] * 6,
+        "upper_force_thresholds_acceleration": [30.0] * 6,
+    })
 
     lower_torque_thresholds_acceleration: Joints
     upper_torque_thresholds_acceleration: Joints
@@ -251,13 +389,19 @@ class ExternalForce(RequestModel):
 
     Attributes:
         link: Name of the link or object.
-        force: [N].
-        torque: [Nm].
+        force: Force [N], shape (3,).
+        torque: Torque [Nm], shape (3,).
         duration: How long [s].
         frame: Axes of force and torque: `world`, or a link with which they turn.
         point: Where the force acts, in the link's frame [m]; its centre of mass if
             there is none.
     """
+
+    model_config = example({
+        "link": "panda_hand",
+        "force": [0.0, 0.0, -20.0],
+        "duration": 0.5,
+    })
 
     link: str = Field(min_length=1, max_length=128)
     force: Vector3 = Field(default_factory=lambda: [0.0, 0.0, 0.0])
@@ -284,6 +428,8 @@ class Fault(RequestModel):
         force: Force of a collision, axes of the world [N].
     """
 
+    model_config = example({"kind": "stuck_joint", "joint": 4, "cycles": 1000})
+
     kind: FaultName
     cycles: int = Field(default=20, ge=1, le=1_000_000)
     joint: int = Field(default=1, ge=1, le=7)
@@ -305,7 +451,11 @@ class ActiveFault(ResponseModel):
 
 
 class Faults(ResponseModel):
-    """The faults that are active."""
+    """The faults that are active.
+
+    Attributes:
+        faults: The faults, in the order in which they were injected.
+    """
 
     faults: Items[ActiveFault]
 
@@ -315,8 +465,8 @@ class ArmModel(ResponseModel):
 
     Attributes:
         frame: Frame of pose and Jacobians.
-        mass: [kg m^2], 7 x 7.
-        coriolis: [Nm].
+        mass: Mass matrix [kg m^2], 7 x 7.
+        coriolis: Coriolis torques [Nm], shape (7,).
         gravity: Torques that hold the arm against `O_ddP_O` [Nm].
         pose: In the base frame, 4 x 4.
         zero_jacobian: Axes of the base, 6 x 7.
@@ -335,7 +485,63 @@ class ArmModel(ResponseModel):
 class FrankaState(ResponseModel):
     """The whole state, as `franka_msgs/FrankaState`; see libfranka for each field.
 
-    Units are SI, `time` in seconds; matrices column-major.
+    Units are SI, `time` in seconds; matrices column-major: T(r, c) = T[4 c + r]. A pose
+    is a matrix of 16 numbers, with its translation [m] in the last column. Twists are
+    linear, then angular velocity; wrenches force, then torque. Frames: O the base, F
+    the flange, NE the nominal end effector, EE the end effector, K the stiffness frame.
+
+    Attributes:
+        q: Measured positions [rad], shape (7,).
+        dq: Measured velocities [rad/s], shape (7,).
+        tau_J: Measured link-side torques, gravity included [Nm], shape (7,).
+        dtau_J: Their rate [Nm/s], shape (7,).
+        q_d: Desired positions [rad], shape (7,).
+        dq_d: Desired velocities [rad/s], shape (7,).
+        ddq_d: Desired accelerations [rad/s^2], shape (7,).
+        tau_J_d: Desired link-side torques without gravity; 0 when idle [Nm], (7,).
+        theta: Motor-side positions [rad], shape (7,).
+        dtheta: Motor-side velocities [rad/s], shape (7,).
+        tau_ext_hat_filtered: Torques on the environment: `tau_J` less what the model
+            needs, low-passed [Nm], shape (7,).
+        O_F_ext_hat_K: Wrench of the robot on its environment at K, axes of O [N, Nm],
+            shape (6,); 0 near singular poses.
+        K_F_ext_hat_K: The same in the axes of K.
+        joint_contact: 1 where `tau_ext_hat_filtered` is above the lower threshold,
+            else 0, shape (7,).
+        joint_collision: The same for the upper threshold; stays until recovery.
+        cartesian_contact: As `joint_contact`, for `K_F_ext_hat_K`, shape (6,).
+        cartesian_collision: As `joint_collision`, for `K_F_ext_hat_K`, shape (6,).
+        current_errors: Names of the present errors.
+        last_motion_errors: Names of the errors that ended the last motion.
+        robot_mode: Mode of the arm.
+        time: Since the arm was started [s]; strictly increasing.
+        control_command_success_rate: Share of the last 100 commands that arrived, 0 to
+            1; 0 while no motion runs.
+        O_T_EE: Measured pose of the end effector in O.
+        O_T_EE_d: Desired pose.
+        O_T_EE_c: Commanded pose, after filter and limits.
+        F_T_EE: End effector in the flange frame, `F_T_NE` `NE_T_EE`.
+        F_T_NE: Nominal end effector in the flange frame.
+        NE_T_EE: End effector in the nominal one; `set_EE_frame`.
+        EE_T_K: Stiffness frame in the end effector; `set_K_frame`.
+        m_ee: Mass of the end effector [kg].
+        F_x_Cee: Its centre of mass in F [m], shape (3,).
+        I_ee: Its inertia about that, axes of F [kg m^2].
+        m_load: Mass of the load [kg]; `set_load`.
+        F_x_Cload: Its centre of mass in F [m], shape (3,).
+        I_load: Its inertia about that, axes of F [kg m^2].
+        m_total: Mass of both [kg].
+        F_x_Ctotal: Their common centre of mass in F [m], shape (3,).
+        I_total: Their inertia about that, axes of F [kg m^2].
+        elbow: Position of joint 3 [rad] and sign of the flip of joint 4.
+        elbow_d: Desired elbow.
+        elbow_c: Commanded elbow.
+        delbow_c: Rate of `elbow_c`; the second number is 0 [rad/s].
+        ddelbow_c: Its rate; the second number is 0 [rad/s^2].
+        O_dP_EE_d: Desired twist of the end effector [m/s, rad/s], shape (6,).
+        O_dP_EE_c: Commanded twist, shape (6,).
+        O_ddP_EE_c: Its rate [m/s^2, rad/s^2], shape (6,).
+        O_ddP_O: Acceleration of gravity in O [m/s^2], shape (3,).
     """
 
     robot_mode: RobotModeName

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from station.wire.base import RequestModel, ResponseModel
+from station.wire.base import Items, RequestModel, ResponseModel, example
 
 
 class Simulation(ResponseModel):
@@ -13,12 +13,14 @@ class Simulation(ResponseModel):
         real_time_factor: Station time over wall time, as asked for.
         time: Time of the simulated world [s]; a reset sets it to zero.
         steps_due: Cycles that are still to be run while paused.
+        keyframes: Names of the poses that a reset can put the robot to.
     """
 
     paused: bool
     real_time_factor: float
     time: float
     steps_due: int
+    keyframes: Items[str] = Field(default_factory=list)
 
 
 class SimulationPatch(RequestModel):
@@ -28,6 +30,8 @@ class SimulationPatch(RequestModel):
         paused: Whether station time is to stand still.
         real_time_factor: Station time over wall time, 0.01 to 100.
     """
+
+    model_config = example({"paused": True})
 
     paused: bool | None = None
     real_time_factor: float | None = None
@@ -40,6 +44,8 @@ class StepRequest(RequestModel):
         n: How many, 1 to 10000.
     """
 
+    model_config = example({"n": 100})
+
     n: int = 1
 
 
@@ -47,10 +53,16 @@ class ResetRequest(RequestModel):
     """Put the world back to its start.
 
     Attributes:
-        joint_positions: Joint name to position [rad] or [m]; the others go back
-            to where they began.
+        keyframe: Name of a pose to begin at; null for where the joints began.
+        joint_positions: Joint name to position [rad] or [m]; the others go to the
+            keyframe, or back to where they began.
     """
 
-    joint_positions: dict[str, float] = Field(
-        default_factory=dict, examples=[{"panda_joint1": 0.5}]
-    )
+    model_config = example({
+        "keyframe": "ready",
+        "joint_positions": {"panda_joint1": 0.5},
+    })
+
+    keyframe: str | None = Field(default=None, min_length=1, max_length=128)
+
+    joint_positions: dict[str, float] = Field(default_factory=dict)

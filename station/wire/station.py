@@ -11,6 +11,7 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
+    example,
 )
 from station.wire.controllers import Percentiles
 from station.wire.hardware import Clamp
@@ -33,7 +34,11 @@ class Health(ResponseModel):
 
 
 class Ready(ResponseModel):
-    """The loop runs and its last cycle is fresh."""
+    """The loop runs and its last cycle is fresh.
+
+    Attributes:
+        ready: Always true; otherwise the answer is 503 with the reason.
+    """
 
     ready: Literal[True] = True
 
@@ -76,6 +81,18 @@ class LoopReport(ResponseModel):
     scheduler: str
 
 
+class Kernel(ResponseModel):
+    """The arithmetic of the control cycle: how it runs.
+
+    Attributes:
+        mode: Compiled modules, or their Python sources interpreted.
+        reason: Why it is this one, and what would change that.
+    """
+
+    mode: Literal["compiled", "interpreted"]
+    reason: Reason
+
+
 class CommandViolations(ResponseModel):
     """Commands that were written without a claim on their resource, and put to rest.
 
@@ -101,6 +118,8 @@ class Status(ResponseModel):
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
         loop: State and statistics of the control loop.
+        kernel: Whether the arithmetic of the cycle runs interpreted or compiled; null
+            from a station that does not tell.
         simulation: How simulated time passes; null for a real robot.
         robots: The arms with their modes and errors.
         versions: Versions of the station and of the packages below it.
@@ -117,6 +136,7 @@ class Status(ResponseModel):
     stop_state: StopStateName
     stop_reason: Reason
     loop: LoopReport
+    kernel: Kernel | None = None
     simulation: Simulation | None = None
     robots: Items[ArmReport] = Field(default_factory=list)
     versions: dict[str, str]
@@ -131,6 +151,8 @@ class StopRequest(RequestModel):
         reason: For the record.
     """
 
+    model_config = example({"reason": "Somebody is in the cell."})
+
     reason: str = Field(default="", max_length=500)
 
 
@@ -140,6 +162,8 @@ class ReleaseRequest(RequestModel):
     Attributes:
         arm: False, first: the cause is gone. True, afterwards: allow motion again.
     """
+
+    model_config = example({"arm": True})
 
     arm: bool = False
 
@@ -194,13 +218,23 @@ class JointStates(ResponseModel):
 
 
 class LoginRequest(RequestModel):
-    """Exchange a token for a cookie."""
+    """Exchange a token for a cookie.
+
+    Attributes:
+        token: The operator's or the viewer's token of this start of the station.
+    """
+
+    model_config = example({"token": "the token that the station printed"})
 
     token: str = Field(min_length=1, max_length=512)
 
 
 class Session(ResponseModel):
-    """The role that the station grants the caller."""
+    """The role that the station grants the caller.
+
+    Attributes:
+        role: `viewer`: read everything and stop the robot; `operator`: everything.
+    """
 
     role: Literal["viewer", "operator"]
 

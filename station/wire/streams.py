@@ -1,8 +1,8 @@
 """Wire models of WebSocket streams."""
 
-from typing import Literal
+from typing import Literal, TypeVar
 
-from pydantic import Field, JsonValue
+from pydantic import BaseModel, Field, JsonValue
 
 from station.wire.base import ResponseModel
 
@@ -15,6 +15,7 @@ CLOSE_UNKNOWN_TOPIC = 4404
 CLOSE_TOO_SLOW = 4408
 
 StreamFormat = Literal["json", "msgpack"]
+ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
 class StreamFrame(ResponseModel):
@@ -25,6 +26,7 @@ class StreamFrame(ResponseModel):
         seq: Counts the frames of the stream. A gap is frames this client was too slow
             for. With `rate=full` it is the number of the newest cycle in the batch.
         epoch: Epoch of the data.
+        cycle: Number of the cycle of the data; with `rate=full` of the newest one.
         stamp: Station time of the data [s].
         boot_id: Changes when the station restarts. On the wire only in `hello`; the
             client repeats it in every frame.
@@ -34,6 +36,18 @@ class StreamFrame(ResponseModel):
     topic: str
     seq: int
     epoch: int
+    cycle: int = 0
     stamp: float
     boot_id: str = ""
     data: dict[str, JsonValue] = Field(default_factory=dict)
+
+    def read(self, model: type[ModelT]) -> ModelT:
+        """Return the payload as a wire model, e.g. `frame.read(JointStates).position`.
+
+        Args:
+            model: The model of the topic; the stream must have all its fields.
+
+        Raises:
+            ValidationError: The payload is another one.
+        """
+        return model.model_validate({"stamp": self.stamp, **self.data})

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Annotated, Literal
 
 import pytest
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from station.wire import ControllerName, RequestModel, ResponseModel
 from station.wire.base import (
@@ -154,3 +154,44 @@ def test_an_answer_is_still_strict(wrong):
 
     with pytest.raises(ValidationError):
         Report.model_validate({**right, **wrong})
+
+
+class Sized(ResponseModel):
+    """A thing with a size.
+
+    More about it.
+
+    Attributes:
+        width, height: How far it goes
+            in each direction [m].
+        plain: Just this.
+    """
+
+    width: float
+    height: float
+    plain: Annotated[str, Field(alias="simple")]
+
+
+class Coloured(Sized):
+    """A thing with a colour.
+
+    Attributes:
+        colour: Its colour.
+    """
+
+    colour: str
+
+
+def test_the_schema_describes_fields_as_the_docstring_does():
+    schema = Coloured.model_json_schema()
+    properties = schema["properties"]
+
+    assert schema["description"] == "A thing with a colour."
+    assert Sized.model_json_schema()["description"] == (
+        "A thing with a size. More about it."
+    )
+    assert properties["height"]["description"] == (
+        "How far it goes in each direction [m]."
+    )
+    assert properties["simple"]["description"] == "Just this."
+    assert properties["colour"]["description"] == "Its colour."

@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from station.core.franka import Frame, RobotState
 from station.wire import FrankaState, JointImpedance, RecoveryRequest
+from station.wire.base import described
 
 
 def test_state_on_the_wire_has_every_field():
@@ -28,4 +29,14 @@ def test_every_frame_has_its_name():
         "flange",
         "end_effector",
         "stiffness",
+    }
+
+
+def test_the_state_of_an_arm_is_described_as_in_the_core():
+    core, wired = described(RobotState.__doc__)[1], described(FrankaState.__doc__)[1]
+    other = {"robot_mode", "current_errors", "last_motion_errors"}
+
+    assert set(wired) == set(FrankaState.model_fields)
+    assert {k: v for k, v in wired.items() if k not in other} == {
+        k: v for k, v in core.items() if k in wired and k not in other
     }

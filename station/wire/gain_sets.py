@@ -1,0 +1,102 @@
+"""Wire models of named sets of gains."""
+
+from typing import Annotated
+
+from pydantic import ConfigDict, Field
+
+from station.wire.base import Items, RequestModel, ResponseModel
+from station.wire.controllers import GainsChange
+
+GainSetName = Annotated[
+    str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
+]
+"""A name that is also one segment of a URL and the name of a file."""
+
+
+class GainDifference(ResponseModel):
+    """A gain whose saved value is not the present one.
+
+    Attributes:
+        controller: Name of the controller.
+        name: Name of the gain.
+        saved: Value in the set, in the unit of the gain; null when the set does not
+            have this gain.
+        present: Value in force, in the same unit; null when the controller is not
+            loaded or has no such gain.
+    """
+
+    controller: str
+    name: str
+    saved: float | None
+    present: float | None
+
+
+class GainSet(ResponseModel):
+    """A saved set of gains, and where it differs from the gains in force.
+
+    Attributes:
+        name: Name of the set.
+        saved_at: When it was saved, ISO 8601.
+        gains: Saved values by controller and gain, each in the unit of the gain.
+        differences: The gains that differ; empty when the set is in force.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "name": "stiff",
+                    "saved_at": "2026-11-22T09:15:00+00:00",
+                    "gains": {"arm": {"panda_joint1/p": 600.0}},
+                    "differences": [
+                        {
+                            "controller": "arm",
+                            "name": "panda_joint1/p",
+                            "saved": 600.0,
+                            "present": 500.0,
+                        }
+                    ],
+                }
+            ]
+        }
+    )
+
+    name: str
+    saved_at: str
+    gains: dict[str, dict[str, float]]
+    differences: Items[GainDifference]
+
+
+class GainSets(ResponseModel):
+    """The saved sets.
+
+    Attributes:
+        gain_sets: Names of the sets, sorted.
+    """
+
+    gain_sets: Items[str]
+
+
+class GainSetRequest(RequestModel):
+    """Whose gains are saved or applied.
+
+    Attributes:
+        controllers: Names of controllers; null or left out for all: those that are
+            loaded when saving, those of the set when applying.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"controllers": ["arm"]}]}
+    )
+
+    controllers: list[str] | None = Field(default=None, min_length=1, max_length=64)
+
+
+class GainsChanges(ResponseModel):
+    """What changed in one cycle.
+
+    Attributes:
+        changes: The change of each controller, by its name.
+    """
+
+    changes: dict[str, GainsChange]
