@@ -10,12 +10,13 @@ from station.api.auth import Authenticator
 from station.api.errors import add_error_handlers
 from station.api.guard import MAX_BODY_BYTES, Guard
 from station.api.host_policy import HostPolicy
-from station.api.openapi import StationApi
-from station.api.routes import PREFIX, api_router, robots
+from station.api.openapi import StationApi, operation_id
+from station.api.routes import PREFIX, api_router, metrics, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.web.failed_logins import FailedLogins
+from station.web.request_id import RequestId
 
 DESCRIPTION = """
 Everything a station can do, for programs and browsers. Errors are problem documents
@@ -51,6 +52,7 @@ def create_app(
         version=package.__version__,
         description=DESCRIPTION,
         openapi_url=f"{PREFIX}/openapi.json",
+        generate_unique_id_function=operation_id,
         docs_url=None,
         redoc_url=None,
         # Its spans and counters would cost time in every request.
@@ -69,5 +71,7 @@ def create_app(
     app.include_router(login_page)
     app.include_router(docs_page.router)
     app.include_router(index.router)
+    app.include_router(metrics.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
+    app.add_middleware(RequestId)
     return app

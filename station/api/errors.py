@@ -1,13 +1,14 @@
 """From exceptions to HTTP: every refusal is a problem document (RFC 9457)."""
 
+import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import orjson
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
+from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.wire import PROBLEM_MEDIA_TYPE
 
@@ -38,6 +39,10 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.GoalNotFoundError: 404,
     errors.InvalidGainError: 422,
     errors.GainsChangedError: 412,
+    errors.ParameterNotFoundError: 404,
+    errors.GainSetNotFoundError: 404,
+    errors.GainSetError: 500,
+    errors.NothingToUndoError: 409,
     errors.StaleEpochError: 409,
     errors.StoppedError: 423,
     errors.LoopError: 503,
@@ -47,13 +52,17 @@ STATUS: Mapping[type[errors.StationError], int] = {
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
 
 ROUTES: Mapping[str, str] = {
-    "controller_not_found": "POST /api/v1/controllers loads a controller.",
+    "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
     "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
     "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
+    "gain_set_not_found": "GET /api/v1/gain-sets lists the gain sets.",
     "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",
     "loop": "GET /api/v1/loop has the state of the control loop.",
+    "invalid_gain": "GET /api/v1/controllers/{name}/gains has names and ranges.",
+    "parameter_not_found": "GET /api/v1/parameters has the whole tree.",
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
+    "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
@@ -63,7 +72,7 @@ ROUTES: Mapping[str, str] = {
 
 HTTP_REMEDIES: Mapping[int, str] = {
     400: "Send a JSON body as /docs describes it.",
-    404: "See /docs for the routes.",
+    404: "/docs has all routes.",
     405: "Use one of the methods in the Allow header; see /docs.",
 }
 
@@ -177,14 +186,22 @@ def validation_response(error: RequestValidationError) -> Response:
     fields = [
         {
             "field": "/".join(str(part) for part in item["loc"]),
-            "message": _message(item),
+            "message": explain(item["type"], item.get("ctx", {})),
             "value": _shown(item.get("input")),
         }
         for item in found[:MAX_ERRORS]
     ]
+    if found[0]["type"] == "json_invalid":
+        position = found[0]["loc"][-1]
+        why = str(found[0].get("ctx", {}).get("error", ""))
+        fields[0] = {
+            "field": "body",
+            "message": explain_json(error.body, int(position), why),
+            "value": "",
+        }
     first = fields[0]
     value = f" (it is {first['value']})" if first["value"] else ""
-    more = f" {len(found) - 1} more like it." if len(found) > 1 else ""
+    more = f" There are {len(found) - 1} more errors." if len(found) > 1 else ""
     return problem_response(
         422,
         "invalid_request",
@@ -192,11 +209,6 @@ def validation_response(error: RequestValidationError) -> Response:
         "Correct the fields named in 'errors'; /docs has the shapes. Nothing changed.",
         field_errors=fields,
     )
-
-
-def _message(item: Mapping[str, Any]) -> str:
-    why = item.get("ctx", {}).get("error", "") if item["type"] == "json_invalid" else ""
-    return f"{item['msg']}: {why}" if why else str(item["msg"])
 
 
 def _shown(value: object) -> str:
@@ -232,8 +244,8 @@ def add_error_handlers(app: FastAPI) -> None:
             error.status_code,
             _HTTP_CODES.get(error.status_code, "http_error"),
             f"{request.method} {request.url.path}: {error.detail}.",
-            HTTP_REMEDIES.get(error.status_code, "See /docs."),
-            headers=error.headers,
+            _http_remedy(request, error.status_code),
+            headers=_allowed(request) if error.status_code == 405 else error.headers,
         )
 
     @app.exception_handler(Exception)
@@ -246,6 +258,29 @@ def add_error_handlers(app: FastAPI) -> None:
             f"{type(error).__name__}.",
             "The station's log has the traceback; please report it.",
         )
+
+
+def _allowed(request: Request) -> dict[str, str]:
+    """Return the Allow header of a path, with the methods of all its routes.
+
+    The framework knows the methods of the first route that matches the path.
+    """
+    methods: set[str] = set()
+    for template, operations in request.app.openapi()["paths"].items():
+        rest = template.replace("{path}", "{topic}").split("{topic}")
+        pattern = ".+".join(re.sub(r"\\{\w+\\}", "[^/]+", re.escape(p)) for p in rest)
+        if re.fullmatch(pattern, request.url.path):
+            methods |= {method.upper() for method in operations}
+    return {"Allow": ", ".join(sorted(methods))}
+
+
+def _http_remedy(request: Request, status: int) -> str:
+    """Return what to do; for an unknown path, with the paths that resemble it."""
+    remedy = HTTP_REMEDIES.get(status, "See /docs.")
+    if status != 404:
+        return remedy
+    paths = [each for each in request.app.openapi()["paths"] if "{" not in each]
+    return f"{errors.suggest(request.url.path, paths)} {remedy}"
 
 
 _HTTP_CODES = {

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request
 
 import station as package
+from station.api import asyncapi
 from station.api.routes import PREFIX
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 router = APIRouter(include_in_schema=False)
+_STREAMS = asyncapi.document()
 
 
 @router.get("/")
@@ -26,9 +28,17 @@ async def index(request: Request) -> dict[str, str]:
         "station": package.__version__,
         "docs": "/docs",
         "openapi": f"{PREFIX}/openapi.json",
+        "asyncapi": f"{PREFIX}/asyncapi.json",
         "api": PREFIX,
         "health": f"{PREFIX}/health",
         "ready": f"{PREFIX}/ready",
+        "metrics": "/metrics",
         "login": "/login?token=…",
         **known,
     }
+
+
+@router.get(f"{PREFIX}/asyncapi.json")
+async def streams_document() -> dict[str, object]:
+    """Return the AsyncAPI document, which needs no token, as the OpenAPI document."""
+    return _STREAMS

@@ -1,8 +1,9 @@
-"""The OpenAPI document: what the framework writes, with our errors in it."""
+"""The OpenAPI document: what the framework writes, with what it cannot know in it."""
 
 from typing import Any
 
 from fastapi import FastAPI
+from fastapi.routing import APIRoute
 from typing_extensions import override
 
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
@@ -10,6 +11,54 @@ from station.wire import PROBLEM_MEDIA_TYPE, Problem
 _REF = "#/components/schemas/"
 _PROBLEM = {PROBLEM_MEDIA_TYPE: {"schema": {"$ref": f"{_REF}Problem"}}}
 _OWN_ERRORS = ("HTTPValidationError", "ValidationError")
+
+TAGS = {
+    "health": "Whether the process lives and the loop runs; no token is needed.",
+    "station": "The station at a glance.",
+    "access": "Sessions of browsers, and tickets that open WebSockets.",
+    "controllers": "Controllers: which can be loaded, which are, and which run.",
+    "gains": "Run-time parameters of controllers, and named sets of them.",
+    "set-points": "Set-points of running controllers, and the states that follow.",
+    "goals": "Trajectories and gripper goals: progress, result, cancelling.",
+    "parameters": "The tree of parameters that controllers are loaded with (rosparam).",
+    "robot": "The whole robot: joints, interfaces, claims, limits, transmissions.",
+    "loop": "The control loop: rate, lateness, time per phase.",
+    "robots": "Arms and grippers: state, model, services, recovery, simulated faults.",
+    "simulation": "Time, reset and scene of a simulated robot.",
+    "stop": "The latched stop, a software stop and no safety device.",
+    "streams": "WebSocket streams; /api/v1/asyncapi.json describes their frames.",
+}
+"""What the operations of each tag are about."""
+
+PARAMETERS = {
+    "name": ("Name of the controller.", "effort_group_position_controller"),
+    "goal_id": ("Identifier of the goal, from the answer to its POST.", "1"),
+    "arm_id": ("Name of the robot.", "panda"),
+    "path": ("Names separated by `/`.", "effort_group_position_controller/joints"),
+    "topic": ("Name of the topic.", "joint_states"),
+    "frame": ("Frame of pose and Jacobians.", "flange"),
+    "time": ("Station time [s]; the present when left out.", 12.5),
+    "if-match": ("ETag of the gains that were read; refused when they changed.", "*"),
+    "next": ("Page to show afterwards.", "/docs"),
+}
+"""Description and example of each parameter that its route does not describe."""
+
+_TEXT = {"schema": {"type": "string"}}
+HEADERS = {
+    "RequestId": {
+        "description": "Name of the request, as given in the request or made up.",
+        **_TEXT,
+    },
+    "ETag": {"description": "Entity tag of the gains, for If-Match.", **_TEXT},
+    "WwwAuthenticate": {"description": "How to prove the access.", **_TEXT},
+    "Upgrade": {"description": "The protocol that is needed.", **_TEXT},
+}
+_OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",) * 2}
+
+
+def operation_id(route: APIRoute) -> str:
+    """Return the name of a route's function, which is unique and stays."""
+    return route.name
 
 
 class StationApi(FastAPI):
@@ -26,15 +75,34 @@ class StationApi(FastAPI):
             schemas["Problem"] = problem
             for name in _OWN_ERRORS:
                 schemas.pop(name, None)
-            for methods in document["paths"].values():
+            document["components"]["headers"] = HEADERS
+            document["tags"] = [
+                {"name": name, "description": text} for name, text in TAGS.items()
+            ]
+            for path, methods in document["paths"].items():
                 for operation in methods.values():
-                    _complete(operation)
+                    _complete(path, operation)
         return super().openapi()
 
 
-def _complete(operation: dict[str, Any]) -> None:
+def _complete(path: str, operation: dict[str, Any]) -> None:
     # "Raises" is for readers of the code; the responses say it to users.
     operation["description"] = operation["description"].partition("\n\nRaises:")[0]
+    for parameter in operation.get("parameters", []):
+        known = PARAMETERS.get(parameter["name"])
+        if known is not None and "description" not in parameter:
+            parameter["description"] = known[0]
+            parameter.setdefault("example", known[1])
     for status, response in operation["responses"].items():
         if status >= "4":
             response["content"] = _PROBLEM
+        named = {"X-Request-ID": "RequestId"}
+        if status in _OF_STATUS:
+            header, component = _OF_STATUS[status]
+            named[header] = component
+        if status == "200" and path.endswith("/{name}/gains"):
+            named["ETag"] = "ETag"
+        response["headers"] = {
+            header: {"$ref": f"#/components/headers/{component}"}
+            for header, component in named.items()
+        }

@@ -5,6 +5,7 @@ model of any other service is made of the parameters of its method.
 """
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from inspect import Parameter
 from typing import Annotated, Any
 
@@ -34,6 +35,7 @@ def add_service(
     request: type[BaseModel] | None,
     reply: Any,  # noqa: ANN401 - a model, or the annotation of the method
     answer: Answer,
+    operation: str = "",
 ) -> None:
     """Add the route of a service below `/{arm_id}`.
 
@@ -43,6 +45,8 @@ def add_service(
         request: Model of the body; None for a service without parameters.
         reply: Model of the answer.
         answer: Makes the answer.
+        operation: Name of the operation in the OpenAPI document; the service's own
+            name when empty.
     """
     changes = service.kind is not ServiceKind.QUERY
     refusals = (404, 409, 413, 422) if changes else (404, 409)
@@ -51,7 +55,7 @@ def add_service(
         f"/{{arm_id}}/{service.path}",
         _endpoint(service, request, answer),
         methods=[METHODS[service.kind]],
-        name=service.name.lower(),
+        name=operation or service.name.lower(),
         description=service.description,
         dependencies=[Operator] if changes else [],
         response_model=reply,
@@ -63,8 +67,7 @@ def _endpoint(
     service: Service, request: type[BaseModel] | None, answer: Answer
 ) -> Callable[..., Any]:
     def call(arm_id: str, station: StationDep) -> object:
-        returned = station.robots.call(arm_id, service.name)
-        return answer(station, arm_id, returned)
+        return answer(station, arm_id, _call(station, arm_id, service.name, {}))
 
     def call_with(
         arm_id: str,
@@ -72,10 +75,17 @@ def _endpoint(
         request: Annotated[request, Body()],  # type: ignore[valid-type]  # made above
     ) -> object:
         arguments = {name: getattr(request, name) for name in service.parameters}
-        returned = station.robots.call(arm_id, service.name, **arguments)
+        returned = _call(station, arm_id, service.name, arguments)
         return answer(station, arm_id, returned)
 
     return call if request is None else call_with
+
+
+def _call(
+    station: Station, arm_id: str, name: str, arguments: dict[str, object]
+) -> object:
+    declared, method = station.robots.find_service(arm_id, name)
+    return station.loop.run_in_cycle(partial(method, **arguments), moves=declared.moves)
 
 
 def request_model(service: Service) -> type[BaseModel] | None:
@@ -114,7 +124,9 @@ def services_of(kinds: Iterable[type[RobotServices]], taken: set[str]) -> APIRou
                 )
             taken = {*taken, service.path}
             model = request_model(service)
-            add_service(router, service, model, service.returns, _returned)
+            # A prefix, because the station has operations of its own.
+            name = f"call_{service.path}"
+            add_service(router, service, model, service.returns, _returned, name)
     return router
 
 

@@ -118,7 +118,7 @@ def test_status_loop_stop_and_joints(station):
 def test_errors_are_reported_by_name():
     state = RobotState(robot_mode=RobotMode.REFLEX)
     state.current_errors[ERROR_INDEX["joint_reflex"]] = True
-    state.q[0] = float("nan")
+    state.doubles("q")[0] = float("nan")
 
     found = answers.franka_state(state)
 

@@ -161,7 +161,7 @@ def test_a_validation_problem_names_field_and_value(operator):
     assert problem["errors"] == [
         {
             "field": "body/command/1",
-            "message": "Input should be a valid number",
+            "message": "must be a number",
             "value": "'abc'",
         }
     ]

@@ -1,14 +1,17 @@
 """The OpenAPI document."""
 
 import json
+import re
 
 import pytest
 
+from station import wire
 from station.api.app import create_app
 from station.api.auth import Authenticator
 from tests.api.spring import make_station
 
 DOCUMENT = create_app(make_station(), Authenticator()).openapi()
+SCHEMAS = DOCUMENT["components"]["schemas"]
 OPERATIONS = [
     (f"{method.upper()} {path}", operation)
     for path, methods in DOCUMENT["paths"].items()
@@ -39,9 +42,94 @@ def test_every_operation_documents_its_purpose_and_its_errors(name, operation):
         }
 
 
-@pytest.mark.parametrize("name", ["LoadRequest", "SwitchRequest", "CommandRequest"])
-def test_requests_have_examples(name):
-    assert DOCUMENT["components"]["schemas"][name]["examples"]
+def test_every_property_is_described():
+    missing = [
+        f"{name}.{key}"
+        for name, schema in SCHEMAS.items()
+        for key, found in schema.get("properties", {}).items()
+        if not found.get("description", "").strip()
+    ]
+
+    assert missing == [], "describe these in the docstrings of the wire models"
+
+
+def test_every_quantity_says_its_unit():
+    quantities = re.compile(
+        r"torque|stiffness|velocit|acceleration|position|mass|inertia|force|time$|period"
+        r"|duration|width|speed|lateness|timeout",
+        re.IGNORECASE,
+    )
+    unit = re.compile(r"\[[^\]]+\]|unit|ISO 8601|null|`|0 to 1")
+    found = [
+        f"{name}.{key}: {schema['properties'][key]['description']}"
+        for name, schema in SCHEMAS.items()
+        for key in schema.get("properties", {})
+        if quantities.search(key) and is_number(schema["properties"][key])
+        if not unit.search(schema["properties"][key]["description"])
+    ]
+
+    assert found == []
+
+
+def is_number(schema):
+    """Return whether a property is a number, or numbers in a list."""
+    kinds = json.dumps(schema)
+    return '"number"' in kinds
+
+
+def test_every_parameter_is_described():
+    missing = [
+        f"{name}: {parameter['name']}"
+        for name, operation in OPERATIONS
+        for parameter in operation.get("parameters", [])
+        if not (parameter.get("description") and has_example(parameter))
+    ]
+
+    assert missing == []
+
+
+def has_example(parameter):
+    return "example" in parameter or "examples" in parameter["schema"]
+
+
+def test_every_body_has_an_example_that_its_model_accepts():
+    for name, operation in OPERATIONS:
+        body = operation.get("requestBody")
+        if body is None:
+            continue
+        schema = body["content"]["application/json"]["schema"]
+        models = re.findall(r"#/components/schemas/(\w+)", json.dumps(schema))
+        found = SCHEMAS[models[0]] if models else schema
+        assert found.get("examples"), name
+        for example in found["examples"]:
+            if models:
+                getattr(wire, models[0]).model_validate(example)
+
+
+def test_operations_have_short_names_of_their_own():
+    names = [operation["operationId"] for _, operation in OPERATIONS]
+
+    assert len(set(names)) == len(names)
+    assert all(re.fullmatch(r"[a-z][a-z_]{2,40}", name) for name in names)
+
+
+def test_tags_are_described():
+    described = {tag["name"]: tag["description"] for tag in DOCUMENT["tags"]}
+
+    assert {tag for _, one in OPERATIONS for tag in one["tags"]} == set(described)
+    assert all(described.values())
+
+
+def test_headers_of_answers_are_declared(operator, client):
+    client.load_controller("spring", "test/Spring", {"joint": "j"})
+    responses = dict(OPERATIONS)["GET /api/v1/controllers/{name}/gains"]["responses"]
+
+    answer = operator.get("/api/v1/controllers/spring/gains")
+    assert set(responses["200"]["headers"]) == {"X-Request-ID", "ETag"}
+    assert all(name in answer.headers for name in responses["200"]["headers"])
+    del operator.headers["Authorization"]
+    refused = operator.get("/api/v1/controllers/spring/gains")
+    assert all(name in refused.headers for name in responses["401"]["headers"])
 
 
 def test_the_document_needs_no_token(http):

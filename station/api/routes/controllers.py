@@ -14,6 +14,8 @@ from station.wire import (
     ControllerType,
     ControllerTypes,
     LoadRequest,
+    Reloaded,
+    ReloadRequest,
     SwitchRequest,
     SwitchResult,
 )
@@ -110,3 +112,20 @@ def list_controller_types(station: StationDep) -> ControllerTypes:
             for name, base in station.controller_types()
         ]
     )
+
+
+@router.post(
+    "/controller-types/reload",
+    dependencies=[Operator],
+    responses=problems(409, 413, 422, 504),
+)
+def reload_controller_types(
+    station: StationDep, request: ReloadRequest | None = None
+) -> Reloaded:
+    """Let the next load of each type read its Python module anew.
+
+    This is the service `reload_controller_libraries` of ros_control: controllers that
+    are loaded are a reason to refuse, unless `force_kill` stops and unloads them.
+    """
+    force_kill = request is not None and request.force_kill
+    return Reloaded(unloaded=station.reload_controller_types(force_kill=force_kill))

@@ -72,8 +72,11 @@ def follow_trajectory(
     This is the topic `command` of a joint trajectory controller. Without points the
     joints stop and hold.
     """
-    epoch = station.motion.follow_trajectory(name, request.trajectory, request.epoch)
-    return CommandAccepted(epoch=epoch)
+    receipt = station.motion.receipt()
+    epoch = station.motion.follow_trajectory(
+        name, request.trajectory, request.epoch, receipt
+    )
+    return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 
 
 @router.get("/controllers/{name}/query_state", responses=problems(404, 409, 422))
@@ -82,7 +85,7 @@ def query_state(
     station: StationDep,
     time: Annotated[
         float | None,
-        Query(description="Station time [s]; now when left out", allow_inf_nan=False),
+        Query(allow_inf_nan=False),
     ] = None,
 ) -> DesiredState:
     """Return the desired joint state of a trajectory controller at a time."""

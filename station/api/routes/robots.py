@@ -56,13 +56,13 @@ def list_services(arm_id: str, station: StationDep) -> wire.Services:
 
 
 @router.get("/{arm_id}/state", responses=_READ)
-def get_state(arm_id: str, arms: ArmsDep) -> wire.FrankaState:
+def get_arm_state(arm_id: str, arms: ArmsDep) -> wire.FrankaState:
     """Return the arm's whole state."""
     return answers.franka_state(arms.state(arm_id))
 
 
 @router.get("/{arm_id}/model", responses=problems(404, 422, 503))
-def get_model(
+def get_arm_model(
     arm_id: str, arms: ArmsDep, frame: wire.FrameName = "end_effector"
 ) -> wire.ArmModel:
     """Return mass, Coriolis, gravity, and a frame's pose and Jacobians."""
@@ -71,13 +71,13 @@ def get_model(
 
 
 @router.get("/{arm_id}/errors", responses=_READ)
-def get_errors(arm_id: str, arms: ArmsDep) -> wire.ArmReport:
+def get_arm_errors(arm_id: str, arms: ArmsDep) -> wire.ArmReport:
     """Return the arm's mode and errors, and what to do."""
     return _report(arms, arm_id)
 
 
 @router.get("/{arm_id}/log", responses=_READ)
-def get_log(arm_id: str, arms: ArmsDep) -> wire.ArmLog:
+def get_arm_log(arm_id: str, arms: ArmsDep) -> wire.ArmLog:
     """Return the last cycles of the motion before the last error."""
     return wire.ArmLog.model_validate({"records": arms.log(arm_id)})
 

@@ -32,15 +32,19 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
 def put_command(
     name: str, request: CommandRequest, station: StationDep
 ) -> CommandAccepted:
-    """Give a running controller a set-point; the newest wins."""
+    """Give a running controller a set-point; the newest wins.
+
+    The answer says which cycle was the first with the set-point.
+    """
+    receipt = station.motion.receipt()
     epoch = station.motion.set_command(
-        name, request.command, request.epoch, request.timeout, request.rates
+        name, request.command, request.epoch, request.timeout, request.rates, receipt
     )
-    return CommandAccepted(epoch=epoch)
+    return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 
 
 @router.get("/controllers/{name}/state", responses=problems(404, 409))
-def get_state(name: str, station: StationDep) -> ControllerSample:
+def get_controller_state(name: str, station: StationDep) -> ControllerSample:
     """Return desired, actual, error and output of the last cycle, and messages.
 
     Sensor controllers have messages alone.

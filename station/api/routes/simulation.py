@@ -42,9 +42,11 @@ def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
 
 @router.post("/reset", dependencies=[Operator], responses=_CHANGE)
 def reset(station: StationDep, request: ResetRequest | None = None) -> Simulation:
-    """Put the world back to its start; running controllers start anew from there.
+    """Put the world back to its start, or to a keyframe of the robot.
 
-    Earlier set-points and goals are void.
+    Running controllers start anew from there. Earlier set-points and goals are void.
     """
-    positions = (request or ResetRequest()).joint_positions
-    return Simulation.model_validate(station.simulation.reset(positions))
+    asked = request or ResetRequest()
+    return Simulation.model_validate(
+        station.simulation.reset(asked.joint_positions, asked.keyframe)
+    )

@@ -60,12 +60,14 @@ async def stream(websocket: WebSocket, topic: str) -> None:
 async def stream_needs_websocket(topic: str) -> NoReturn:
     """Open `ws://…/api/v1/streams/{topic}?rate=HZ&fields=a,b&format=json|msgpack`.
 
-    Topics: `joint_states`, `controllers`, `loop`, `controller_state/{name}`. The first
-    frame is `{"topic": "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of
-    everything; each one has `topic`, `seq`, `epoch`, `stamp`, `data`. State is newest
-    first: a client that is slow misses frames, which gaps in `seq` show.
-    `rate=full` sends every cycle of `joint_states` or `controller_state/{name}` in
-    batches: `data.samples`, and in `data.lost` how many cycles were overwritten.
+    Topics: `joint_states`, `controllers`, `loop`, `scene`, `controller_state/{name}`,
+    `robot_state/{arm_id}`. The first frame is `{"topic": "hello", "boot_id", "epoch",
+    "data": {…}}` with a snapshot of everything; every frame has `topic`, `seq`,
+    `epoch`, `cycle`, `stamp`, `data`. A client that is slow misses frames, which gaps
+    in `seq` show. `rate=full` sends every cycle in batches: `data.samples`, each with
+    its `cycle`; in `data.lost` how many cycles were overwritten before they were sent,
+    and in `data.skipped` how many deadlines the loop missed, so that there was no
+    cycle.
     Programs send their bearer token, browsers a ticket of POST
     /api/v1/stream-tickets as `&ticket=…`. Close codes: 4400 bad request, 4401 no
     token, 4403 wrong origin, 4404 no such topic, 4408 too slow, 1001 shutting down.

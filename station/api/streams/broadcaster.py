@@ -10,9 +10,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from station.api import answers
 from station.api.auth import Access, Role
 from station.api.streams.channel import Channel, open_channel
+from station.api.streams.cycle_samples import Data, Payload
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
-from station.api.streams.topics import Data, Payload, Topic
+from station.api.streams.stream_client import StreamClient, StreamPort
+from station.api.streams.topics import Topic
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.wire import (
@@ -26,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Coroutine
 
 CLOSE_INTERNAL_ERROR = 1011
-ABORT = "station.abort"
-"""Key in the scope's state of a function `(code, reason)` that closes for good."""
+PORT = "station.port"
+"""Key in the scope's state of the client's connection, a `StreamPort`."""
 
 _log = logging.getLogger(__name__)
 
@@ -111,23 +113,29 @@ class Broadcaster:
         channel = self._channels.get(request)
         if channel is None:
             channel = self._channels[request] = open_channel(request, topic)
-        channel.join()
+        port: StreamPort = websocket.scope["state"][PORT]
+        client = StreamClient(port, channel, self._slow_after)
+        channel.join(client)
         try:
-            code, reason = await self._first_end(websocket, channel, access)
+            code, reason = await self._first_end(websocket, channel, client, access)
         finally:
-            channel.leave()
-            if channel.clients == 0:
-                self._channels.pop(request, None)
+            channel.leave(client)
+            if channel.clients == 0 and self._channels.get(request) is channel:
+                del self._channels[request]
         if code:
-            await _close(websocket, code, reason)
+            port.abort(code, reason)
 
     async def _first_end(
-        self, websocket: WebSocket, channel: Channel, access: Access
+        self,
+        websocket: WebSocket,
+        channel: Channel,
+        client: StreamClient,
+        access: Access,
     ) -> tuple[int, str]:
         """Return how to close: (0, "") when the client is gone already."""
         ends: list[tuple[Coroutine[object, object, None], int, str]] = [
             (_drain(websocket), 0, ""),
-            (self._feed(websocket, channel), CLOSE_TOO_SLOW, "took no frame in time"),
+            (self._feed(channel, client), CLOSE_TOO_SLOW, "took no frame in time"),
             (self._wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
             (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the session has ended"),
         ]
@@ -151,19 +159,11 @@ class Broadcaster:
     async def _wait_closing(self) -> None:
         await self._closing.wait()
 
-    async def _feed(self, websocket: WebSocket, channel: Channel) -> None:
+    async def _feed(self, channel: Channel, client: StreamClient) -> None:
         """Send frames; return when the client takes none for too long."""
         seq = channel.beginning
         hello = await anyio.to_thread.run_sync(self._hello, channel.request, seq)
-        frame = hello
-        while True:
-            try:
-                async with asyncio.timeout(self._slow_after):
-                    await _send(websocket, frame)
-            except TimeoutError:
-                return
-            frame = await channel.fetch(seq)
-            seq = frame.seq
+        await client.serve(hello)
 
     def _hello(self, request: StreamRequest, seq: int) -> Frame:
         station = self._station
@@ -187,24 +187,9 @@ class Broadcaster:
         )
 
 
-async def _send(websocket: WebSocket, frame: Frame) -> None:
-    if frame.text is not None:
-        await websocket.send_text(frame.text)
-    elif frame.binary is not None:
-        await websocket.send_bytes(frame.binary)
-
-
 async def _drain(websocket: WebSocket) -> None:
     """Read and forget what the client says; return when it is gone."""
     while True:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":
             return
-
-
-async def _close(websocket: WebSocket, code: int, reason: str) -> None:
-    abort = websocket.scope.get("state", {}).get(ABORT)
-    if abort is not None:
-        abort(code, reason)
-    else:
-        await websocket.close(code, reason)

@@ -1,24 +1,33 @@
-"""Frames that several clients asked for alike: made once, fetched by each client.
+"""Frames that several clients asked for alike: made once, taken by each client.
 
 Nothing is queued. A client that comes late gets the newest frame, or with every cycle
-asked for, a larger batch from the ring of snapshots.
+asked for, a larger batch from the ring of cycles.
 """
 
 import asyncio
 from abc import ABC, abstractmethod
+from typing import Protocol
 
 from typing_extensions import override
 
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
-from station.api.streams.topics import CycleTopic, Topic
+from station.api.streams.topics import Topic
 
 BATCH_PERIOD = 0.02
 """How often clients of every cycle get a batch [s]."""
-BATCH_LIMIT = 250
-"""Most cycles in one batch: encoding it must not hold the interpreter for long."""
 HEARTBEAT = 1.0
 """An unchanged state is repeated after this time [s]."""
+
+
+class ChannelClient(Protocol):
+    """Who takes the frames of a channel."""
+
+    def ticked(self) -> None:
+        """Take what there is; called after every tick."""
+
+    def failed(self, error: BaseException) -> None:
+        """Give up: there will be no more frames."""
 
 
 class Channel(ABC):
@@ -27,55 +36,66 @@ class Channel(ABC):
     Args:
         request: What its clients ask for.
         period: Time between two ticks [s].
-
-    Attributes:
-        clients: How many clients use it; it ticks while there are any.
     """
 
     def __init__(self, request: StreamRequest, period: float) -> None:
         self.request = request
-        self.clients = 0
         self._period = period
-        self._ticked = asyncio.Event()
+        self._clients: dict[ChannelClient, None] = {}
         self._task: asyncio.Task[None] | None = None
         self._failure: BaseException | None = None
 
     @property
+    def clients(self) -> int:
+        """How many clients take its frames; it ticks while there are any."""
+        return len(self._clients)
+
+    @property
+    @abstractmethod
+    def newest(self) -> int:
+        """Number of the newest frame, or of the newest cycle."""
+
+    @property
     @abstractmethod
     def beginning(self) -> int:
-        """What a new client fetches after."""
+        """Number after which a new client takes frames."""
 
     @abstractmethod
-    async def fetch(self, after: int) -> Frame:
-        """Return the newest frame with a number above `after`; wait for it."""
+    def take(self, after: int) -> Frame | None:
+        """Return the next frame for a client; None when there is none yet.
+
+        Args:
+            after: Number of the last frame that the client has.
+        """
 
     @abstractmethod
     async def tick(self) -> None:
-        """Make what there is to fetch."""
+        """Make what there is to take."""
 
-    def join(self) -> None:
-        """Count a client in."""
-        self.clients += 1
-        if self._task is None:
+    def join(self, client: ChannelClient) -> None:
+        """Tell `client` of every tick from now on."""
+        self._clients[client] = None
+        if self._failure is not None:
+            client.failed(self._failure)
+        elif self._task is None:
+            self.begin()
             self._task = asyncio.create_task(self._run())
 
-    def leave(self) -> None:
-        """Count a client out."""
-        self.clients -= 1
-        if self.clients == 0 and self._task is not None:
+    def leave(self, client: ChannelClient) -> None:
+        """Tell `client` nothing more."""
+        self._clients.pop(client, None)
+        if not self._clients and self._task is not None:
             self._task.cancel()
             self._task = None
+            self.end()
 
-    async def next_tick(self) -> None:
-        """Return after the next tick.
+    def begin(self) -> None:
+        """Prepare for the first client; the default has nothing to prepare."""
+        return
 
-        Raises:
-            RuntimeError: The channel broke down; its cause says why.
-        """
-        if self._failure is None:
-            await self._ticked.wait()
-        if self._failure is not None:
-            raise RuntimeError(f"{self.request.topic} broke down") from self._failure
+    def end(self) -> None:
+        """Undo `begin` after the last client has left."""
+        return
 
     async def _run(self) -> None:
         loop = asyncio.get_running_loop()
@@ -83,16 +103,14 @@ class Channel(ABC):
         try:
             while True:
                 await self.tick()
-                self._wake()
+                for client in tuple(self._clients):
+                    client.ticked()
                 deadline = max(deadline + self._period, loop.time())
                 await asyncio.sleep(deadline - loop.time())
         except Exception as error:  # noqa: BLE001 - kept; every client is told
             self._failure = error
-            self._wake()
-
-    def _wake(self) -> None:
-        ticked, self._ticked = self._ticked, asyncio.Event()
-        ticked.set()
+            for client in tuple(self._clients):
+                client.failed(error)
 
 
 class StateChannel(Channel):
@@ -107,9 +125,14 @@ class StateChannel(Channel):
     def __init__(self, request: StreamRequest, topic: Topic, rate: float) -> None:
         super().__init__(request, 1.0 / rate)
         self._topic = topic
-        self._frame = Frame(0, None, None)
+        self._frame = Frame(0, b"", b"")
         self._cycle = 0
         self._made_at = 0.0
+
+    @property
+    @override
+    def newest(self) -> int:
+        return self._frame.seq
 
     @property
     @override
@@ -117,10 +140,8 @@ class StateChannel(Channel):
         return max(0, self._frame.seq - 1)
 
     @override
-    async def fetch(self, after: int) -> Frame:
-        while self._frame.seq <= after:
-            await self.next_tick()
-        return self._frame
+    def take(self, after: int) -> Frame | None:
+        return self._frame if self._frame.seq > after else None
 
     @override
     async def tick(self) -> None:
@@ -149,11 +170,17 @@ class FullChannel(Channel):
         topic: Where the samples come from.
     """
 
-    def __init__(self, request: StreamRequest, topic: CycleTopic) -> None:
+    def __init__(self, request: StreamRequest, topic: Topic) -> None:
         super().__init__(request, BATCH_PERIOD)
         self._topic = topic
-        self._newest = topic.newest_cycle()
+        self._samples = topic.every_cycle()
+        self._newest = self._samples.newest_cycle()
         self._batches: dict[int, Frame] = {}
+
+    @property
+    @override
+    def newest(self) -> int:
+        return self._newest
 
     @property
     @override
@@ -161,23 +188,28 @@ class FullChannel(Channel):
         return self._newest
 
     @override
-    async def fetch(self, after: int) -> Frame:
-        while True:
-            if after < self._newest:
-                frame = self._batches.get(after) or self._batch(after)
-                if frame is not None:
-                    return frame
-            await self.next_tick()
+    def begin(self) -> None:
+        self._samples.open()
+        self._newest = self._samples.newest_cycle()
+
+    @override
+    def end(self) -> None:
+        self._samples.close()
+
+    @override
+    def take(self, after: int) -> Frame | None:
+        if after >= self._newest:
+            return None
+        return self._batches.get(after) or self._batch(after)
 
     @override
     async def tick(self) -> None:
-        self._newest = self._topic.newest_cycle()
+        self._newest = self._samples.newest_cycle()
         self._batches.clear()
 
     def _batch(self, after: int) -> Frame | None:
         # Clients that keep up ask for the same batch until the next tick.
-        limit = min(BATCH_LIMIT, self._newest - after)
-        payload = self._topic.since(after, limit)
+        payload = self._samples.since(after, self._newest)
         if payload is None:
             return None
         frame = encode(
@@ -192,13 +224,7 @@ class FullChannel(Channel):
 
 
 def open_channel(request: StreamRequest, topic: Topic) -> Channel:
-    """Return a channel for what a client asks for.
-
-    Raises:
-        TypeError: Every cycle of a topic that has no sample in every cycle.
-    """
+    """Return a channel for what a client asks for."""
     if request.rate is not None:
         return StateChannel(request, topic, request.rate)
-    if isinstance(topic, CycleTopic):
-        return FullChannel(request, topic)
-    raise TypeError(f"{topic.name} cannot be streamed in full")
+    return FullChannel(request, topic)

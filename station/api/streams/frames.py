@@ -1,11 +1,13 @@
-"""How frames are written: JSON text, or msgpack."""
+"""How frames are written: JSON text or msgpack, once for all clients of a channel."""
 
 from typing import NamedTuple
 
 import msgspec.msgpack
 import orjson
+from websockets.frames import Frame as WebSocketFrame
+from websockets.frames import Opcode
 
-from station.api.streams.topics import Data, Payload
+from station.api.streams.cycle_samples import Data, Payload
 from station.wire import StreamFormat
 
 _msgpack = msgspec.msgpack.Encoder()
@@ -16,13 +18,15 @@ class Frame(NamedTuple):
 
     Attributes:
         seq: Its number in its stream.
-        text: The message when it is JSON.
-        binary: The message when it is msgpack.
+        message: The message, JSON or msgpack.
+        wire: The message as it goes over every client's connection, in its WebSocket
+            frame. A server does not mask its frames, so that all clients get the same
+            bytes.
     """
 
     seq: int
-    text: str | None
-    binary: bytes | None
+    message: bytes
+    wire: bytes
 
 
 def encode(
@@ -49,14 +53,20 @@ def encode(
         "topic": topic,
         "seq": seq,
         "epoch": payload.epoch,
+        "cycle": payload.cycle,
         "stamp": payload.stamp,
         "data": _selected(payload.data, fields) if fields else payload.data,
     }
     if boot_id:
         message["boot_id"] = boot_id
     if format == "json":
-        return Frame(seq, orjson.dumps(message).decode(), None)
-    return Frame(seq, None, _msgpack.encode(message))
+        return _frame(seq, Opcode.TEXT, orjson.dumps(message))
+    return _frame(seq, Opcode.BINARY, _msgpack.encode(message))
+
+
+def _frame(seq: int, opcode: Opcode, message: bytes) -> Frame:
+    wire = WebSocketFrame(opcode, message).serialize(mask=False)
+    return Frame(seq, message, wire)
 
 
 def _selected(data: Data, fields: frozenset[str]) -> Data:
@@ -65,5 +75,8 @@ def _selected(data: Data, fields: frozenset[str]) -> Data:
         return {key: value for key, value in data.items() if key in fields}
     kept = fields | {"cycle"}
     chosen = [{key: s[key] for key in s if key in kept} for s in samples]
-    batch: Data = {"samples": chosen, "lost": data["lost"]}
-    return {"name": data["name"], **batch} if "name" in fields else batch
+    batch: Data = {**data, "samples": chosen}
+    for head in ("name", "arm_id"):
+        if head not in fields:
+            batch.pop(head, None)
+    return batch

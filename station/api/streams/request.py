@@ -1,9 +1,10 @@
 """What a client asks of a stream: topic, rate, fields, format."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from station.api.streams.topics import CycleTopic, Topic, find_topic, topic_names
+from station.api.streams.topics import Topic, find_topic, topic_names
+from station.core.errors import suggest
 from station.core.facade.station import Station
 from station.wire import (
     CLOSE_BAD_REQUEST,
@@ -64,9 +65,8 @@ def parse_request(
     """
     topic = find_topic(station, name)
     if topic is None:
-        known = ", ".join(topic_names(station))
         raise StreamRequestError(
-            f"There is no topic '{name:.40}'. The topics are: {known}.",
+            f"No topic '{name:.24}'. {suggest(name, topic_names(station))}",
             CLOSE_UNKNOWN_TOPIC,
         )
     unknown = set(query) - _PARAMETERS
@@ -74,8 +74,10 @@ def parse_request(
         raise StreamRequestError(
             f"There is no parameter {min(unknown)!r:.30}. Use rate, fields or format.",
         )
+    rate = _rate(topic, query)
+    known_fields = topic.sample_fields if rate is None else topic.fields
     request = StreamRequest(
-        topic.name, _rate(topic, query), _fields(topic, query), _format(query)
+        topic.name, rate, _fields(known_fields, query), _format(query)
     )
     return request, topic
 
@@ -85,8 +87,6 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
     if text is None:
         return topic.default_rate
     if text == FULL:
-        if not isinstance(topic, CycleTopic):
-            raise StreamRequestError(f"{topic.name} has no rate=full. Give a number.")
         return None
     try:
         rate = float(text)
@@ -98,12 +98,12 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
     return rate
 
 
-def _fields(topic: Topic, query: Mapping[str, str]) -> frozenset[str]:
+def _fields(known: Sequence[str], query: Mapping[str, str]) -> frozenset[str]:
     fields = frozenset(query.get("fields", "").split(",")) - {""}
-    unknown = fields - set(topic.fields)
+    unknown = fields - set(known)
     if unknown:
         raise StreamRequestError(
-            f"No field is {min(unknown)!r:.30}. Fields: {', '.join(topic.fields)}.",
+            f"No field {min(unknown)!r:.24}. {suggest(min(unknown), known)}",
         )
     return fields
 

@@ -1,12 +1,19 @@
 """What can be streamed, and how each topic's payload is made."""
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import anyio.to_thread
 from typing_extensions import override
 
 from station.api import answers
+from station.api.streams.cycle_samples import (
+    CycleSamples,
+    Data,
+    Payload,
+    RingSamples,
+    TapSamples,
+)
 from station.core.control.controller import ControllerSample
 from station.core.errors import (
     ArmNotFoundError,
@@ -15,28 +22,16 @@ from station.core.errors import (
 )
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
+from station.core.franka.franka_errors import error_names
+from station.core.franka.franka_robot_state import RobotState
+from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.snapshot import Snapshot
 from station.wire import FrankaState, LoopReport, Scene
 
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"
-Data = dict[str, object]
-
-
-class Payload(NamedTuple):
-    """What a frame is about, before it is encoded.
-
-    Attributes:
-        cycle: Cycle of the data.
-        epoch: Epoch of the data.
-        stamp: Station time of the data [s].
-        data: The topic's fields.
-    """
-
-    cycle: int
-    epoch: int
-    stamp: float
-    data: Data
+_ARM_BATCH = 25
+"""Most cycles of an arm's whole state in one batch; each is 6 KB of JSON."""
 
 
 class Topic(ABC):
@@ -45,20 +40,27 @@ class Topic(ABC):
     Attributes:
         name: Name in the URL.
         fields: Keys of the payload.
+        sample_fields: Keys of a cycle's sample with `rate=full`, besides `cycle`; and
+            `name`, which is said once in a batch.
         default_rate: Frames per second when the client does not say [Hz].
     """
 
     name: str
     fields: tuple[str, ...]
+    sample_fields: tuple[str, ...]
     default_rate: float
 
     @abstractmethod
     async def latest(self) -> Payload | None:
         """Return the newest payload; None when there is none at the moment."""
 
+    @abstractmethod
+    def every_cycle(self) -> CycleSamples:
+        """Return the samples of every cycle from now on."""
+
 
 class CycleTopic(Topic):
-    """A topic that every cycle has a sample of, and so can be streamed in full.
+    """A topic that every cycle leaves a sample of in the ring of snapshots.
 
     Args:
         station: The station.
@@ -83,38 +85,22 @@ class CycleTopic(Topic):
         data = self.sample(snapshot)
         if data is None:
             return None
-        return _payload(snapshot, {"name": self.names(), **data})
+        data = {**self._head(), **data}
+        return Payload(snapshot.cycle, snapshot.epoch, snapshot.stamp, data)
 
-    def newest_cycle(self) -> int:
-        """Return the number of the last cycle; 0 before the first."""
-        snapshot = self._station.snapshots.latest()
-        return 0 if snapshot is None else snapshot.cycle
+    @override
+    def every_cycle(self) -> CycleSamples:
+        return RingSamples(self._station, self.sample, self._head)
 
-    def since(self, cycle: int, limit: int) -> Payload | None:
-        """Return the samples after `cycle` as one batch; None when there are none.
-
-        Args:
-            cycle: Last cycle the client has.
-            limit: Most cycles in one batch; the rest is for the next one.
-        """
-        snapshots, lost = self._station.snapshots.read_since(cycle)
-        snapshots = snapshots[:limit]
-        if not snapshots:
-            return None
-        samples = [
-            {"cycle": snapshot.cycle, **data}
-            for snapshot in snapshots
-            if (data := self.sample(snapshot)) is not None
-        ]
-        batch = {"name": self.names(), "samples": samples, "lost": lost}
-        return _payload(snapshots[-1], batch)
+    def _head(self) -> Data:
+        return {"name": self.names()}
 
 
 class JointStatesTopic(CycleTopic):
     """All joints, as `sensor_msgs/JointState`."""
 
     name = "joint_states"
-    fields = ("stamp", "name", "position", "velocity", "effort")
+    fields = sample_fields = ("stamp", "name", "position", "velocity", "effort")
     default_rate = 30.0
 
     @override
@@ -142,7 +128,7 @@ class ControllerStateTopic(CycleTopic):
         ControllerNotFoundError: It is not loaded.
     """
 
-    fields = ("stamp", "name", *ControllerSample._fields[1:])
+    fields = sample_fields = ("stamp", "name", *ControllerSample._fields[1:])
     default_rate = 30.0
 
     def __init__(self, station: Station, controller: str) -> None:
@@ -204,6 +190,7 @@ class RobotStateTopic(ReportTopic):
     """
 
     fields = ("arm_id", *FrankaState.model_fields)
+    sample_fields = ("stamp", "arm_id", *FrankaState.model_fields)
     default_rate = 30.0
 
     def __init__(self, station: Station, arm_id: str) -> None:
@@ -218,17 +205,33 @@ class RobotStateTopic(ReportTopic):
         state = answers.franka_state(self._arms.state(self._arm_id))
         return {"arm_id": self._arm_id, **state.model_dump()}
 
+    @override
+    def every_cycle(self) -> CycleSamples:
+        return TapSamples(
+            self._station,
+            self._arms.reader(self._arm_id),
+            _arm_sample,
+            lambda: {"arm_id": self._arm_id},
+            _ARM_BATCH,
+        )
+
 
 class ControllersTopic(ReportTopic):
     """The list of controllers."""
 
     name = "controllers"
     fields = ("controllers",)
+    sample_fields = ("stamp", "running")
     default_rate = 5.0
 
     @override
     def report(self) -> Data:
         return answers.controllers(self._station).model_dump()
+
+    @override
+    def every_cycle(self) -> CycleSamples:
+        names = self._station.manager.running_names
+        return TapSamples(self._station, names, lambda names: {"running": names})
 
 
 class LoopTopic(ReportTopic):
@@ -237,6 +240,7 @@ class LoopTopic(ReportTopic):
     name = "loop"
     default_rate = 2.0
     fields = ("loop", "stop", "robot_mode")
+    sample_fields = ("stamp", "period", "robot_mode")
 
     @override
     def report(self) -> Data:
@@ -246,6 +250,10 @@ class LoopTopic(ReportTopic):
             "robot_mode": self._station.status().robot_mode,
         }
 
+    @override
+    def every_cycle(self) -> CycleSamples:
+        return RingSamples(self._station, _loop_sample)
+
 
 class SceneTopic(ReportTopic):
     """The things around a simulated robot."""
@@ -253,14 +261,38 @@ class SceneTopic(ReportTopic):
     name = "scene"
     default_rate = 10.0
     fields = ("objects",)
+    sample_fields = ("stamp", "objects")
 
     @override
     def report(self) -> Data:
-        return Scene.model_validate({"objects": self._station.scene()}).model_dump()
+        return _scene_sample(self._station.scene())
+
+    @override
+    def every_cycle(self) -> CycleSamples:
+        world = self._station.loop.hw.simulated_world()
+        read = list if world is None else world.scene
+        return TapSamples(self._station, read, _scene_sample)
 
 
-def _payload(snapshot: Snapshot, data: Data) -> Payload:
-    return Payload(snapshot.cycle, snapshot.epoch, snapshot.stamp, data)
+def _scene_sample(objects: Sequence[SceneObjectReport]) -> Data:
+    return Scene.model_validate({"objects": objects}).model_dump()
+
+
+def _arm_sample(state: RobotState) -> Data:
+    """Return what `FrankaState` has, without the cost of a model for every cycle."""
+    data: Data = {name: getattr(state, name) for name in FrankaState.model_fields}
+    data["robot_mode"] = state.robot_mode.name.lower()
+    for flags in ("current_errors", "last_motion_errors"):
+        data[flags] = error_names(getattr(state, flags))
+    return data
+
+
+def _loop_sample(snapshot: Snapshot) -> Data:
+    return {
+        "stamp": snapshot.stamp,
+        "period": snapshot.period,
+        "robot_mode": snapshot.mode,
+    }
 
 
 _FIXED: tuple[

@@ -36,8 +36,8 @@ def test_loading_answers_201_and_the_controller(operator):
                 "resources": ["j"],
             }
         ],
-        "fault": "",
-        "traceback": "",
+        "fault": None,
+        "traceback": None,
         "fallback": [],
         "time": None,
     }
@@ -309,3 +309,13 @@ def test_the_bound_and_the_outcome_of_a_switch_reach_the_core(
 
     assert asked[0].bound == bound
     assert (result.ok, result.outcome) == (False, "rolled_back")
+
+
+def test_types_are_reloaded_once_no_controller_is_loaded(spring):
+    with pytest.raises(ApiError, match="1 controllers are loaded") as caught:
+        spring.reload_controller_types()
+    assert caught.value.status == 409
+
+    assert spring.reload_controller_types(force_kill=True) == ["spring"]
+    assert spring.controllers() == []
+    assert spring.reload_controller_types() == []

@@ -5,6 +5,7 @@ import pytest
 from station.client import ApiError
 from station.core.ports.set_point import SetPointElement
 from tests.api.test_errors import problem_of
+from tests.patient_clock import PatientClock
 
 COMMAND = "/api/v1/controllers/spring/command"
 
@@ -23,6 +24,29 @@ def test_a_set_point_reaches_the_controller(spring, station):
     assert state.desired == [0.5]
     assert state.actual == [0.25]
     assert state.output == [0.5]
+
+
+def test_the_answer_says_which_cycle_was_the_first_with_it(live, station):
+    live.load_controller("spring", "test/Spring", {"joint": "j"})
+    live.switch_controllers(start=["spring"])
+    assert live.command("spring", [0.4]).cycle is None  # the loop is stepped by hand
+
+    controller = station.manager.get_controller("spring")
+    targets = {}
+    real = controller.update
+
+    def update(*time):
+        real(*time)
+        targets.setdefault(controller.target, station.loop.cycle)
+
+    controller.update = update
+    station.loop.clock = PatientClock()
+    station.loop.start()
+    try:
+        answers = [live.command("spring", [value]) for value in (0.5, 0.6)]
+    finally:
+        station.loop.stop()
+    assert [answer.cycle for answer in answers] == [targets[0.5], targets[0.6]]
 
 
 @pytest.mark.parametrize(
@@ -104,7 +128,7 @@ def test_a_set_point_may_be_valid_for_a_while(spring, station, monkeypatch):
 
     spring.command("spring", [0.5], timeout=0.2)
 
-    assert posted == [([0.5], 0.2, port.generation)]
+    assert [found[:3] for found in posted] == [([0.5], 0.2, port.generation)]
 
 
 def test_rates_reach_a_controller_that_feeds_them_forward(spring, station):

@@ -96,3 +96,9 @@ def test_a_viewer_may_look_only(station):
             client.simulation.pause()
 
     assert refused.value.status == 403
+
+
+def test_a_keyframe_that_is_not_there_is_refused(client):
+    with pytest.raises(ApiError, match="no keyframe 'ready'") as caught:
+        client.simulation.reset(keyframe="ready")
+    assert caught.value.status == 422

@@ -2,6 +2,8 @@
 
 from station.api.routes.status import versions
 from station.core.control.controller_manager import ControllerManager
+from station.kernel import STATUS
+from station.kernel.built import present_status
 from station.wire import CommandViolations
 
 
@@ -14,6 +16,13 @@ def test_status(client, station):
     assert status.robot_type == "test/OneJointHW"
     assert status.loop.state == "stopped"
     assert status.versions["station"]
+
+
+def test_status_says_which_kernel_runs_and_why(client):
+    kernel = client.status().kernel
+
+    assert kernel.mode == STATUS.mode
+    assert kernel.reason == present_status(STATUS).reason
 
 
 def test_a_package_that_is_missing_does_no_harm(monkeypatch):

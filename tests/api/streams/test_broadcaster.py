@@ -120,7 +120,7 @@ def test_a_name_that_dns_could_point_here_is_4403(server):
         ("joint_states", "?rate=abc", 4400),
         ("joint_states", "?rate=NaN", 4400),
         ("joint_states", "?fields=tau", 4400),
-        ("controllers", "?rate=full", 4400),
+        ("controllers", "?rate=full&fields=controllers", 4400),
     ],
 )
 def test_what_cannot_be_had_has_its_close_code(server, topic, query, code):

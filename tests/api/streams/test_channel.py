@@ -5,12 +5,8 @@ import json
 
 import pytest
 
-from station.api.streams.channel import (
-    BATCH_LIMIT,
-    FullChannel,
-    StateChannel,
-    open_channel,
-)
+from station.api.streams.channel import FullChannel, StateChannel, open_channel
+from station.api.streams.cycle_samples import BATCH_LIMIT
 from station.api.streams.request import parse_request
 from tests.api.spring import make_station
 
@@ -31,23 +27,15 @@ def test_the_kind_of_channel_follows_the_rate(station):
     assert isinstance(channel_of(station, rate="full"), FullChannel)
 
 
-def test_full_of_a_report_is_a_mistake(station):
-    request, _ = parse_request(station, "joint_states", {"rate": "full"})
-    _, loop = parse_request(station, "loop", {})
-
-    with pytest.raises(TypeError, match="loop"):
-        open_channel(request, loop)
-
-
 def test_clients_of_a_channel_share_the_frame(station):
     async def run():
         channel = channel_of(station)
         await channel.tick()
-        return await channel.fetch(0), await channel.fetch(0)
+        return channel.take(0), channel.take(0)
 
     one, other = asyncio.run(run())
     assert one is other
-    assert json.loads(one.text)["seq"] == 1
+    assert json.loads(one.message)["seq"] == 1
 
 
 def test_a_late_client_gets_the_newest_and_sees_the_gap(station):
@@ -56,11 +44,11 @@ def test_a_late_client_gets_the_newest_and_sees_the_gap(station):
         for _ in range(5):
             await channel.tick()
             station.loop.step()
-        return await channel.fetch(1)
+        return channel.take(1)
 
     frame = asyncio.run(run())
     assert frame.seq == 5
-    assert json.loads(frame.text)["data"]["stamp"] == 0.005
+    assert json.loads(frame.message)["data"]["stamp"] == 0.005
 
 
 def test_an_unchanged_state_is_not_repeated_at_once(station):
@@ -68,7 +56,7 @@ def test_an_unchanged_state_is_not_repeated_at_once(station):
         channel = channel_of(station)
         await channel.tick()
         await channel.tick()
-        return await channel.fetch(0)
+        return channel.take(0)
 
     assert asyncio.run(run()).seq == 1
 
@@ -80,7 +68,7 @@ def test_a_new_client_gets_the_newest_frame_at_once(station):
         for _ in range(3):
             await channel.tick()
             station.loop.step()
-        return await channel.fetch(channel.beginning)
+        return channel.take(channel.beginning)
 
     assert asyncio.run(run()).seq == 3
 
@@ -92,23 +80,48 @@ def test_a_new_client_of_every_cycle_begins_with_the_next(station):
     assert channel.beginning == 10
 
 
+class Client:
+    """Takes every frame, and counts the ticks until a number of them."""
+
+    def __init__(self, channel, ticks=1):
+        self.frames = []
+        self.error = None
+        self.done = asyncio.Event()
+        self._channel = channel
+        self._ticks = ticks
+
+    def ticked(self):
+        after = self.frames[-1].seq if self.frames else 0
+        self.frames.append(self._channel.take(after))
+        if len(self.frames) == self._ticks:
+            self.done.set()
+
+    def failed(self, error):
+        self.error = error
+        self.done.set()
+
+
 def test_a_channel_ticks_while_it_has_clients(station):
     async def run():
         channel = channel_of(station, rate="500")
-        channel.join()
-        channel.join()
-        frame = await channel.fetch(0)
-        channel.leave()
-        station.loop.step()
-        later = await channel.fetch(frame.seq)
-        channel.leave()
+        one, other = Client(channel), Client(channel)
+        channel.join(one)
+        channel.join(other)
+        await one.done.wait()
+        channel.leave(one)
+        assert channel.clients == 1
+        channel.leave(other)
         await asyncio.sleep(0)
-        return frame.seq, later.seq, len(asyncio.all_tasks())
+        return one.frames, other.frames, len(asyncio.all_tasks())
 
-    assert asyncio.run(run()) == (1, 2, 1)
+    ones, others, tasks = asyncio.run(run())
+    assert ones[0].seq == 1
+    assert ones[0] is others[0]
+    assert tasks == 1
 
 
-def test_clients_learn_that_a_channel_broke_down(station, monkeypatch):
+@pytest.mark.parametrize("is_late", [False, True])
+def test_clients_learn_that_a_channel_broke_down(station, monkeypatch, is_late):
     async def run():
         channel = channel_of(station)
 
@@ -116,15 +129,15 @@ def test_clients_learn_that_a_channel_broke_down(station, monkeypatch):
             raise ZeroDivisionError
 
         monkeypatch.setattr(channel, "tick", fail)
-        channel.join()
-        try:
-            await channel.fetch(0)
-        finally:
-            channel.leave()
+        client = Client(channel)
+        channel.join(client)
+        await client.done.wait()
+        if is_late:
+            client = Client(channel)
+            channel.join(client)
+        return client.error
 
-    with pytest.raises(RuntimeError, match="joint_states") as caught:
-        asyncio.run(run())
-    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+    assert isinstance(asyncio.run(run()), ZeroDivisionError)
 
 
 def test_full_loses_no_cycle_whatever_the_pace_of_the_client(station):
@@ -135,8 +148,8 @@ def test_full_loses_no_cycle_whatever_the_pace_of_the_client(station):
             station.loop.step(pace)
             await channel.tick()
             while seq < channel.beginning:
-                frame = await channel.fetch(seq)
-                data = json.loads(frame.text)["data"]
+                frame = channel.take(seq)
+                data = json.loads(frame.message)["data"]
                 assert len(data["samples"]) <= BATCH_LIMIT
                 assert data["lost"] == 0
                 cycles += [sample["cycle"] for sample in data["samples"]]
@@ -152,9 +165,9 @@ def test_full_batches_are_shared_by_clients_that_keep_up(station):
         channel = channel_of(station, rate="full")
         station.loop.step(5)
         await channel.tick()
-        return await channel.fetch(1), await channel.fetch(1), await channel.fetch(3)
+        return channel.take(1), channel.take(1), channel.take(3)
 
     one, other, behind = asyncio.run(run())
     assert one is other
     assert one.seq == behind.seq == 6
-    assert len(json.loads(behind.text)["data"]["samples"]) == 3
+    assert len(json.loads(behind.message)["data"]["samples"]) == 3

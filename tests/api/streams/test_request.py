@@ -4,6 +4,7 @@ import pytest
 
 from station.api.streams import StreamRequest, StreamRequestError
 from station.api.streams.request import parse_request
+from station.api.streams.topics import topic_names
 from station.wire import CLOSE_BAD_REQUEST, CLOSE_UNKNOWN_TOPIC
 from tests.api.spring import make_station
 
@@ -37,10 +38,19 @@ def test_everything_can_be_chosen(station):
     )
 
 
-def test_every_cycle_can_be_asked_for(station):
-    request, _ = parse_request(station, "joint_states", {"rate": "full"})
+def test_every_cycle_of_every_topic_can_be_asked_for(station):
+    for name in topic_names(station):
+        request, _ = parse_request(station, name, {"rate": "full"})
 
-    assert request.rate is None
+        assert request.rate is None
+
+
+def test_fields_of_a_sample_can_be_chosen(station):
+    query = {"rate": "full", "fields": "period"}
+
+    request, _ = parse_request(station, "loop", query)
+
+    assert request.fields == {"period"}
 
 
 @pytest.mark.parametrize(
@@ -58,7 +68,7 @@ def test_every_cycle_can_be_asked_for(station):
         ("joint_states", {"rate": "inf"}, CLOSE_BAD_REQUEST),
         ("joint_states", {"rate": "fast" * 99}, CLOSE_BAD_REQUEST),
         ("joint_states", {"rate": ""}, CLOSE_BAD_REQUEST),
-        ("loop", {"rate": "full"}, CLOSE_BAD_REQUEST),
+        ("loop", {"rate": "full", "fields": "loop"}, CLOSE_BAD_REQUEST),
         ("joint_states", {"fields": "position,tau"}, CLOSE_BAD_REQUEST),
         ("joint_states", {"format": "xml"}, CLOSE_BAD_REQUEST),
         ("joint_states", {"speed": "1"}, CLOSE_BAD_REQUEST),

@@ -111,23 +111,66 @@ def test_a_report_that_cannot_be_had_is_left_out(station, monkeypatch):
     assert latest(station, "controllers") is None
 
 
-def test_batches_go_on_where_the_client_is(station):
-    station.loop.step(10)
-    topic = find_topic(station, "joint_states")
+def full(station, name, cycles, act=lambda: None):
+    """Return the batch of every cycle of a topic while the station steps."""
+    samples = find_topic(station, name).every_cycle()
+    samples.open()
+    begin = samples.newest_cycle()
+    for _ in range(cycles):
+        station.loop.step()
+        act()
+    batch = samples.since(begin, samples.newest_cycle())
+    samples.close()
+    return batch
 
-    first = topic.since(2, limit=5)
-    assert [s["cycle"] for s in first.data["samples"]] == [3, 4, 5, 6, 7]
-    assert (first.cycle, first.data["lost"]) == (7, 0)
-    rest = topic.since(first.cycle, limit=50)
-    assert [s["cycle"] for s in rest.data["samples"]] == [8, 9, 10]
-    assert topic.since(10, limit=50) is None
+
+def test_every_topic_has_a_sample_of_every_cycle(station):
+    station.loop.step(3)
+    station.switch_controllers(SwitchRequest(start=("spring",)))
+    for name in topic_names(station):
+        before = station.loop.cycle
+        batch = full(station, name, 4)
+
+        cycles = [sample["cycle"] for sample in batch.data["samples"]]
+        assert cycles == [before + n for n in (1, 2, 3, 4)], name
+        assert (batch.data["lost"], batch.data["skipped"]) == (0, 0)
+        keys = {"cycle", *find_topic(station, name).sample_fields} - {"name", "arm_id"}
+        assert all(set(sample) == keys for sample in batch.data["samples"]), name
+        assert batch.cycle == cycles[-1]
+    assert station.loop.taps == ()
 
 
-def test_a_batch_says_how_many_cycles_were_overwritten(station):
-    station.loop.step(5000)
-    topic = find_topic(station, "joint_states")
+def test_the_controllers_that_run_are_told_for_every_cycle(station):
+    station.loop.step()
+    start = SwitchRequest(start=("spring",))
 
-    batch = topic.since(100, limit=10)
+    def start_once():
+        if not station.manager.running_names():
+            station.switch_controllers(start)
 
-    first = batch.data["samples"][0]["cycle"]
-    assert batch.data["lost"] == first - 101 > 0
+    batch = full(station, "controllers", 2, start_once)
+
+    running = [sample["running"] for sample in batch.data["samples"]]
+    assert running[0] == []
+    assert running[-1] == ["spring"]
+
+
+def test_a_sample_of_the_loop_has_the_period(station):
+    station.loop.step()
+    station.loop.delay_next_cycle(19)
+    batch = full(station, "loop", 2)
+
+    periods = [sample["period"] for sample in batch.data["samples"]]
+    assert periods == [pytest.approx(0.020), 0.001]
+    assert batch.data["skipped"] == 19
+
+
+def test_an_arm_tells_the_same_in_every_cycle_as_when_it_is_asked():
+    station = make_franka_station()
+    batch = full(station, "robot_state", 3)
+    asked = latest(station, "robot_state").data
+
+    last = batch.data["samples"][-1]
+    del asked["arm_id"], last["cycle"], last["stamp"]
+    assert batch.data["arm_id"] == "panda"
+    assert last == asked

@@ -1,0 +1,212 @@
+"""The AsyncAPI document: the frames of all streams, and what a client may ask for."""
+
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+import station as package
+from station.api.streams.request import MAX_RATE, MIN_RATE
+from station.api.streams.topics import (
+    ControllerStateTopic,
+    ControllersTopic,
+    CycleTopic,
+    JointStatesTopic,
+    LoopTopic,
+    RobotStateTopic,
+    SceneTopic,
+    Topic,
+)
+from station.wire import (
+    Controllers,
+    ControllerSample,
+    FrankaState,
+    JointStates,
+    LoopReport,
+    Scene,
+    StopState,
+)
+
+Schema = dict[str, Any]
+
+VERSION = "3.0.0"
+_REF = "#/components/schemas/"
+_MODELS: tuple[type[BaseModel], ...] = (
+    JointStates,
+    ControllerSample,
+    FrankaState,
+    Controllers,
+    LoopReport,
+    StopState,
+    Scene,
+)
+TOPICS: tuple[tuple[str, type[Topic], type[BaseModel] | None], ...] = (
+    ("joint_states", JointStatesTopic, JointStates),
+    ("controller_state/{controller}", ControllerStateTopic, ControllerSample),
+    ("robot_state/{arm_id}", RobotStateTopic, FrankaState),
+    ("controllers", ControllersTopic, Controllers),
+    ("loop", LoopTopic, None),
+    ("scene", SceneTopic, Scene),
+)
+"""Address, topic, and the model of its data; None where it has several."""
+
+_OWN: Schema = {
+    "arm_id": {"type": "string", "description": "Name of the arm."},
+    "running": {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "Names of the controllers that run.",
+    },
+    "period": {"type": "number", "description": "Time since the cycle before [s]."},
+    "stamp": {"type": "number", "description": "Station time [s]."},
+    "robot_mode": {"type": "string", "description": "Mode of the robot in one word."},
+    "loop": {"$ref": f"{_REF}LoopReport"},
+    "stop": {"$ref": f"{_REF}StopState"},
+}
+_ENVELOPE: Schema = {
+    "topic": {"type": "string", "description": "What the frame is about."},
+    "seq": {
+        "type": "integer",
+        "minimum": 0,
+        "description": "Counts the frames of the stream; a gap is frames that this "
+        "client was too slow for. With rate=full the newest cycle of the batch.",
+    },
+    "epoch": {"type": "integer", "minimum": 1, "description": "Epoch of the data."},
+    "cycle": {"type": "integer", "minimum": 0, "description": "Cycle of the data."},
+    "stamp": {"type": "number", "description": "Station time of the data [s]."},
+}
+_BATCH: Schema = {
+    "lost": {
+        "type": "integer",
+        "minimum": 0,
+        "description": "Cycles that were overwritten before they could be sent.",
+    },
+    "skipped": {
+        "type": "integer",
+        "minimum": 0,
+        "description": "Deadlines that the loop missed, so that there was no cycle.",
+    },
+}
+_QUERY: Schema = {
+    "rate": {
+        "description": f"Frames per second, {MIN_RATE} to {MAX_RATE} [Hz], or `full` "
+        "for every cycle, in batches.",
+        "examples": ["30", "full"],
+        "type": "string",
+    },
+    "fields": {
+        "description": "Only these keys of `data`, or of each sample; commas between.",
+        "examples": ["stamp,position"],
+        "type": "string",
+    },
+    "format": {
+        "description": "How frames are written.",
+        "enum": ["json", "msgpack"],
+        "default": "json",
+        "type": "string",
+    },
+    "ticket": {
+        "description": "A ticket of POST /api/v1/stream-tickets, for browsers.",
+        "type": "string",
+    },
+}
+
+
+def document() -> Schema:
+    """Return the document; the frames are those without `fields`."""
+    _, found = models_json_schema(
+        [(model, "serialization") for model in _MODELS], ref_template=_REF + "{model}"
+    )
+    schemas: Schema = found["$defs"]
+    messages: Schema = {"hello": _message("Hello", "The first frame.", _hello())}
+    channels: Schema = {}
+    operations: Schema = {}
+    for address, topic, model in TOPICS:
+        name = address.partition("/")[0]
+        known = {} if model is None else schemas[model.__name__]["properties"]
+        properties = {**_OWN, **known}
+        for form, data in (
+            ("state", _state(topic, properties)),
+            ("cycles", _cycles(topic, properties)),
+        ):
+            what = f"{name} {'at a rate' if form == 'state' else 'with rate=full'}"
+            messages[f"{name}_{form}"] = _message(what, f"A frame of {what}.", data)
+        channels[name] = {
+            "address": f"/api/v1/streams/{address}",
+            "title": name,
+            "messages": {
+                key: {"$ref": f"#/components/messages/{key}"}
+                for key in ("hello", f"{name}_state", f"{name}_cycles")
+            },
+            "parameters": _address_parameters(address),
+            "bindings": {"ws": {"query": {"type": "object", "properties": _QUERY}}},
+        }
+        operations[f"receive_{name}"] = {
+            "action": "send",
+            "channel": {"$ref": f"#/channels/{name}"},
+            "summary": f"The station sends {name}.",
+        }
+    return {
+        "asyncapi": VERSION,
+        "info": {
+            "title": "Control station, streams",
+            "version": package.__version__,
+            "description": "WebSocket streams. Tokens are sent as `Authorization: "
+            "Bearer <token>`; /api/v1/openapi.json has everything else.",
+        },
+        "defaultContentType": "application/json",
+        "channels": channels,
+        "operations": operations,
+        "components": {"messages": messages, "schemas": schemas},
+    }
+
+
+def _address_parameters(address: str) -> Schema:
+    _, _, member = address.partition("/")
+    name = member.strip("{}")
+    return {name: {"description": f"Name: {name}."}} if name else {}
+
+
+def _message(title: str, summary: str, data: Schema) -> Schema:
+    extra = {"boot_id": {"type": "string"}} if title == "Hello" else {}
+    return {
+        "title": title,
+        "summary": summary,
+        "payload": _object({**_ENVELOPE, **extra, "data": data}),
+    }
+
+
+def _object(properties: Schema) -> Schema:
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
+
+
+def _hello() -> Schema:
+    states = {"anyOf": [{"$ref": f"{_REF}JointStates"}, {"type": "null"}]}
+    return _object({
+        "joint_states": states,
+        "controllers": {
+            "type": "array",
+            "items": {"$ref": f"{_REF}ControllerState"},
+        },
+        "stop": {"$ref": f"{_REF}StopState"},
+    })
+
+
+def _state(topic: type[Topic], properties: Schema) -> Schema:
+    return _object({key: properties[key] for key in topic.fields})
+
+
+def _cycles(topic: type[Topic], properties: Schema) -> Schema:
+    heads = ("name",) if issubclass(topic, CycleTopic) else ("arm_id",)
+    head = {key: properties[key] for key in heads if key in topic.sample_fields}
+    sample = {
+        "cycle": _ENVELOPE["cycle"],
+        **{key: properties[key] for key in topic.sample_fields if key not in head},
+    }
+    samples = {"type": "array", "items": _object(sample)}
+    return _object({**head, "samples": samples, **_BATCH})

@@ -1,0 +1,193 @@
+"""The station's figures for Prometheus, gathered when they are asked for.
+
+Nothing is counted in the control thread for them. Counters are numbers that the station
+keeps anyway and never resets, so that a reset of the statistics does not turn them
+back. Figures that a reset does begin anew (percentiles) are gauges.
+"""
+
+from collections.abc import Iterable, Iterator
+
+from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
+from prometheus_client.core import (
+    CounterMetricFamily,
+    GaugeMetricFamily,
+    InfoMetricFamily,
+    Metric,
+)
+from prometheus_client.registry import Collector
+from typing_extensions import override
+
+import station as package
+from station.api.streams import Broadcaster
+from station.core.facade.station import Station
+from station.core.loop.loop_report import LoopState
+from station.core.loop.stop_latch import StopState
+from station.core.numerics.statistics import Percentiles
+
+PHASES = ("read", "update", "write", "total")
+
+
+class StationCollector(Collector):
+    """Reads the figures of a station. Any thread.
+
+    Args:
+        station: The station.
+        broadcaster: Its streams.
+    """
+
+    def __init__(self, station: Station, broadcaster: Broadcaster) -> None:
+        self._station = station
+        self._broadcaster = broadcaster
+
+    @override
+    def collect(self) -> Iterable[Metric]:
+        """Return all figures as they are now."""
+        yield from self._station_figures()
+        yield from self._loop_figures()
+        yield from self._controller_figures()
+        yield from self._limit_figures()
+
+    def _station_figures(self) -> Iterator[Metric]:
+        station = self._station
+        told = {
+            "version": package.__version__,
+            "boot_id": station.boot_id,
+            "robot_type": station.status().robot_type,
+        }
+        yield InfoMetricFamily("station", "The station of this run.", told)
+        yield GaugeMetricFamily(
+            "station_ready",
+            "Whether the loop runs and its last cycle is fresh.",
+            float(station.ready() is None),
+        )
+        yield GaugeMetricFamily(
+            "station_stopped",
+            "Whether the stop is engaged, or released and not armed.",
+            float(station.loop.stop_latch.state is not StopState.ARMED),
+        )
+        yield CounterMetricFamily(
+            "station_epochs",
+            "Stops, resets and recoveries, each of which begins an epoch.",
+            station.epoch,
+        )
+        yield GaugeMetricFamily(
+            "station_stream_clients",
+            "Clients of WebSocket streams.",
+            self._broadcaster.clients,
+        )
+
+    def _loop_figures(self) -> Iterator[Metric]:
+        loop, report = self._station.loop, self._station.loop_report()
+        yield GaugeMetricFamily(
+            "station_loop_running",
+            "Whether the control thread runs.",
+            float(report.state is LoopState.RUNNING),
+        )
+        yield CounterMetricFamily(
+            "station_cycles", "Cycles of the control loop.", loop.cycle
+        )
+        yield CounterMetricFamily(
+            "station_skipped_deadlines",
+            "Deadlines that had passed before their cycle could begin.",
+            loop.skipped,
+        )
+        yield CounterMetricFamily(
+            "station_time_seconds", "Station time that has passed.", loop.time
+        )
+        yield GaugeMetricFamily(
+            "station_loop_rate_hertz", "Rate asked for.", report.rate
+        )
+        lateness = _quantiles(
+            "station_loop_lateness_seconds",
+            "How long after its deadline a cycle began, since the last reset.",
+        )
+        _add_quantiles(lateness, [], report.lateness)
+        yield lateness
+        phases = _quantiles(
+            "station_loop_phase_seconds",
+            "How long the parts of a cycle take, since the last reset.",
+            "phase",
+        )
+        for phase in PHASES:
+            _add_quantiles(phases, [phase], getattr(report, phase))
+        yield phases
+
+    def _controller_figures(self) -> Iterator[Metric]:
+        label = ["controller"]
+        running = GaugeMetricFamily(
+            "station_controller_running", "Whether a controller runs.", labels=label
+        )
+        updates = CounterMetricFamily(
+            "station_controller_updates",
+            "Updates of a controller since it was loaded.",
+            labels=label,
+        )
+        overruns = CounterMetricFamily(
+            "station_controller_overruns",
+            "Updates that took longer than the period, since it was loaded.",
+            labels=label,
+        )
+        durations = _quantiles(
+            "station_controller_update_seconds",
+            "How long an update takes, since the last reset.",
+            "controller",
+        )
+        for found in self._station.manager.controller_statistics():
+            running.add_metric([found.name], float(found.running))
+            updates.add_metric([found.name], found.total_updates)
+            overruns.add_metric([found.name], found.total_overruns)
+            _add_quantiles(durations, [found.name], found.time)
+        faulty = GaugeMetricFamily(
+            "station_controller_faulty",
+            "Whether the station stopped a controller because of a fault.",
+            labels=label,
+        )
+        for status in self._station.controllers():
+            faulty.add_metric([status.name], float(status.fault is not None))
+        yield from (running, updates, overruns, durations, faulty)
+
+    def _limit_figures(self) -> Iterator[Metric]:
+        clamps = CounterMetricFamily(
+            "station_clamped_commands",
+            "Commands that a limit cut off.",
+            labels=["joint", "hardware_interface"],
+        )
+        for clamp in self._station.loop.hw.clamps():
+            labels = [clamp.last.joint, clamp.hardware_interface]
+            clamps.add_metric(labels, clamp.count)
+        yield clamps
+        yield CounterMetricFamily(
+            "station_command_violations",
+            "Commands that were written without a claim, and put to rest.",
+            self._station.manager.command_violations[0],
+        )
+
+
+def _quantiles(name: str, text: str, *labels: str) -> GaugeMetricFamily:
+    return GaugeMetricFamily(name, text, labels=[*labels, "quantile"])
+
+
+def _add_quantiles(
+    metric: GaugeMetricFamily, labels: list[str], found: Percentiles
+) -> None:
+    values = {
+        "0.5": found.p50,
+        "0.99": found.p99,
+        "0.999": found.p999,
+        "1": found.max,
+    }
+    for quantile, value in values.items():
+        metric.add_metric([*labels, quantile], value)
+
+
+def render(station: Station, broadcaster: Broadcaster) -> bytes:
+    """Return all figures in Prometheus' text format.
+
+    Args:
+        station: The station.
+        broadcaster: Its streams.
+    """
+    registry = CollectorRegistry()
+    registry.register(StationCollector(station, broadcaster))
+    ProcessCollector(registry=registry)
+    return generate_latest(registry)

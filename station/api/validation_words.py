@@ -1,0 +1,91 @@
+"""What is wrong with a field of a request, in the station's own words."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+Context = Mapping[str, Any]
+
+_NOT_FINITE = ("NaN", "nan", "Infinity", "inf")
+_WORDS: Mapping[str, str | Callable[[Context], str]] = {
+    "missing": "is missing",
+    "extra_forbidden": "is no field of this request",
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "int_parsing_size": "is too large a number",
+    "bool_type": "must be true or false",
+    "bool_parsing": "must be true or false",
+    "string_type": "must be text",
+    "string_sub_type": "must be text",
+    "string_unicode": "must be text that Unicode can write",
+    "list_type": "must be a list",
+    "dict_type": "must be an object",
+    "model_type": "must be an object",
+    "model_attributes_type": "must be an object",
+    "none_required": "must be null",
+    "finite_number": "must be a finite number",
+    "json_type": "must be JSON",
+    "invalid_key": "has a key that is no text",
+    "recursion_loop": "is nested within itself",
+    "too_short": lambda c: f"must have at least {_items(c, 'min_length')}",
+    "too_long": lambda c: f"must have at most {_items(c, 'max_length')}",
+    "string_too_short": lambda c: f"must have at least {_letters(c, 'min_length')}",
+    "string_too_long": lambda c: f"must have at most {_letters(c, 'max_length')}",
+    "string_pattern_mismatch": lambda c: f"must match {c.get('pattern')}",
+    "greater_than": lambda c: f"must be greater than {c.get('gt')}",
+    "greater_than_equal": lambda c: f"must be at least {c.get('ge')}",
+    "less_than": lambda c: f"must be less than {c.get('lt')}",
+    "less_than_equal": lambda c: f"must be at most {c.get('le')}",
+    "literal_error": lambda c: f"must be {c.get('expected')}",
+    "enum": lambda c: f"must be {c.get('expected')}",
+    "value_error": lambda c: str(c.get("error", "is not allowed")),
+    "assertion_error": lambda c: str(c.get("error", "is not allowed")),
+}
+
+
+def explain(kind: str, context: Context) -> str:
+    """Return what is wrong, to follow the name of the field.
+
+    Args:
+        kind: The validator's name of the error.
+        context: What the validator knows besides: limits, expected values.
+    """
+    words = _WORDS.get(kind, "is not what is allowed here")
+    return words if isinstance(words, str) else words(context)
+
+
+def explain_json(body: object, position: int, why: str) -> str:
+    """Return why a body is no JSON.
+
+    Args:
+        body: The body.
+        position: Index of the character at which it is none.
+        why: The parser's word for it.
+    """
+    text = body.decode(errors="replace") if isinstance(body, bytes) else str(body)
+    rest = text[position:].lstrip("-")
+    for word in _NOT_FINITE:
+        if rest.startswith(word):
+            return (
+                f"is no JSON at character {position}: JSON has no {word}; every number "
+                "must be finite"
+            )
+    if not text.strip():
+        return "is empty, where a JSON object is expected"
+    shown = text[position : position + 20]
+    at = f"{shown!r} at character {position}" if shown else "its end"
+    return f"is no JSON: {why.partition(':')[0]}, at {at}"
+
+
+def _items(context: Context, key: str) -> str:
+    return _counted(context.get(key), "item")
+
+
+def _letters(context: Context, key: str) -> str:
+    return _counted(context.get(key), "character")
+
+
+def _counted(number: object, word: str) -> str:
+    return f"{number} {word}" if number == 1 else f"{number} {word}s"
