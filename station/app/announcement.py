@@ -14,6 +14,7 @@ class Announcement:
         token: The operator's token.
         runtime_file: Where the tokens are kept.
         scheduler: What the control thread was granted.
+        kernel: Whether the cycle's arithmetic runs interpreted or compiled, and why.
     """
 
     api_url: str
@@ -21,12 +22,14 @@ class Announcement:
     token: str
     runtime_file: str
     scheduler: str
+    kernel: str
 
     def lines(self) -> list[str]:
         """Return what to print at once."""
         return [
             f"API        {self.api_url}/docs",
             f"Token      {self.token} (also in {self.runtime_file})",
+            f"Kernel     {self.kernel}",
         ]
 
     def dashboard_line(self) -> str:
@@ -40,4 +43,5 @@ class Announcement:
             "ui_url": self.ui_url,
             "runtime_file": self.runtime_file,
             "scheduler": self.scheduler,
+            "kernel": self.kernel,
         }

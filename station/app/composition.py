@@ -12,6 +12,7 @@ from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.heartbeat import Heartbeat
+from station.core.loop.snapshot import SnapshotRing
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.robot_loader import create_robot
 
@@ -37,6 +38,7 @@ def compose(
     clock: Clock | None = None,
     *,
     heartbeat: Heartbeat | None = None,
+    snapshots: SnapshotRing | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> Composition:
     """Build everything up to the facade and load the controllers; nothing runs yet.
@@ -48,6 +50,8 @@ def compose(
         config: The configuration.
         clock: Wall time; the system's when None.
         heartbeat: The page that the loop shares with a watchdog, if there is one.
+        snapshots: Where every cycle leaves its snapshot; a ring of the usual size when
+            None. A smaller one saves memory where many stations share a process.
         announce: Takes what is done next, before it is done: a robot or a controller
             may take long, or hang.
 
@@ -75,6 +79,7 @@ def compose(
         period=1.0 / config.station.rate,
         real_time_factor=config.station.real_time_factor,
         update_budget=config.station.longest_update(),
+        snapshots=snapshots,
         heartbeat=heartbeat,
     )
     reserved = frozenset({ROBOT_NAMESPACE})

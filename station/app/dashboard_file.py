@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from station.app.private_files import (
+from station.local.private_files import (
     check_private,
     is_alive,
     read_private,

@@ -16,8 +16,7 @@ from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import compose
-from station.app.private_files import process_start
-from station.app.runtime_file import RunningStation, write_runtime_file
+from station.app.kernel_build import KernelBuild
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -28,6 +27,8 @@ from station.core.facade.station import Station
 from station.core.loop.loop_report import LoopState
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
+from station.local.private_files import process_start
+from station.local.runtime_file import RunningStation, write_runtime_file
 
 READY_TIMEOUT = 2.0
 """Longest wait for the first cycles [s]."""
@@ -67,6 +68,7 @@ class StationRun:
         self._warn = warn
         self._ui: UiProcess | None = None
         self._watchdog = StationWatchdog(config, warn)
+        self._kernel = KernelBuild(warn)
 
     def run(self) -> None:
         """Run until SIGINT, SIGTERM or SIGHUP.
@@ -163,8 +165,14 @@ class StationRun:
         )
         path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
-        scheduler = station.loop_report().scheduler
-        return Announcement(running.url, running.ui_url, token, str(path), scheduler)
+        return Announcement(
+            running.url,
+            running.ui_url,
+            token,
+            str(path),
+            scheduler=station.loop_report().scheduler,
+            kernel=self._kernel.start(),
+        )
 
     def _ui_options(self, api_url: str, token: str, port: int) -> UiOptions:
         robot = self._config.robot_parameters()
@@ -191,7 +199,11 @@ class StationRun:
                 "be late when the machine is busy. `ulimit -r 50` or CAP_SYS_NICE "
                 "allows SCHED_FIFO."
             )
-        watches = [self._watch_loop(station), self._watch_ui(announcement)]
+        watches = [
+            self._watch_loop(station),
+            self._watch_ui(announcement),
+            self._kernel.is_settled,
+        ]
         while not signals.wait(WATCH_PERIOD):
             self._watchdog.look(station)
             watches = [watch for watch in watches if not watch()]

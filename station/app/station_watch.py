@@ -9,7 +9,7 @@ import threading
 import time
 
 from station.app.dashboard_file import dashboard_path, read_dashboard
-from station.app.private_files import is_alive, process_start
+from station.local.private_files import is_alive, process_start
 from station.ui.station_follower import StationAccess
 
 LOOK_PERIOD = 0.1

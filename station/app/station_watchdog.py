@@ -5,13 +5,13 @@ import os
 from collections.abc import Callable
 
 from station.api.auth import Authenticator
-from station.app.private_files import runtime_directory
 from station.app.watchdog.settings import WatchdogSettings
 from station.app.watchdog_process import STACK_SIGNAL, WatchdogProcess
 from station.config import StationConfig
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.heartbeat import Heartbeat, Phase
+from station.local.private_files import runtime_directory
 
 FINISH_TIMEOUT = 0.2
 """Longest wait for the watchdog to end [s]."""

@@ -12,8 +12,8 @@ from typing import Protocol
 
 import station
 from station.app.dashboard_file import DashboardRecord, claim_orphan, dashboard_path
-from station.app.private_files import process_start
 from station.core.errors import StationError
+from station.local.private_files import process_start
 
 ORPHAN_TIME = 1.0
 """How long a dashboard that does not fit may take to end before it is killed [s]."""

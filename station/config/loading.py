@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 
+import yaml
+
 from station.config.environment import read_environment
 from station.config.errors import ConfigError
 from station.config.models import StationConfig
@@ -17,7 +19,7 @@ _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]
 
 
 def load_config(
-    path: Path | None = None,
+    path: Path | Mapping[str, object] | None = None,
     *,
     controller_files: Sequence[Path] = (),
     flags: Mapping[str, object] | None = None,
@@ -28,7 +30,8 @@ def load_config(
     environment variables, flags, controller files.
 
     Args:
-        path: The station's YAML file; None takes the defaults alone.
+        path: The station's YAML file, or what such a file would hold; None takes the
+            defaults alone.
         controller_files: Parameter files written for ROS, added to `controllers`.
         flags: The values set on the command line by dotted key, such as `api.port`.
 
@@ -37,7 +40,9 @@ def load_config(
     """
     merge = _Merge()
     merge.add_file(parse_yaml(DEFAULT_FILE.read_text(encoding="utf-8"), "default.yaml"))
-    if path is not None:
+    if isinstance(path, Mapping):
+        merge.add_file(parse_yaml(yaml.safe_dump(dict(path)), "configuration"))
+    elif path is not None:
         merge.add_file(read_yaml(path))
     merge.add_environment()
     merge.add_flags(flags or {})

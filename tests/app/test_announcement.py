@@ -8,15 +8,23 @@ ANNOUNCEMENT = Announcement(
     token="a+b/c",
     runtime_file="/run/station/1.json",
     scheduler="SCHED_FIFO 50",
+    kernel="interpreted: There is no compiled kernel.",
 )
 
 
 def test_api_and_token_have_a_line_each():
-    api, token = ANNOUNCEMENT.lines()
+    api, token, _ = ANNOUNCEMENT.lines()
 
     assert "http://127.0.0.1:8000/docs" in api
     assert "a+b/c" in token
     assert "/run/station/1.json" in token
+
+
+def test_user_is_told_which_kernel_runs_and_why():
+    *_, kernel = ANNOUNCEMENT.lines()
+
+    assert kernel.split(maxsplit=1) == ["Kernel", ANNOUNCEMENT.kernel]
+    assert ANNOUNCEMENT.as_json()["kernel"] == ANNOUNCEMENT.kernel
 
 
 def test_dashboard_address_logs_in():

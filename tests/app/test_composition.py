@@ -160,7 +160,7 @@ def test_a_controller_over_its_budget_is_stopped_while_others_go_on(
     assert states["slow"][0] == "aborted"
     assert "update took 4 ms, 100 in a row" in states["slow"][1]
     assert "at most 2 ms" in states["slow"][1]
-    assert states["quick"] == ("running", "")
+    assert states["quick"] == ("running", None)
 
 
 def test_only_modules_that_the_configuration_names_are_imported(tmp_path):

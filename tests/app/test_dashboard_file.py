@@ -13,7 +13,7 @@ from station.app.dashboard_file import (
     dashboard_path,
     read_dashboard,
 )
-from station.app.private_files import process_start
+from station.local.private_files import process_start
 
 ME = os.getpid()
 HOST = "127.0.0.1"

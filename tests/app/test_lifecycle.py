@@ -13,10 +13,10 @@ import pytest
 from station.api.server import ApiServer
 from station.app import lifecycle
 from station.app.lifecycle import StationRun
-from station.app.runtime_file import find_running
 from station.app.ui_process import UiOptions
 from station.config import load_config
 from station.core.errors import StationError
+from station.local.runtime_file import find_running
 from tests.app.mass_hw import BROKEN_TYPE, TYPE
 
 CONTROLLERS = (

@@ -103,7 +103,7 @@ def test_every_controller_runs(loaded):
         assert station.switch_controllers(SwitchRequest(start=(status.name,))).ok
         station.loop.step(50)
         running = station.controller(status.name)
-        assert running.fault == ""
+        assert running.fault is None
         assert running.state is ControllerState.RUNNING
         station.switch_controllers(SwitchRequest(stop=(status.name,)))
         station.loop.step(5)

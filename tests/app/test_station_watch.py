@@ -8,8 +8,8 @@ import time
 import pytest
 
 from station.app.dashboard_file import DashboardRecord
-from station.app.private_files import process_start
 from station.app.station_watch import StationWatch
+from station.local.private_files import process_start
 from station.ui.station_follower import StationAccess
 
 ACCESS = StationAccess("http://127.0.0.1:8000", "secret", "")

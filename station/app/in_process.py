@@ -1,0 +1,319 @@
+"""A station inside a program: the same robot, controllers and loop, no sockets."""
+
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from station.app.composition import compose
+from station.app.panda_fetch import fetch_what_is_missing
+from station.client.claims import in_the_way
+from station.client.errors import MotionError
+from station.client.joint_goals import joint_positions, trajectory_goal
+from station.client.poses import Target
+from station.client.samples import Samples
+from station.config import load_config
+from station.core.clock import ManualClock
+from station.core.control.controller import ControllerState
+from station.core.control.controller_manager import ControllerStatus
+from station.core.control.switching import SwitchRequest
+from station.core.loop.scheduling import realtime_interpreter
+from station.core.loop.snapshot import Snapshot
+from station.core.loop.stop_latch import StopState
+from station.wire import StreamFrame
+
+if TYPE_CHECKING:
+    from pydantic import JsonValue
+
+    from station.core.errors import StationError
+    from station.core.facade.station import Station
+
+_LOGGER = logging.getLogger(__name__)
+_TRAJECTORY = "/JointTrajectoryController"
+_FINAL = {"succeeded", "aborted", "preempted"}
+_BATCH = 1000
+"""Cycles between two looks at the ring of snapshots, which keeps 4096."""
+
+
+class InProcessStation:
+    """A station without server and dashboard; `station.open` makes one.
+
+    Stepped, station time passes in `step`, `run`, `move_to` and `collect` alone, as
+    fast as the processor can, and every run is the same, bit for bit: timeouts and
+    watchdogs of controllers follow a virtual clock. Threaded, the control thread runs
+    at its rate on the wall clock, and these methods wait.
+
+    Every method raises the errors of `station.core.errors`, and changes nothing then.
+
+    Args:
+        config: The station's YAML file, or what such a file would hold; None takes the
+            default: a simulated Panda.
+        controllers: Parameter files written for ROS, added to the controllers.
+        settings: Single values by dotted key, e.g. `{"station.rate": 500}`.
+        threaded: Run the control thread.
+
+    Attributes:
+        facade: Everything else that a station can do: loading, goals, services, the
+            simulation, reports, the latched stop.
+        not_loaded: Why a controller of the configuration is not loaded, by its name.
+    """
+
+    def __init__(
+        self,
+        config: Path | str | Mapping[str, object] | None = None,
+        *,
+        controllers: Sequence[Path | str] = (),
+        settings: Mapping[str, object] | None = None,
+        threaded: bool = False,
+    ) -> None:
+        loaded = load_config(
+            Path(config) if isinstance(config, str) else config,
+            controller_files=[Path(file) for file in controllers],
+            flags=settings,
+        )
+        fetch_what_is_missing(loaded.robot_parameters(), _LOGGER.warning)
+        self._clock = None if threaded else ManualClock()
+        composition = compose(loaded, self._clock)
+        self.facade: Station = composition.station
+        self.not_loaded: Mapping[str, StationError] = composition.not_loaded
+        self._stack = ExitStack()
+        if threaded:
+            self._stack.enter_context(realtime_interpreter())
+            self._stack.callback(self.facade.loop.stop)
+            self.facade.loop.start()
+        else:
+            # Switches and recoveries that take cycles take virtual time, too.
+            self.facade.manager.pump = self.step
+            self.step()
+        self.switch(start=loaded.start)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop all controllers and end the control thread."""
+        if self.facade.loop.stop_latch.state is not StopState.STOPPED:
+            self.facade.stop("the program ends")
+        self._stack.close()
+
+    @property
+    def is_threaded(self) -> bool:
+        """Whether the control thread runs."""
+        return self._clock is None
+
+    @property
+    def time(self) -> float:
+        """Station time [s]."""
+        return self.facade.loop.time
+
+    @property
+    def joint_names(self) -> list[str]:
+        """The joints, in the order of all arrays."""
+        return self.facade.joint_names
+
+    def latest(self) -> Snapshot:
+        """Return the state after the last cycle."""
+        return self.facade.latest()
+
+    def positions(self) -> dict[str, float]:
+        """Return the positions of all joints by name [rad or m]."""
+        return dict(zip(self.joint_names, self.latest().position, strict=True))
+
+    def step(self, cycles: int = 1) -> None:
+        """Run some cycles now.
+
+        Args:
+            cycles: How many, >= 0.
+
+        Raises:
+            LoopError: The control thread runs.
+        """
+        loop = self.facade.loop
+        for _ in range(cycles):
+            if self._clock is not None:
+                self._clock.advance(loop.period / loop.pace.real_time_factor)
+            loop.step()
+
+    def run(self, seconds: float) -> None:
+        """Let station time pass: run its cycles, or wait for the control thread.
+
+        Args:
+            seconds: How much, >= 0 [s]; rounded to whole cycles.
+
+        Raises:
+            LoopError: The control thread died.
+        """
+        loop = self.facade.loop
+        if not self.is_threaded:
+            self.step(round(seconds / loop.period))
+            return
+        end = loop.time + seconds - 0.5 * loop.period
+        while loop.time < end:
+            loop.check_alive()
+            left = (end - loop.time) / loop.pace.real_time_factor
+            loop.clock.sleep_until(loop.clock.now() + min(left, 0.1))
+
+    def switch(self, start: Sequence[str] = (), stop: Sequence[str] = ()) -> None:
+        """Start and stop controllers in one cycle.
+
+        Raises:
+            SwitchRefusedError: It is not possible, and why; nothing changed.
+        """
+        self.facade.switch_controllers(SwitchRequest(start=start, stop=stop))
+
+    def command(
+        self, name: str, values: Sequence[float], timeout: float | None = None
+    ) -> None:
+        """Give a running controller a set-point.
+
+        Args:
+            name: The controller.
+            values: One number per element of its set-points.
+            timeout: How long it is valid [s], 0 for ever; the controller's own if None.
+        """
+        self.facade.motion.set_command(name, list(values), timeout=timeout)
+
+    def gains(self, name: str) -> Mapping[str, float]:
+        """Return the gains of a controller by name."""
+        return self.facade.gains(name).values
+
+    def set_gains(self, name: str, values: Mapping[str, float]) -> None:
+        """Change gains of a controller between two cycles; the others stay."""
+        self.facade.set_gains(name, values)
+
+    def reset(self, positions: Mapping[str, float] | None = None) -> None:
+        """Put the simulated world back to its start; see `SimulationControl.reset`."""
+        self.facade.simulation.reset(positions)
+
+    def move_to(self, target: Target, *, duration: float | None = None) -> None:
+        """Move joints by a trajectory controller and return when they are there.
+
+        A trajectory controller is started if none runs, and controllers that hold the
+        joints are stopped in the same cycle.
+
+        Args:
+            target: Name of a pose (`ready`, `stretched`), one position per joint, or
+                positions by joint [rad or m]; other joints stay.
+            duration: How long it takes [s]; a calm time when None.
+
+        Raises:
+            MotionError: The joints did not arrive, and why.
+        """
+        name = self._trajectory_controller()
+        motion = self.facade.motion
+        names = self.facade.manager.get_controller(name).joint_names
+        here = list(motion.query_state(name).position)
+        values = joint_positions(target, names, here)
+        goal: Mapping[str, JsonValue] = trajectory_goal(names, here, values, duration)
+        goal_id = motion.submit_goal(name, goal).identifier
+        while motion.goal(name, goal_id).status.value not in _FINAL:
+            self.run(0.01)
+        ended = motion.goal(name, goal_id)
+        if ended.status.value != "succeeded":
+            why = ended.result.message if ended.result else ""
+            raise MotionError(f"The goal of '{name}' was {ended.status.value}. {why}")
+
+    def collect(self, seconds: float, controller: str | None = None) -> Samples:
+        """Let time pass and return every cycle of it, as NumPy arrays.
+
+        Args:
+            seconds: How much station time, > 0 [s].
+            controller: What this controller did: `desired`, `actual`, `error` and
+                `output`; the joints' `position`, `velocity` and `effort` when None.
+        """
+        samples = Samples(controller or "joint_states")
+        cycle, left = self.facade.loop.cycle, seconds
+        while left > 0.0:
+            part = min(left, _BATCH * self.facade.loop.period)
+            self.run(part)
+            left -= part
+            snapshots, lost = self.facade.snapshots.read_since(cycle)
+            cycle = snapshots[-1].cycle if snapshots else cycle
+            samples.add(self._batch(snapshots, lost, controller))
+        return samples
+
+    def _batch(
+        self, snapshots: Sequence[Snapshot], lost: int, controller: str | None
+    ) -> StreamFrame:
+        names, samples = self.joint_names, []
+        for one in snapshots:
+            if controller is None:
+                samples.append({
+                    "stamp": one.stamp,
+                    "position": _numbers(one.position),
+                    "velocity": _numbers(one.velocity),
+                    "effort": _numbers(one.effort),
+                })
+            elif controller in one.samples:
+                sample = one.samples[controller]._asdict()
+                samples.append({k: _numbers(v) for k, v in sample.items()})
+        if controller is not None:
+            names = list(self.facade.manager.get_controller(controller).joint_names)
+        return StreamFrame.model_construct(
+            topic=controller or "joint_states",
+            stamp=self.time,
+            data={"name": names, "samples": samples, "lost": lost},
+        )
+
+    def _trajectory_controller(self) -> str:
+        """Return a trajectory controller that runs; start one when none does.
+
+        Raises:
+            MotionError: None is loaded.
+        """
+        found = [c for c in self.facade.controllers() if c.type.endswith(_TRAJECTORY)]
+        if not found:
+            why = " ".join(str(error) for error in self.not_loaded.values())
+            raise MotionError(f"No JointTrajectoryController is loaded. {why}".rstrip())
+        found.sort(
+            key=lambda c: (
+                c.state is not ControllerState.RUNNING,
+                not c.type.startswith("position_"),
+            )
+        )
+        chosen = found[0]
+        running = {
+            c.name: _claims(c)
+            for c in self.facade.controllers()
+            if c.state is ControllerState.RUNNING and c.name != chosen.name
+        }
+        is_running = chosen.state is ControllerState.RUNNING
+        holders = in_the_way(_claims(chosen), running)
+        if holders or not is_running:
+            self.switch(start=[] if is_running else [chosen.name], stop=holders)
+        return chosen.name
+
+
+def _claims(controller: ControllerStatus) -> list[str]:
+    return [name for claim in controller.claimed_resources for name in claim.resources]
+
+
+def open_station(
+    config: Path | str | Mapping[str, object] | None = None,
+    *,
+    controllers: Sequence[Path | str] = (),
+    settings: Mapping[str, object] | None = None,
+    threaded: bool = False,
+) -> InProcessStation:
+    """Open a station inside this program; see `InProcessStation`."""
+    return InProcessStation(
+        config, controllers=controllers, settings=settings, threaded=threaded
+    )
+
+
+def _numbers(values: object) -> object:
+    """Return numbers as a list with None for what is not finite; others as they are."""
+    if isinstance(values, list | tuple):
+        return [v if math.isfinite(v) else None for v in values]
+    return values
