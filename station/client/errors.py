@@ -2,7 +2,9 @@
 
 ```
 ApiError                       the station refused; says why and what to do
-└── StationUnreachableError    no answer at all
+├── MotionError                a motion or a goal did not reach its aim
+├── StationUnreachableError    no answer at all
+└── StreamTimeoutError         no such frame came in time
 ```
 """
 
@@ -85,4 +87,24 @@ class StationUnreachableError(ApiError):
             status=0,
             code="unreachable",
             remedy="Check that it is running there (`station run`) and try again.",
+        )
+
+
+class MotionError(ApiError):
+    """A motion or a goal ended without reaching its aim, or not in time."""
+
+    def __init__(self, detail: str, remedy: str = "") -> None:
+        super().__init__(detail, status=0, code="motion_failed", remedy=remedy)
+
+
+class StreamTimeoutError(ApiError, TimeoutError):
+    """No frame that was waited for came in time."""
+
+    def __init__(self, topic: str, timeout: float | None) -> None:
+        within = "before it was closed" if timeout is None else f"within {timeout:g} s"
+        super().__init__(
+            f"The stream '{topic}' had no such frame {within}.",
+            status=0,
+            code="stream_timeout",
+            remedy="Wait longer, or look whether the loop runs: `station echo loop`.",
         )

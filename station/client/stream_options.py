@@ -49,6 +49,7 @@ class StreamOptions:
         rate: Frames per second [Hz], or "full"; None means the station's default.
         fields: Only these keys of `data`; all when empty.
         reconnect: Connect again when the link breaks.
+        timeout: Longest wait for a connection [s].
     """
 
     base_url: str
@@ -57,6 +58,7 @@ class StreamOptions:
     rate: Rate | None = None
     fields: tuple[str, ...] = ()
     reconnect: bool = True
+    timeout: float = 10.0
 
     def url(self) -> str:
         """Return the WebSocket URL."""

@@ -7,6 +7,8 @@ import httpx
 
 from station.client import AsyncStationClient
 
+URL = "http://127.0.0.1:8000"
+
 
 class Recorder:
     """Keeps the requests as (method, path with query, JSON body).
@@ -35,7 +37,7 @@ class Recorder:
 
         async def run():
             transport = httpx.MockTransport(self.answer)
-            async with AsyncStationClient(transport=transport) as client:
+            async with AsyncStationClient(URL, "t", transport=transport) as client:
                 return await ask(client)
 
         return asyncio.run(run())

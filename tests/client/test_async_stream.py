@@ -11,6 +11,7 @@ from station.client import (
     ApiError,
     AsyncStationClient,
     StationUnreachableError,
+    StreamTimeoutError,
     stream_options,
 )
 from tests.api.conftest import OPERATOR
@@ -93,3 +94,34 @@ def test_a_stream_survives_a_restart_of_the_station(served, monkeypatch):
         assert run_with(served, check) == 2
     finally:
         successor.stop()
+
+
+def test_entering_connects_at_once_or_raises(served):
+    async def check(client):
+        async with client.stream("joint_states") as stream:
+            assert stream.progress.connected
+        assert not stream.progress.connected
+        async with client.stream("nothing"):
+            pass
+
+    with pytest.raises(ApiError, match="No topic 'nothing'"):
+        run_with(served, check)
+
+
+def test_frame_that_fulfils_a_condition_is_waited_for(served, station):
+    async def check(client):
+        async with client.stream("joint_states", rate="full") as stream:
+            station.loop.step(3)
+            return await stream.wait_for(lambda frame: frame.stamp > 0.0, 5.0)
+
+    assert run_with(served, check).data["samples"]
+
+
+def test_waiting_ends_in_time_and_the_stream_goes_on(served):
+    async def check(client):
+        async with client.stream("joint_states") as stream:
+            with pytest.raises(StreamTimeoutError, match="within"):
+                await stream.wait_for(lambda _: False, 0.05)
+            return await stream.receive(5.0)
+
+    assert run_with(served, check).topic == "joint_states"

@@ -11,9 +11,11 @@ from station.client import (
     ApiError,
     StationClient,
     StationUnreachableError,
+    StreamTimeoutError,
     stream_options,
 )
 from station.core.franka.arms import Arms
+from station.wire import JointStates
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
 from tests.franka_station import make_franka_station
@@ -73,12 +75,11 @@ def step_until(stream, station):
     [("wrong", "loop", 4401), (OPERATOR, "nothing", 4404)],
 )
 def test_a_refusal_is_raised_not_retried(served, token, topic, status):
-    with (
-        StationClient(served.url, token) as client,
-        client.stream(topic) as stream,
-        pytest.raises(ApiError) as caught,
-    ):
-        next(iter(stream))
+    with StationClient(served.url, token) as client:
+        with pytest.raises(ApiError) as caught:
+            next(iter(client.stream(topic)))
+        with pytest.raises(ApiError), client.stream(topic):
+            pass
 
     assert caught.value.status == status
     assert caught.value.remedy
@@ -127,3 +128,37 @@ def test_close_ends_an_iteration_in_another_thread(client):
 
     assert not reader.is_alive()
     assert seen
+
+
+def test_entering_connects_at_once(client):
+    with client.stream("joint_states") as stream:
+        assert stream.progress.connected
+
+
+def test_entering_raises_when_nobody_answers():
+    stream = StationClient("http://127.0.0.1:9", OPERATOR).stream("loop")
+    with pytest.raises(StationUnreachableError), stream:
+        pass
+
+
+def test_frame_that_fulfils_a_condition_is_waited_for(client, station):
+    with client.stream("joint_states", rate="full") as stream:
+        station.loop.step(3)
+
+        frame = stream.wait_for(lambda frame: frame.stamp > 0.0, 5.0)
+
+        assert frame.data["samples"]
+
+
+def test_waiting_ends_in_time(client):
+    with client.stream("joint_states") as stream:
+        with pytest.raises(StreamTimeoutError, match=r"no such frame within 0\.05 s"):
+            stream.wait_for(lambda _: False, 0.05)
+        assert stream.receive(5.0).topic == "joint_states"
+
+
+def test_frame_is_read_as_a_wire_model(client):
+    with client.stream("joint_states") as stream:
+        joints = stream.receive(5.0).read(JointStates)
+
+    assert joints.position == [0.25]

@@ -52,7 +52,7 @@ class AsyncConnection:
         """Close the connections."""
         await self._http.aclose()
 
-    def move_to(self, url: str, token: str | None) -> None:
+    def talk_to(self, url: str, token: str | None) -> None:
         """Send to another station from the next request on.
 
         Args:

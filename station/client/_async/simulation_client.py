@@ -55,14 +55,19 @@ class AsyncSimulationClient:
         )
 
     async def reset(
-        self, joint_positions: Mapping[str, float] | None = None
+        self,
+        joint_positions: Mapping[str, float] | None = None,
+        keyframe: str | None = None,
     ) -> Simulation:
         """Put the world back to its start; earlier set-points and goals are void.
 
         Args:
             joint_positions: Joint name to position [rad or m]; the other joints go
-                back to where they began.
+                to the keyframe, or back to where they began.
+            keyframe: Name of a pose to begin at; `get` lists the names.
         """
         request = ResetRequest(joint_positions=dict(joint_positions or {}))
+        if keyframe is not None:
+            request = request.model_copy(update={"keyframe": keyframe})
         path = f"{_PATH}/reset"
         return await self._connection.send("POST", path, Simulation, request)

@@ -8,50 +8,27 @@ from typing import Self
 import httpx
 from pydantic import JsonValue
 
+from station import wire
+from station.client._async.collecting import collect
 from station.client._async.connection import AsyncConnection
+from station.client._async.gain_sets_client import AsyncGainSetsClient
+from station.client._async.goal_handle import AsyncGoalHandle
+from station.client._async.motion import move_to_pose, start_move
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
-from station.client.routes import Restart, Strictness, segment
-from station.client.stream_options import Rate, StreamOptions
-from station.wire import (
-    ArmReport,
-    Arms,
-    CommandAccepted,
-    CommandInfo,
-    CommandRequest,
-    Controllers,
-    ControllerSample,
-    ControllerState,
-    ControllerType,
-    ControllerTypes,
-    DesiredState,
-    Gains,
-    GainsChange,
-    GainsPatch,
-    Goal,
-    GoalRequest,
-    Goals,
-    Hardware,
-    Health,
-    JointStates,
-    LoadRequest,
-    LoopReport,
-    Ready,
-    Recoveries,
-    RecoveryRequest,
-    ReleaseRequest,
-    Scene,
-    SceneObject,
-    Session,
-    Status,
-    StopRequest,
-    StopState,
-    StreamTicket,
-    SwitchRequest,
-    SwitchResult,
-    TrajectoryRequest,
+from station.client.notebook import describe
+from station.client.poses import Pose, Target
+from station.client.routes import (
+    Restart,
+    Strictness,
+    controller_path,
+    goal_path,
+    segment,
 )
+from station.client.samples import Samples
+from station.client.stream_options import Rate, StreamOptions
+from station.local.station_locator import locate
 from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
 
@@ -70,25 +47,33 @@ class AsyncStationClient:
     near and its token must not travel through a proxy.
 
     Args:
-        url: The station, e.g. `http://127.0.0.1:8000`.
-        token: Operator or viewer token; without one only `health` and `ready` work.
+        url: The station, e.g. `http://127.0.0.1:8000`. When None it is `STATION_URL`,
+            or else the only station of this user that runs on this machine.
+        token: Operator or viewer token. When None it is `STATION_TOKEN`, or else that
+            of a station on this machine; without one only `health` and `ready` work.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; for tests.
 
+    Raises:
+        NoStationError: No `url`, and no station or several on this machine.
+
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
+        gain_sets: Named sets of gains on the station's disk.
     """
 
     def __init__(
         self,
-        url: str = "http://127.0.0.1:8000",
+        url: str | None = None,
         token: str | None = None,
         *,
         timeout: float = 10.0,
         transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
+        url, token = locate(url, token)
         self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
+        self.gain_sets = AsyncGainSetsClient(self._connection)
 
     async def __aenter__(self) -> Self:
         return self
@@ -100,6 +85,10 @@ class AsyncStationClient:
         trace: TracebackType | None,
     ) -> None:
         await self.close()
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the station and where it is looked at."""
+        return describe(self.url, self._connection.token)
 
     @property
     def url(self) -> str:
@@ -115,7 +104,7 @@ class AsyncStationClient:
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
 
-    def move_to(self, url: str, token: str | None) -> None:
+    def talk_to(self, url: str, token: str | None) -> None:
         """Talk to another station from the next request on.
 
         A stream that was opened before goes on with the station it was opened at.
@@ -124,39 +113,41 @@ class AsyncStationClient:
             url: The station.
             token: Operator or viewer token.
         """
-        self._connection.move_to(url.rstrip("/"), token)
+        self._connection.talk_to(url.rstrip("/"), token)
 
     async def close(self) -> None:
         """Close the connections."""
         await self._connection.close()
 
-    async def health(self) -> Health:
+    async def health(self) -> wire.Health:
         """Return the boot_id of the process, which lives."""
-        return await self._connection.get("/health", Health)
+        return await self._connection.get("/health", wire.Health)
 
-    async def ready(self) -> Ready:
+    async def ready(self) -> wire.Ready:
         """Return when the loop runs with fresh cycles; an error says why not."""
-        return await self._connection.get("/ready", Ready)
+        return await self._connection.get("/ready", wire.Ready)
 
-    async def session(self) -> Session:
+    async def session(self) -> wire.Session:
         """Return which role the token has."""
-        return await self._connection.get("/session", Session)
+        return await self._connection.get("/session", wire.Session)
 
-    async def status(self) -> Status:
+    async def status(self) -> wire.Status:
         """Return the station at a glance."""
-        return await self._connection.get("/status", Status)
+        return await self._connection.get("/status", wire.Status)
 
-    async def hardware(self) -> Hardware:
+    async def hardware(self) -> wire.Hardware:
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
-        return await self._connection.get("/hardware", Hardware)
+        return await self._connection.get("/hardware", wire.Hardware)
 
-    async def controllers(self) -> list[ControllerState]:
+    async def controllers(self) -> list[wire.ControllerState]:
         """Return all loaded controllers."""
-        return (await self._connection.get("/controllers", Controllers)).controllers
+        return (
+            await self._connection.get("/controllers", wire.Controllers)
+        ).controllers
 
-    async def controller(self, name: str) -> ControllerState:
+    async def controller(self, name: str) -> wire.ControllerState:
         """Return one controller."""
-        return await self._connection.get(_controller(name), ControllerState)
+        return await self._connection.get(controller_path(name), wire.ControllerState)
 
     async def load_controller(
         self,
@@ -165,7 +156,7 @@ class AsyncStationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
-    ) -> ControllerState:
+    ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
 
         Args:
@@ -181,18 +172,18 @@ class AsyncStationClient:
             "params": params,
             "timeout": timeout,
         }
-        request = LoadRequest.model_validate({
+        request = wire.LoadRequest.model_validate({
             key: value for key, value in given.items() if value is not None
         })
         patience = LOAD_TIMEOUT if timeout is None else timeout
         return await self._connection.send(
-            "POST", "/controllers", ControllerState, request, patience=patience
+            "POST", "/controllers", wire.ControllerState, request, patience=patience
         )
 
-    async def unload_controller(self, name: str) -> ControllerState:
+    async def unload_controller(self, name: str) -> wire.ControllerState:
         """Unload a stopped controller, or cancel its loading; return its last state."""
-        path = _controller(name)
-        return await self._connection.send("DELETE", path, ControllerState)
+        path = controller_path(name)
+        return await self._connection.send("DELETE", path, wire.ControllerState)
 
     async def switch_controllers(
         self,
@@ -204,7 +195,7 @@ class AsyncStationClient:
         timeout: float = 0.0,
         bound: float | None = SWITCH_BOUND,
         dry_run: bool = False,
-    ) -> SwitchResult:
+    ) -> wire.SwitchResult:
         """Start and stop controllers in one cycle.
 
         Args:
@@ -218,7 +209,7 @@ class AsyncStationClient:
                 means as long as the hardware takes.
             dry_run: Only return what would happen.
         """
-        request = SwitchRequest(
+        request = wire.SwitchRequest(
             start=list(start),
             stop=list(stop),
             strictness=strictness,
@@ -229,16 +220,16 @@ class AsyncStationClient:
         )
         patience = timeout or (math.inf if bound is None else bound)
         return await self._connection.send(
-            "POST", "/controllers/switch", SwitchResult, request, patience=patience
+            "POST", "/controllers/switch", wire.SwitchResult, request, patience=patience
         )
 
-    async def gains(self, name: str) -> Gains:
+    async def gains(self, name: str) -> wire.Gains:
         """Return a controller's gains, their units and ranges, and their ETag."""
-        return await self._connection.get(_controller(name, "gains"), Gains)
+        return await self._connection.get(controller_path(name, "gains"), wire.Gains)
 
     async def set_gains(
         self, name: str, values: Mapping[str, float], etag: str | None = None
-    ) -> GainsChange:
+    ) -> wire.GainsChange:
         """Change gains in one cycle; the others keep their value.
 
         Args:
@@ -246,15 +237,20 @@ class AsyncStationClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        path, request = _controller(name, "gains"), GainsPatch(values=dict(values))
+        path, request = (
+            controller_path(name, "gains"),
+            wire.GainsPatch(values=dict(values)),
+        )
         headers = {} if etag is None else {"If-Match": etag}
         return await self._connection.send(
-            "PATCH", path, GainsChange, request, headers=headers
+            "PATCH", path, wire.GainsChange, request, headers=headers
         )
 
-    async def last_command(self, name: str) -> CommandInfo:
+    async def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""
-        return await self._connection.get(_controller(name, "command"), CommandInfo)
+        return await self._connection.get(
+            controller_path(name, "command"), wire.CommandInfo
+        )
 
     async def command(
         self,
@@ -263,7 +259,7 @@ class AsyncStationClient:
         epoch: int | None = None,
         timeout: float | None = None,
         rates: Sequence[float] | None = None,
-    ) -> CommandAccepted:
+    ) -> wire.CommandAccepted:
         """Send a set-point.
 
         Args:
@@ -275,22 +271,24 @@ class AsyncStationClient:
             rates: How fast the set-point changes [rad/s or m/s], for controllers that
                 feed this forward.
         """
-        request = CommandRequest(
+        request = wire.CommandRequest(
             command=list(values),
             epoch=epoch,
             timeout=timeout,
             rates=None if rates is None else list(rates),
         )
-        path = _controller(name, "command")
-        return await self._connection.send("PUT", path, CommandAccepted, request)
+        path = controller_path(name, "command")
+        return await self._connection.send("PUT", path, wire.CommandAccepted, request)
 
-    async def controller_state(self, name: str) -> ControllerSample:
+    async def controller_state(self, name: str) -> wire.ControllerSample:
         """Return what a controller did in the last cycle."""
-        return await self._connection.get(_controller(name, "state"), ControllerSample)
+        return await self._connection.get(
+            controller_path(name, "state"), wire.ControllerSample
+        )
 
     async def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
-    ) -> Goal:
+    ) -> wire.Goal:
         """Give a running controller a goal; it replaces the one before.
 
         Args:
@@ -299,29 +297,33 @@ class AsyncStationClient:
             epoch: Refuse when a stop or reset came since that epoch.
         """
         path, request = (
-            _controller(name, "goals"),
-            GoalRequest(goal=dict(goal), epoch=epoch),
+            controller_path(name, "goals"),
+            wire.GoalRequest(goal=dict(goal), epoch=epoch),
         )
-        return await self._connection.send("POST", path, Goal, request)
+        return await self._connection.send("POST", path, wire.Goal, request)
 
-    async def goals(self, name: str) -> list[Goal]:
+    async def goals(self, name: str) -> list[wire.Goal]:
         """Return a controller's latest goals, oldest first."""
-        return (await self._connection.get(_controller(name, "goals"), Goals)).goals
+        return (
+            await self._connection.get(controller_path(name, "goals"), wire.Goals)
+        ).goals
 
-    async def goal(self, name: str, goal_id: str) -> Goal:
+    async def goal(self, name: str, goal_id: str) -> wire.Goal:
         """Return a goal: its progress, or how and why it ended."""
-        return await self._connection.get(_goal(name, goal_id), Goal)
+        return await self._connection.get(goal_path(name, goal_id), wire.Goal)
 
-    async def cancel_goal(self, name: str, goal_id: str) -> Goal:
+    async def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
         """Cancel a goal; the joints hold from the next cycle on."""
-        return await self._connection.send("DELETE", _goal(name, goal_id), Goal)
+        return await self._connection.send(
+            "DELETE", goal_path(name, goal_id), wire.Goal
+        )
 
     async def follow_trajectory(
         self,
         name: str,
         trajectory: Mapping[str, JsonValue],
         epoch: int | None = None,
-    ) -> CommandAccepted:
+    ) -> wire.CommandAccepted:
         """Let a running controller follow a trajectory without a goal.
 
         Args:
@@ -330,11 +332,13 @@ class AsyncStationClient:
                 joints stop and hold.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        request = TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
-        path = _controller(name, "trajectory")
-        return await self._connection.send("POST", path, CommandAccepted, request)
+        request = wire.TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
+        path = controller_path(name, "trajectory")
+        return await self._connection.send("POST", path, wire.CommandAccepted, request)
 
-    async def query_state(self, name: str, time: float | None = None) -> DesiredState:
+    async def query_state(
+        self, name: str, time: float | None = None
+    ) -> wire.DesiredState:
         """Return the desired joint state of a trajectory controller.
 
         Args:
@@ -342,71 +346,187 @@ class AsyncStationClient:
             time: Station time [s]; now when None.
         """
         query = None if time is None else {"time": repr(time)}
-        path = _controller(name, "query_state")
-        return await self._connection.get(path, DesiredState, query)
+        path = controller_path(name, "query_state")
+        return await self._connection.get(path, wire.DesiredState, query)
 
-    async def joint_states(self) -> JointStates:
+    async def start_goal(
+        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+    ) -> AsyncGoalHandle:
+        """Give a controller a goal, as `submit_goal`, to wait for or to cancel.
+
+        Args:
+            name: The controller.
+            goal: The goal message of its action, times in seconds.
+            epoch: Refuse when a stop or reset came since that epoch.
+        """
+        answer = await self.submit_goal(name, goal, epoch)
+        return AsyncGoalHandle(self, name, answer)
+
+    async def start_move(
+        self, target: Target, *, duration: float | None = None, controller: str = ""
+    ) -> AsyncGoalHandle:
+        """Begin to move joints, to wait for the end or to cancel.
+
+        A trajectory controller does it. One is started if none runs, and controllers
+        that hold the joints are stopped in the same cycle.
+
+        Args:
+            target: Name of a pose (`ready`, `stretched`), one position per joint of the
+                controller, or positions by joint [rad or m]; other joints stay.
+            duration: How long the motion takes [s]; a calm one when None.
+            controller: The trajectory controller; found when empty.
+        """
+        return await start_move(self, target, duration=duration, controller=controller)
+
+    async def move_to(
+        self,
+        target: Target | Pose,
+        *,
+        duration: float | None = None,
+        timeout: float | None = None,
+    ) -> None:
+        """Move the arm and wait until it is there.
+
+        Args:
+            target: As for `start_move`; or a `Pose` of a Franka's end effector, which
+                its Cartesian streaming controller moves along a straight line.
+            duration: How long a motion of joints takes [s]; a calm one when None.
+            timeout: Longest wait [s]; None waits for ever.
+
+        Raises:
+            MotionError: The arm did not arrive, and why.
+            ValueError: A motion to a `Pose` was given a duration.
+        """
+        if not isinstance(target, Pose):
+            await (await self.start_move(target, duration=duration)).wait(timeout)
+            return
+        if duration is not None:
+            raise ValueError(
+                "A motion to a Pose takes no duration; the limits of its controller "
+                "say how fast it is."
+            )
+        await move_to_pose(self, target, timeout)
+
+    async def collect(
+        self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
+    ) -> Samples:
+        """Return what a topic streams for some seconds, as NumPy arrays.
+
+        Args:
+            seconds: How much station time, > 0 [s].
+            topic: As for `stream`.
+            rate: Samples per second [Hz], or "full" for every cycle of `joint_states`
+                and `controller_state/<name>`.
+
+        Raises:
+            StreamTimeoutError: Nothing comes, e.g. because the simulation is paused.
+        """
+        return await collect(self, seconds, topic, rate)
+
+    async def joint_states(self) -> wire.JointStates:
         """Return the joints of the last cycle."""
-        return await self._connection.get("/joint_states", JointStates)
+        return await self._connection.get("/joint_states", wire.JointStates)
 
-    async def controller_types(self) -> list[ControllerType]:
+    async def controller_types(self) -> list[wire.ControllerType]:
         """Return the types of controllers that can be loaded."""
-        return (
-            await self._connection.get("/controller-types", ControllerTypes)
-        ).controller_types
+        path = "/controller-types"
+        return (await self._connection.get(path, wire.ControllerTypes)).controller_types
 
-    async def robots(self) -> list[ArmReport]:
+    async def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
+        """Let the next load of each type read its Python module anew.
+
+        Args:
+            force_kill: Stop and unload all controllers first.
+
+        Returns:
+            Names of the controllers that were unloaded.
+        """
+        path = "/controller-types/reload"
+        request = wire.ReloadRequest(force_kill=force_kill)
+        answer = await self._connection.send(
+            "POST", path, wire.Reloaded, request, patience=SWITCH_BOUND
+        )
+        return answer.unloaded
+
+    async def parameter(self, path: str = "") -> JsonValue:
+        """Return a parameter or a namespace; without a path the whole tree.
+
+        Args:
+            path: Names separated by `/`.
+        """
+        return (await self._connection.get(_parameter(path), wire.Parameter)).value
+
+    async def set_parameter(self, path: str, value: JsonValue) -> None:
+        """Set a parameter; controllers that are loaded afterwards read it.
+
+        Args:
+            path: Names separated by `/`.
+            value: Any JSON; an object replaces the whole namespace.
+        """
+        request = wire.ParameterRequest(value=value)
+        await self._connection.send("PUT", _parameter(path), wire.Parameter, request)
+
+    async def delete_parameter(self, path: str) -> JsonValue:
+        """Delete a parameter or a namespace; return what it was."""
+        found = await self._connection.send("DELETE", _parameter(path), wire.Parameter)
+        return found.value
+
+    async def robots(self) -> list[wire.ArmReport]:
         """Return all arms with modes and errors, and what to do about the errors."""
-        return (await self._connection.get("/robots", Arms)).robots
+        return (await self._connection.get("/robots", wire.Arms)).robots
 
-    async def recover_all(self, restart: Restart = "none") -> Recoveries:
+    async def recover_all(self, restart: Restart = "none") -> wire.Recoveries:
         """Clear the errors of all arms; with `previous` start controllers again."""
-        path, request = "/robots/error_recovery", RecoveryRequest(restart=restart)
+        path, request = "/robots/error_recovery", wire.RecoveryRequest(restart=restart)
         return await self._connection.send(
-            "POST", path, Recoveries, request, patience=5.0
+            "POST", path, wire.Recoveries, request, patience=5.0
         )
 
-    def robot(self, arm_id: str) -> AsyncRobotClient:
+    def robot(self, arm_id: str = "panda") -> AsyncRobotClient:
         """Return the client of one arm."""
         return AsyncRobotClient(self._connection, arm_id)
 
-    async def scene(self) -> list[SceneObject]:
+    async def scene(self) -> list[wire.SceneObject]:
         """Return the objects around a simulated robot, where they are now."""
-        return (await self._connection.get("/scene", Scene)).objects
+        return (await self._connection.get("/scene", wire.Scene)).objects
 
-    async def loop(self) -> LoopReport:
+    async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
-        return await self._connection.get("/loop", LoopReport)
+        return await self._connection.get("/loop", wire.LoopReport)
 
-    async def reset_loop_statistics(self) -> LoopReport:
+    async def reset_loop_statistics(self) -> wire.LoopReport:
         """Reset the loop's statistics."""
-        return await self._connection.send("POST", "/loop/statistics/reset", LoopReport)
+        return await self._connection.send(
+            "POST", "/loop/statistics/reset", wire.LoopReport
+        )
 
-    async def stop_state(self) -> StopState:
+    async def stop_state(self) -> wire.StopState:
         """Return the state of the latched stop."""
-        return await self._connection.get("/stop", StopState)
+        return await self._connection.get("/stop", wire.StopState)
 
-    async def stop(self, reason: str = "") -> StopState:
+    async def stop(self, reason: str = "") -> wire.StopState:
         """Stop the robot; it stays stopped until released.
 
         Args:
             reason: For the record.
         """
-        request = StopRequest(reason=reason)
-        return await self._connection.send("POST", "/stop", StopState, request)
+        request = wire.StopRequest(reason=reason)
+        return await self._connection.send("POST", "/stop", wire.StopState, request)
 
-    async def release_stop(self, *, arm: bool = False) -> StopState:
+    async def release_stop(self, *, arm: bool = False) -> wire.StopState:
         """Release a stop, in two steps; nothing resumes by itself.
 
         Args:
             arm: False, first: the cause is gone. True, afterwards: allow motion again.
         """
-        request = ReleaseRequest(arm=arm)
-        return await self._connection.send("POST", "/stop/release", StopState, request)
+        request = wire.ReleaseRequest(arm=arm)
+        return await self._connection.send(
+            "POST", "/stop/release", wire.StopState, request
+        )
 
-    async def stream_ticket(self) -> StreamTicket:
+    async def stream_ticket(self) -> wire.StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
-        return await self._connection.send("POST", "/stream-tickets", StreamTicket)
+        return await self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
 
     def stream(
         self,
@@ -416,7 +536,9 @@ class AsyncStationClient:
         fields: Sequence[str] = (),
         reconnect: bool = True,
     ) -> AsyncStream:
-        """Return a stream of a topic to iterate over, in asyncio with `async for`.
+        """Return a stream of a topic: iterate over it, or wait for a frame.
+
+        `with` (`async with`) connects at once, within `timeout`, or raises.
 
         Args:
             topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
@@ -427,15 +549,17 @@ class AsyncStationClient:
         """
         return AsyncStream(
             StreamOptions(
-                self.url, self._connection.token, topic, rate, tuple(fields), reconnect
+                self.url,
+                self._connection.token,
+                topic,
+                rate,
+                tuple(fields),
+                reconnect,
+                self.timeout,
             )
         )
 
 
-def _controller(name: str, rest: str = "") -> str:
-    path = f"/controllers/{segment(name)}"
-    return f"{path}/{rest}" if rest else path
-
-
-def _goal(name: str, goal_id: str) -> str:
-    return f"{_controller(name, 'goals')}/{segment(goal_id)}"
+def _parameter(path: str) -> str:
+    parts = [segment(part) for part in path.split("/") if part]
+    return "/".join(["/parameters", *parts])

@@ -53,7 +53,7 @@ class Connection:
         """Close the connections."""
         self._http.close()
 
-    def move_to(self, url: str, token: str | None) -> None:
+    def talk_to(self, url: str, token: str | None) -> None:
         """Send to another station from the next request on.
 
         Args:

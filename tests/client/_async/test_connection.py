@@ -17,8 +17,8 @@ CONTROLLER = {
     "type": "t/T",
     "state": "initialized",
     "claimed_resources": [],
-    "fault": "",
-    "traceback": "",
+    "fault": None,
+    "traceback": None,
     "fallback": [],
     "time": {"p50": 0.0, "p99": 0.0, "p999": 0.0, "max": 0.0, "count": 0},
 }
@@ -109,9 +109,9 @@ def test_a_client_moves_to_another_station():
         transport = httpx.MockTransport(answer)
         async with AsyncStationClient("http://old", "a", transport=transport) as client:
             await client.session()
-            client.move_to("http://new/", "b")
+            client.talk_to("http://new/", "b")
             await client.session()
-            client.move_to("http://open", None)
+            client.talk_to("http://open", None)
             await client.session()
             return client.url, client.stream("loop").options.token
 
@@ -128,7 +128,9 @@ def test_the_timeout_can_be_changed():
 
     async def ask():
         transport = httpx.MockTransport(answer)
-        async with AsyncStationClient(transport=transport, timeout=3.0) as client:
+        async with AsyncStationClient(
+            "http://a", "t", transport=transport, timeout=3.0
+        ) as client:
             await client.session()
             client.timeout = 0.5
             await client.session()

@@ -88,7 +88,7 @@ def test_a_client_can_move_to_another_station(served):
         async with AsyncStationClient("http://127.0.0.1:9", "old") as client:
             with pytest.raises(StationUnreachableError):
                 await client.session()
-            client.move_to(served.url, VIEWER)
+            client.talk_to(served.url, VIEWER)
             return (await client.session()).role
 
     assert asyncio.run(run()) == "viewer"

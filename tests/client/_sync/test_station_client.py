@@ -24,7 +24,7 @@ def test_a_silent_server_is_given_up():
         raise httpx.ReadTimeout("timed out", request=request)
 
     with (
-        StationClient(transport=httpx.MockTransport(wait)) as client,
+        StationClient("http://a", "t", transport=httpx.MockTransport(wait)) as client,
         pytest.raises(StationUnreachableError, match="timed out"),
     ):
         client.status()
@@ -38,7 +38,9 @@ def test_a_switch_waits_for_its_own_timeout_too():
         (example,) = SwitchResult.model_config["json_schema_extra"]["examples"]
         return httpx.Response(200, json=example)
 
-    with StationClient(transport=httpx.MockTransport(answer), timeout=3.0) as client:
+    with StationClient(
+        "http://a", "t", transport=httpx.MockTransport(answer), timeout=3.0
+    ) as client:
         client.switch_controllers(start=["a"], timeout=5.0)
         client.switch_controllers(start=["a"])
         client.switch_controllers(start=["a"], bound=20.0)
@@ -51,7 +53,9 @@ def test_keys_of_a_newer_station_are_ignored():
     def answer(_):
         return httpx.Response(200, json={"status": "ok", "boot_id": "b", "new": 1})
 
-    with StationClient(transport=httpx.MockTransport(answer)) as client:
+    with StationClient(
+        "http://a", "t", transport=httpx.MockTransport(answer)
+    ) as client:
         assert client.health().boot_id == "b"
 
 

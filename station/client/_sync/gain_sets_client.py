@@ -1,0 +1,73 @@
+# Generated from _async/gain_sets_client.py by tools/generate_client.py.
+"""The client of a station's gain sets."""
+
+from collections.abc import Mapping, Sequence
+
+from station.client._sync.connection import Connection
+from station.client.routes import segment
+from station.wire import GainsChange, GainsChanges, GainSet, GainSetRequest, GainSets
+
+_PATH = "/gain-sets"
+
+
+class GainSetsClient:
+    """Named sets of gains on the station's disk: `client.gain_sets`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+
+    def names(self) -> list[str]:
+        """Return the names of the saved sets."""
+        return (self._connection.get(_PATH, GainSets)).gain_sets
+
+    def get(self, name: str) -> GainSet:
+        """Return a set, and where it differs from the gains in force."""
+        return self._connection.get(_path(name), GainSet)
+
+    def save(self, name: str, controllers: Sequence[str] | None = None) -> GainSet:
+        """Save the gains in force under a name; a set of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+            controllers: Whose gains; those of all loaded controllers when None.
+        """
+        request = _chosen(controllers)
+        return self._connection.send("PUT", _path(name), GainSet, request)
+
+    def delete(self, name: str) -> GainSet:
+        """Delete a set; return what it was."""
+        return self._connection.send("DELETE", _path(name), GainSet)
+
+    def apply(
+        self, name: str, controllers: Sequence[str] | None = None
+    ) -> Mapping[str, GainsChange]:
+        """Put a set into force in one cycle; return the change of each controller.
+
+        Args:
+            name: The set.
+            controllers: Whose gains; those of all controllers of the set when None.
+        """
+        path, request = f"{_path(name)}/apply", _chosen(controllers)
+        answer = self._connection.send("POST", path, GainsChanges, request)
+        return answer.changes
+
+    def undo(self) -> Mapping[str, GainsChange]:
+        """Take the last change of gains back; return the change of each controller."""
+        answer = self._connection.send("POST", f"{_PATH}/undo", GainsChanges)
+        return answer.changes
+
+
+def _path(name: str) -> str:
+    return f"{_PATH}/{segment(name)}"
+
+
+def _chosen(controllers: Sequence[str] | None) -> GainSetRequest:
+    if controllers is None:
+        return GainSetRequest()
+    return GainSetRequest(controllers=list(controllers))

@@ -1,0 +1,64 @@
+"""What a notebook shows of a client."""
+
+from html import escape
+from typing import TypeVar
+
+import httpx
+from pydantic import BaseModel, ValidationError
+
+from station.client.routes import PREFIX
+from station.client.stream_options import bearer
+from station.wire import Controllers, JointStates, Status
+
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+TIMEOUT = 1.0
+"""Longest wait for the station [s]; a cell of a notebook must not hang."""
+
+
+def describe(
+    url: str, token: str | None, transport: httpx.BaseTransport | None = None
+) -> str:
+    """Return HTML: the station, what runs there, and where the joints are.
+
+    Args:
+        url: The station.
+        token: Operator or viewer token.
+        transport: How requests travel; httpx's own when None.
+    """
+    title = f"<b>Station</b> <a href='{escape(url)}/docs'>{escape(url)}</a>"
+    try:
+        with httpx.Client(
+            base_url=url + PREFIX,
+            headers=bearer(token),
+            timeout=TIMEOUT,
+            transport=transport,
+            trust_env=False,
+        ) as http:
+            status = _ask(http, "/status", Status)
+            controllers = _ask(http, "/controllers", Controllers)
+            joints = _ask(http, "/joint_states", JointStates)
+    except (httpx.HTTPError, ValidationError) as error:
+        return f"{title}: no answer ({escape(str(error))})"
+    running = [c.name for c in controllers.controllers if c.state == "running"]
+    facts = f"{status.robot_mode}, stop {status.stop_state}, epoch {status.epoch}"
+    rows = "".join(
+        f"<tr><td>{escape(name)}</td><td>{_number(q)}</td><td>{_number(dq)}</td></tr>"
+        for name, q, dq in zip(
+            joints.name, joints.position, joints.velocity, strict=False
+        )
+    )
+    names = escape(", ".join(running) or "nothing")
+    return (
+        f"{title}: {escape(facts)}<br>running: {names}"
+        "<table><tr><th>joint</th><th>position</th><th>velocity</th></tr>"
+        f"{rows}</table>"
+    )
+
+
+def _ask(http: httpx.Client, path: str, model: type[ModelT]) -> ModelT:
+    return model.model_validate_json(http.get(path).raise_for_status().content)
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.4f}"

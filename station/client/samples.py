@@ -1,0 +1,146 @@
+"""Samples of a stream as NumPy arrays, and as a table where pandas is installed."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from station.wire import StreamFrame
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Array = NDArray[np.float64]
+
+
+class Samples(Mapping[str, Array]):
+    """Numbers of a topic over time: `samples["position"]`, shape (n, joints).
+
+    Args:
+        topic: What was streamed.
+
+    Attributes:
+        topic: What was streamed.
+        names: What the columns of the arrays belong to, usually joints.
+        lost: How many cycles were lost on the way.
+    """
+
+    def __init__(self, topic: str) -> None:
+        self.topic = topic
+        self.names: tuple[str, ...] = ()
+        self.lost = 0
+        self._stamps: list[float] = []
+        self._samples: list[Mapping[str, object]] = []
+        self._widths: dict[str, int | None] = {}
+
+    @property
+    def stamp(self) -> Array:
+        """Station time of each sample [s], shape (n,)."""
+        return np.array(self._stamps)
+
+    @property
+    def duration(self) -> float:
+        """Station time from the first sample to the last one [s]."""
+        return self._stamps[-1] - self._stamps[0] if self._stamps else 0.0
+
+    def add(self, frame: StreamFrame) -> None:
+        """Append the samples of a frame.
+
+        Args:
+            frame: A frame of the topic, with one sample or a batch of them.
+        """
+        data = frame.data
+        names = data.get("name")
+        if isinstance(names, list):
+            self.names = tuple(map(str, names))
+        lost = data.get("lost")
+        self.lost += lost if isinstance(lost, int) else 0
+        batch = data.get("samples", [data])
+        for sample in batch if isinstance(batch, list) else ():
+            if isinstance(sample, dict):
+                self._append(sample, frame.stamp)
+
+    def cut(self, seconds: float) -> None:
+        """Forget what is later than some seconds after the first sample.
+
+        Args:
+            seconds: Station time [s].
+        """
+        first = self._stamps[0] if self._stamps else 0.0
+        # Half a nanosecond: stamps are sums of periods.
+        count = sum(stamp - first <= seconds + 5e-10 for stamp in self._stamps)
+        del self._stamps[count:], self._samples[count:]
+
+    def frame(self) -> "DataFrame":
+        """Return a table with one row per sample, by stamp, and a column per number.
+
+        Columns are named like `position/panda_joint1`.
+
+        Raises:
+            ModuleNotFoundError: pandas is not installed: `pip install pandas`.
+        """
+        try:
+            from pandas import DataFrame, Index
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(
+                "A table needs pandas: pip install pandas.", name="pandas"
+            ) from error
+
+        columns: dict[str, Array] = {}
+        for key, array in self.items():
+            if array.ndim == 1:
+                columns[key] = array
+                continue
+            named = len(self.names) == array.shape[1]
+            labels = self.names if named else tuple(map(str, range(array.shape[1])))
+            columns |= {
+                f"{key}/{label}": array[:, column]
+                for column, label in enumerate(labels)
+            }
+        return DataFrame(columns, index=Index(self.stamp, name="stamp"))
+
+    @override
+    def __getitem__(self, key: str) -> Array:
+        """Return one quantity, shape (n, k), or (n,) if it is one number.
+
+        NaN stands where a sample has no number.
+        """
+        width = self._widths[key]
+        absent = None if width is None else [None] * width
+        rows = [sample.get(key, absent) for sample in self._samples]
+        return np.array(rows, dtype=np.float64)
+
+    @override
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._widths)
+
+    @override
+    def __len__(self) -> int:
+        return len(self._widths)
+
+    @override
+    def __repr__(self) -> str:
+        return (
+            f"<{len(self._stamps)} samples of {self.topic} over {self.duration:.3f} s: "
+            f"{', '.join(self._widths)}>"
+        )
+
+    def _append(self, sample: Mapping[str, object], stamp: float) -> None:
+        own = sample.get("stamp", stamp)
+        self._stamps.append(own if isinstance(own, float) else stamp)
+        self._samples.append(sample)
+        for key, value in sample.items():
+            if key not in {"stamp", "name"} and _is_numeric(value):
+                width = len(value) if isinstance(value, list) else None
+                self._widths.setdefault(key, width)
+
+
+def _is_numeric(value: object) -> bool:
+    """Return whether a value is a number, null, or a list of numbers and nulls."""
+    if isinstance(value, list):
+        return bool(value) and all(
+            item is None or isinstance(item, int | float) for item in value
+        )
+    return isinstance(value, int | float)
