@@ -4,8 +4,9 @@ import argparse
 from pathlib import Path
 
 import station
-
-Parser = argparse.ArgumentParser
+from station.cli.gripper_arguments import add_gripper_verb
+from station.cli.parser import Parser
+from station.cli.tuning_arguments import add_tuning_verbs
 
 DESCRIPTION = """\
 Run a control station and talk to one. A verb may be written with dashes or underscores.
@@ -30,18 +31,19 @@ def build_parser() -> Parser:
     parser.add_argument(
         "--version", action="version", version=f"station {station.__version__}"
     )
-    verbs = _Verbs(parser)
+    verbs = Verbs(parser)
     _add_station_verbs(verbs)
     _add_controller_verbs(verbs)
     _add_switch_verbs(verbs)
-    _add_gains(verbs)
+    add_tuning_verbs(verbs)
     _add_motion_verbs(verbs)
+    add_gripper_verb(verbs)
     _add_simulation_verbs(verbs)
     _add_robot(verbs)
     return parser
 
 
-class _Verbs:
+class Verbs:
     """Adds verbs to a parser."""
 
     def __init__(self, parser: Parser) -> None:
@@ -76,7 +78,7 @@ class _Verbs:
         return parser
 
 
-def _add_station_verbs(verbs: _Verbs) -> None:
+def _add_station_verbs(verbs: Verbs) -> None:
     run = verbs.add("run", "run:run", "run a station until Ctrl-C", is_client=False)
     run.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
     run.add_argument(
@@ -104,6 +106,12 @@ def _add_station_verbs(verbs: _Verbs) -> None:
         metavar="X",
         help="station over wall time, 0.01 to 100",
     )
+    run.add_argument(
+        "--log-format",
+        choices=("text", "json"),
+        default="text",
+        help="json: one object per line, requests that change something among them",
+    )
     ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
     ui.add_argument("--connect", metavar="URL", help="the same as --url")
     ui.add_argument("--host", default="127.0.0.1", help="address to listen at")
@@ -128,15 +136,14 @@ def _add_station_verbs(verbs: _Verbs) -> None:
     ui.add_argument(
         "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
     )
-    verbs.add(
-        "doctor",
-        "doctor:doctor",
-        "say whether this machine is fit for a station",
-        is_client=False,
-    )
+    for name, handler, summary in (
+        ("doctor", "doctor:doctor", "say whether this machine is fit for a station"),
+        ("fetch_robot", "robot_data:fetch_robot", "fetch the Panda, as `run` does"),
+    ):
+        verbs.add(name, handler, summary, is_client=False)
 
 
-def _add_controller_verbs(verbs: _Verbs) -> None:
+def _add_controller_verbs(verbs: Verbs) -> None:
     listing = verbs.add(
         "list_controllers",
         "controllers:list_controllers",
@@ -187,7 +194,7 @@ def _add_controller_verbs(verbs: _Verbs) -> None:
     unload.add_argument("name")
 
 
-def _add_switch_verbs(verbs: _Verbs) -> None:
+def _add_switch_verbs(verbs: Verbs) -> None:
     switch = verbs.add(
         "switch_controllers",
         "switching:switch_controllers",
@@ -205,25 +212,20 @@ def _add_switch_verbs(verbs: _Verbs) -> None:
     bound = "longest switch without a timeout, s; inf: no limit"
     switch.add_argument("--switch-bound", type=float, metavar="S", help=bound)
     switch.add_argument("--dry-run", action="store_true", help="only say what would be")
-    for name, summary in (
-        ("start", "start loaded controllers"),
-        ("spawn", "load and start controllers of the station's configuration"),
-        ("kill", "stop and unload controllers"),
+    for name, summary, aliases in (
+        ("start", "start loaded controllers", ()),
+        (
+            "spawn",
+            "load and start controllers of the station's configuration",
+            ("spawner",),
+        ),
+        ("kill", "stop and unload controllers", ()),
     ):
-        verb = verbs.add(name, f"switching:{name}", summary)
+        verb = verbs.add(name, f"switching:{name}", summary, aliases=aliases)
         verb.add_argument("names", nargs="+", metavar="NAME")
 
 
-def _add_gains(verbs: _Verbs) -> None:
-    gains = verbs.add("gains", "gains:gains", "show or set the gains of a controller")
-    gains.add_argument("action", choices=("show", "set"))
-    gains.add_argument("controller")
-    gains.add_argument(
-        "changes", nargs="*", metavar="NAME=VALUE", help="e.g. panda_joint1/p=500"
-    )
-
-
-def _add_simulation_verbs(verbs: _Verbs) -> None:
+def _add_simulation_verbs(verbs: Verbs) -> None:
     verbs.add("pause", "simulation:pause", "let simulated time stand still")
     verbs.add("resume", "simulation:resume", "let simulated time pass again")
     step = verbs.add("step", "simulation:step", "run some cycles while paused")
@@ -240,6 +242,7 @@ def _add_simulation_verbs(verbs: _Verbs) -> None:
         metavar="JOINT=POSITION",
         help="where a joint goes [rad or m], e.g. panda_joint1=0.5",
     )
+    reset.add_argument("--keyframe", metavar="POSE", help="a pose to start at")
 
 
 def _joint_position(text: str) -> tuple[str, float]:
@@ -257,7 +260,7 @@ def _joint_position(text: str) -> tuple[str, float]:
         ) from error
 
 
-def _add_motion_verbs(verbs: _Verbs) -> None:
+def _add_motion_verbs(verbs: Verbs) -> None:
     echo = verbs.add("echo", "streams:echo", "print what a topic says, until Ctrl-C")
     echo.add_argument("topic", help="joint_states, robot_state, controllers, loop, …")
     echo.add_argument("--rate", metavar="HZ", help="samples per second, or `full`")
@@ -293,7 +296,6 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
         action="store_true",
         help="start the controllers again that the error stopped",
     )
-    _add_gripper(verbs)
     release = verbs.add(
         "release", "motion:release", "take back a stop; nothing resumes by itself"
     )
@@ -302,7 +304,7 @@ def _add_motion_verbs(verbs: _Verbs) -> None:
     )
 
 
-def _add_robot(verbs: _Verbs) -> None:
+def _add_robot(verbs: Verbs) -> None:
     robot = verbs.add(
         "robot", "robot:robot", "list the services of a robot, or call one of them"
     )
@@ -316,30 +318,3 @@ def _add_robot(verbs: _Verbs) -> None:
         metavar="NAME=VALUE",
         help="arguments of the service; VALUE is JSON or text, e.g. mass=0.5",
     )
-
-
-def _add_gripper(verbs: _Verbs) -> None:
-    gripper = verbs.add(
-        "gripper",
-        "gripper:gripper",
-        "home, open, close or stop an arm's gripper, and wait until it is done",
-    )
-    gripper.add_argument(
-        "words",
-        nargs="+",
-        metavar="WORD",
-        help="[ARM] state, stop, homing, move WIDTH or grasp WIDTH FORCE [m], [N]; an "
-        "only arm needs no name",
-    )
-    gripper.add_argument(
-        "--speed", type=float, default=0.1, metavar="M/S", help="how fast it opens"
-    )
-    for name, how in (("inner", "narrower"), ("outer", "wider")):
-        gripper.add_argument(
-            f"--{name}",
-            type=float,
-            default=0.005,
-            metavar="M",
-            help=f"how much {how} than WIDTH what is grasped may be",
-        )
-    gripper.add_argument("--no-wait", action="store_true", help="only begin")

@@ -1,22 +1,28 @@
 """Errors of the command line, and how errors of all kinds are reported."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from station.core.errors import StationError
+
+EXTRAS: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("fastapi_offline", "orjson"), ("server",)),
+    **dict.fromkeys(
+        ("anyio", "fastapi", "msgspec", "starlette", "uvicorn"), ("server", "ui")
+    ),
+    **dict.fromkeys(("mujoco", "ruckig"), ("sim",)),
+    "trimesh": ("sim", "ui"),
+    **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
+    "gymnasium": ("gym",),
+}
+"""The extras of this distribution that bring a package which `station` imports."""
 
 
 class UsageError(StationError, ValueError):
     """The command line is wrong, or asks for something that cannot be done."""
 
     code = "usage"
-
-
-class NoStationError(StationError, LookupError):
-    """No running station was found, or more than one."""
-
-    code = "no_station"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +59,8 @@ def failure_of(error: Exception) -> Failure | None:
         return Failure(
             error.code, error.message, error.remedy, isinstance(error, UsageError)
         )
+    if isinstance(error, ModuleNotFoundError):
+        return _failure_of_missing(error)
     # The client's and pydantic's errors are known by their shape, because importing
     # these packages takes longer than most verbs.
     name = type(error).__name__
@@ -61,6 +69,22 @@ def failure_of(error: Exception) -> Failure | None:
     if name == "ValidationError":
         return _failure_of_validation(error)
     return None
+
+
+def _failure_of_missing(error: ModuleNotFoundError) -> Failure | None:
+    """Return how to report that a package of an extra is missing; None for others."""
+    package = (error.name or "").partition(".")[0]
+    extras = EXTRAS.get(package)
+    if extras is None:
+        return None
+    names = " or ".join(extras)
+    return Failure(
+        "missing_extra",
+        f"The package '{package}' is not installed; control-station brings it with the "
+        f"extra {names}.",
+        f"Install it with `pip install 'control-station[{extras[-1]}]'`, or all that "
+        "`station run` uses with `pip install 'control-station[all]'`.",
+    )
 
 
 def _failure_of_api(error: Any) -> Failure:  # noqa: ANN401 - station.client.ApiError

@@ -13,12 +13,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
+from station.kernel import STATUS
+from station.kernel.built import present_status
 
 PERIOD = 0.001
 """Period of the trial loop [s]."""
 GOOD_LATENESS, FAIR_LATENESS = 0.0003, 0.001
 """p99 of the wake-up lateness below which the clock is good, or fair [s]."""
-_PACKAGES = ("numpy", "mujoco", "example-robot-data", "fastapi", "uvicorn", "viser")
+_PACKAGES = ("numpy", "mujoco", "fastapi", "uvicorn", "viser")
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "firefox")
 _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 
@@ -141,6 +143,15 @@ def check_packages() -> Finding:
     return Finding("packages", "ok", ", ".join(found))
 
 
+def check_kernel() -> Finding:
+    """Report whether the arithmetic of the cycle runs compiled."""
+    status = present_status(STATUS)
+    if status.is_compiled or status.is_forced:
+        return Finding("kernel", "ok", status.text())
+    advice = "The station works, and each cycle takes longer than it would compiled."
+    return Finding("kernel", "warning", status.text(), advice)
+
+
 def check_browser() -> Finding:
     """Check for a browser, which the dashboard and its tests need."""
     for name in _BROWSERS:
@@ -166,6 +177,7 @@ def check_port(port: int) -> Finding:
 CHECKS: tuple[Callable[[], Finding], ...] = (
     check_python,
     check_packages,
+    check_kernel,
     check_processors,
     check_governor,
     check_scheduler,

@@ -14,6 +14,12 @@ def say(text: str) -> None:
     sys.stdout.write(f"{text}\n")
 
 
+def say_progress(text: str) -> None:
+    """Print a line to stderr, at once: it says what takes long."""
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()
+
+
 def say_json(data: object) -> None:
     """Print `data` as one line of JSON."""
     say(json.dumps(data))

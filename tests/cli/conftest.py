@@ -13,6 +13,7 @@ from station.wire import (
     DesiredState,
     Gains,
     GainsChange,
+    GainSet,
     Goal,
     Percentiles,
     Recoveries,
@@ -52,8 +53,53 @@ class FakeSimulation:
         self.paused = True
         return self._record("step", n)
 
-    def reset(self, joint_positions):
-        return self._record("reset", joint_positions)
+    def reset(self, joint_positions, keyframe):
+        named = () if keyframe is None else (keyframe,)
+        return self._record("reset", joint_positions, *named)
+
+
+class FakeGainSets:
+    """The gain sets of the fake station."""
+
+    def __init__(self, station):
+        self._station = station
+        self._set = GainSet.model_validate({
+            "name": "stiff",
+            "saved_at": "now",
+            "gains": {"arm": {"j1/p": 600.0}},
+            "differences": [
+                {"controller": "arm", "name": "j1/p", "saved": 600.0, "present": 5.0}
+            ],
+        })
+        self._change = GainsChange(
+            values={"j1/p": 600.0, "j1/d": 1.0},
+            previous={"j1/p": 5.0, "j1/d": 1.0},
+            revision=2,
+            cycle=9,
+        )
+
+    def names(self):
+        return ["soft", "stiff"]
+
+    def get(self, name):
+        self._station._record("get_set", name)
+        return self._set
+
+    def save(self, name, controllers):
+        self._station._record("save", name, controllers)
+        return self._set
+
+    def delete(self, name):
+        self._station._record("delete_set", name)
+        return self._set
+
+    def apply(self, name, controllers):
+        self._station._record("apply", name, controllers)
+        return {"arm": self._change}
+
+    def undo(self):
+        self._station._record("undo")
+        return {"arm": self._change}
 
 
 class FakeStation:
@@ -71,6 +117,7 @@ class FakeStation:
         self.trajectory_controllers: list[str] = []
         self.refusal: BaseException | None = None
         self.simulation = FakeSimulation(self)
+        self.gain_sets = FakeGainSets(self)
 
     def __enter__(self):
         return self
@@ -99,14 +146,29 @@ class FakeStation:
             type=GROUP,
             state=self.states[name],
             claimed_resources=claims,
-            fault=self.faults.get(name, ""),
-            traceback="",
+            fault=self.faults.get(name),
+            traceback=None,
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
 
     def controller_types(self):
         return [ControllerType(type=GROUP, base_class="Base")]
+
+    def parameter(self, path):
+        self._record("parameter", path)
+        return {"p": 1.0}
+
+    def set_parameter(self, path, value):
+        self._record("set_parameter", path, value)
+
+    def delete_parameter(self, path):
+        self._record("delete_parameter", path)
+        return 3
+
+    def reload_controller_types(self, *, force_kill):
+        self._record("reload", force_kill)
+        return ["arm"] if force_kill else []
 
     def query_state(self, name):
         if name in self.trajectory_controllers:

@@ -10,6 +10,7 @@ LINES = {
     "run": "run",
     "ui": "ui",
     "doctor": "doctor",
+    "fetch_robot": "fetch_robot",
     "list_controllers": "list_controllers -v --claimed-interfaces",
     "list": "list",
     "list_controller_types": "list_controller_types",
@@ -22,8 +23,11 @@ LINES = {
     "switch_controllers": "switch_controllers --activate a b --deactivate c",
     "start": "start a b",
     "spawn": "spawn a",
+    "spawner": "spawner arm",
     "kill": "kill a",
     "gains": "gains show arm",
+    "parameters": "parameters get",
+    "reload_controller_libraries": "reload_controller_libraries",
     "echo": "echo joint_states --rate full",
     "command": "command arm 1 2",
     "gripper": "gripper panda grasp 0.03 20 --inner 0.01 --no-wait",
@@ -58,7 +62,7 @@ def test_verb_is_parsed_and_has_its_function(verb):
     assert options.json is False
 
 
-@pytest.mark.parametrize("verb", sorted(set(LINES) - {"run", "doctor"}))
+@pytest.mark.parametrize("verb", sorted(set(LINES) - {"run", "doctor", "fetch_robot"}))
 def test_client_verbs_can_name_the_station(verb):
     line = f"{LINES[verb]} --url http://x --token t --json"
 

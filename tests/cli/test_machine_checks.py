@@ -3,10 +3,12 @@
 import os
 import shutil
 import socket
+from pathlib import Path
 
 import pytest
 
 from station.cli import machine_checks as checks
+from station.kernel import KernelStatus
 
 
 @pytest.mark.parametrize(
@@ -24,6 +26,31 @@ def test_clock_is_measured():
     finding = checks.check_clock(cycles=10)
 
     assert "p99" in finding.finding
+
+
+def test_an_interpreted_kernel_is_a_warning(monkeypatch):
+    status = KernelStatus("interpreted", "No C compiler was found.")
+    monkeypatch.setattr(checks, "STATUS", status)
+    monkeypatch.setattr(checks, "present_status", lambda found: found)
+
+    found = checks.check_kernel()
+
+    assert (found.state, found.finding) == ("warning", status.text())
+
+
+@pytest.mark.parametrize(
+    "status",
+    [
+        KernelStatus("compiled", "It fits.", Path("/kernel")),
+        KernelStatus("interpreted", "STATION_COMPILED=0 asks for it.", is_forced=True),
+    ],
+)
+def test_the_kernel_that_was_asked_for_is_no_warning(monkeypatch, status):
+    monkeypatch.setattr(checks, "STATUS", status)
+
+    found = checks.check_kernel()
+
+    assert (found.state, found.finding) == ("ok", status.text())
 
 
 def test_one_processor_is_a_warning(monkeypatch):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
+from station.cli.output import say, say_json, say_model, say_models, say_table
 
 if TYPE_CHECKING:
     from station.wire import ControllerState
@@ -47,7 +47,7 @@ def _row(controller: "ControllerState", headers: list[str]) -> list[str]:
         "state": controller.state,
         "claimed interfaces": "; ".join(claims) or "-",
         "p99 of update [us]": f"{time.p99 * 1e6:.0f}" if time.count else "-",
-        "fault": " ".join(controller.fault.split()) or "-",
+        "fault": " ".join((controller.fault or "-").split()),
     }
     return [cells[header] for header in headers]
 
@@ -107,4 +107,15 @@ def unload_controller(options: Namespace) -> int:
         say_model(state)
     else:
         say(f"Unloaded {state.name}.")
+    return 0
+
+
+def reload_controller_libraries(options: Namespace) -> int:
+    """Let the next load of each type read its Python module anew."""
+    with open_client(options) as client:
+        unloaded = client.reload_controller_types(force_kill=options.force_kill)
+    if options.json:
+        say_json(unloaded)
+    else:
+        say(f"Unloaded: {', '.join(unloaded) or 'no controller'}.")
     return 0

@@ -1,31 +1,47 @@
-"""Verb `gains`: look at and change run-time parameters."""
+"""Verb `gains`: look at and change run-time parameters, and sets of them."""
 
 from argparse import Namespace
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_table
+from station.cli.output import say, say_json, say_model, say_models, say_table
+
+if TYPE_CHECKING:
+    from station.client import StationClient
+    from station.wire import GainsChange
+
+
+Action = Callable[["StationClient", Namespace], int]
 
 
 def gains(options: Namespace) -> int:
-    """Show a controller's gains, or set some.
+    """Show or set the gains of a controller, or save, compare or apply a gain set.
 
     Raises:
-        UsageError: `set` has no changes, or `show` has some.
+        UsageError: A word is missing or too much.
     """
-    if (options.action == "set") != bool(options.changes):
+    action, needs_name, words = _ACTIONS[options.action]
+    is_wrong = (
+        (options.name is not None) != needs_name
+        or (words == "some" and not options.words)
+        or (words == "none" and options.words)
+    )
+    if is_wrong:
         raise UsageError(
-            f"`gains {options.action}` takes "
-            f"{'at least one' if options.action == 'set' else 'no'} NAME=VALUE.",
-            remedy="station gains set arm panda_joint1/p=500, or station gains show "
-            "arm to see the names.",
+            f"The words after `gains {options.action}` are too few or too many.",
+            remedy="station gains show arm, station gains set arm panda_joint1/p=500, "
+            "station gains save|load|diff|delete SET, station gains list|undo.",
         )
-    return _set(options) if options.action == "set" else _show(options)
-
-
-def _show(options: Namespace) -> int:
+    changes = options.action == "set" and dict(_parse(each) for each in options.words)
+    options.changes = changes or {}
     with open_client(options) as client:
-        found = client.gains(options.controller)
+        return action(client, options)
+
+
+def _show(client: "StationClient", options: Namespace) -> int:
+    found = client.gains(options.name)
     if options.json:
         say_model(found)
         return 0
@@ -37,23 +53,107 @@ def _show(options: Namespace) -> int:
     if rows:
         say_table(["gain", "value", "unit", "allowed"], rows)
     else:
-        say(f"{options.controller} has no gains.")
+        say(f"{options.name} has no gains.")
     return 0
 
 
-def _set(options: Namespace) -> int:
-    changes = dict(_parse(change) for change in options.changes)
-    with open_client(options) as client:
-        change = client.set_gains(options.controller, changes)
+def _set(client: "StationClient", options: Namespace) -> int:
+    change = client.set_gains(options.name, options.changes)
     if options.json:
         say_model(change)
         return 0
     rows = [
         [name, f"{change.previous[name]:g}", f"{change.values[name]:g}"]
-        for name in changes
+        for name in options.changes
     ]
     say_table(["gain", "before", "now"], rows)
     return 0
+
+
+def _list(client: "StationClient", options: Namespace) -> int:
+    names = client.gain_sets.names()
+    if options.json:
+        say_json(names)
+    elif names:
+        for name in names:
+            say(name)
+    else:
+        say("No gain sets are saved.")
+    return 0
+
+
+def _save(client: "StationClient", options: Namespace) -> int:
+    saved = client.gain_sets.save(options.name, options.words or None)
+    if options.json:
+        say_model(saved)
+        return 0
+    count = sum(len(values) for values in saved.gains.values())
+    say(f"Saved {count} gains of {', '.join(saved.gains) or 'no controller'}.")
+    return 0
+
+
+def _diff(client: "StationClient", options: Namespace) -> int:
+    found = client.gain_sets.get(options.name)
+    if options.json:
+        say_models(found.differences)
+        return 0
+    rows = [
+        [one.controller, one.name, _number(one.saved), _number(one.present)]
+        for one in found.differences
+    ]
+    if rows:
+        say_table(["controller", "gain", "saved", "present"], rows)
+    else:
+        say(f"The gain set {options.name} is in force.")
+    return 0
+
+
+def _delete(client: "StationClient", options: Namespace) -> int:
+    found = client.gain_sets.delete(options.name)
+    if options.json:
+        say_model(found)
+    else:
+        say(f"Deleted the gain set {options.name}.")
+    return 0
+
+
+def _load(client: "StationClient", options: Namespace) -> int:
+    return _tell(client.gain_sets.apply(options.name, options.words or None), options)
+
+
+def _undo(client: "StationClient", options: Namespace) -> int:
+    return _tell(client.gain_sets.undo(), options)
+
+
+def _tell(changes: Mapping[str, "GainsChange"], options: Namespace) -> int:
+    """Say what changed, of several controllers."""
+    if options.json:
+        say_json({name: change.model_dump() for name, change in changes.items()})
+        return 0
+    rows = [
+        [controller, name, _number(change.previous.get(name)), f"{value:g}"]
+        for controller, change in changes.items()
+        for name, value in change.values.items()
+        if change.previous.get(name) != value
+    ]
+    if rows:
+        say_table(["controller", "gain", "before", "now"], rows)
+    else:
+        say("No gain has changed.")
+    return 0
+
+
+_ACTIONS: Mapping[str, tuple[Action, bool, str]] = {
+    "show": (_show, True, "none"),
+    "set": (_set, True, "some"),
+    "list": (_list, False, "none"),
+    "save": (_save, True, "any"),
+    "load": (_load, True, "any"),
+    "diff": (_diff, True, "none"),
+    "delete": (_delete, True, "none"),
+    "undo": (_undo, False, "none"),
+}
+"""What each action does, whether it needs a name, and whether it takes more words."""
 
 
 def _parse(change: str) -> tuple[str, float]:
@@ -74,3 +174,7 @@ def _parse(change: str) -> tuple[str, float]:
 
 def _bound(value: float | None) -> str:
     return "∞" if value is None else f"{value:g}"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:g}"

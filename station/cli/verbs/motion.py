@@ -4,9 +4,10 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from station.app.watchdog_client import stop_through_watchdog
-from station.cli.connection import locate, open_client, watchdog_of
+from station.cli.connection import locate, open_client
 from station.cli.output import say, say_json, say_model
 from station.cli.verbs.switching import stop_running
+from station.local.station_locator import watchdog_of
 
 if TYPE_CHECKING:
     from station.client import StationClient

@@ -7,10 +7,12 @@ import threading
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from station.cli.output import say, say_json
+from station.cli.output import say, say_json, say_progress
 
 if TYPE_CHECKING:
     from station.app.announcement import Announcement
+
+_log = logging.getLogger("station")
 
 # Command line options and the keys of the configuration that they set.
 _FLAGS = {
@@ -29,11 +31,13 @@ ENDED_BY_WATCHDOG = 3
 
 def run(options: Namespace) -> int:
     """Run a station until Ctrl-C; return 3 when the watchdog has ended it."""
+    from station.app.json_log import JSON, set_up_log
     from station.app.lifecycle import StationRun
+    from station.app.panda_fetch import fetch_what_is_missing
     from station.app.station_watchdog import EndedByWatchdogError
     from station.config import load_config
 
-    logging.basicConfig(level=logging.WARNING, format="%(levelname)s: %(message)s")
+    set_up_log(options.log_format)
     flags = {
         key: value
         for option, key in _FLAGS.items()
@@ -44,12 +48,13 @@ def run(options: Namespace) -> int:
     config = load_config(
         options.config, controller_files=options.controllers, flags=flags
     )
+    fetch_what_is_missing(config.robot_parameters(), say_progress)
 
     station = StationRun(
         config,
         tell=_tell_json if options.json else _tell,
         tell_dashboard=_tell_dashboard_json if options.json else _tell_dashboard,
-        warn=_warn,
+        warn=_log.warning if options.log_format == JSON else _warn,
     )
     try:
         station.run()

@@ -31,7 +31,7 @@ def step(options: Namespace) -> int:
 def reset(options: Namespace) -> int:
     """Put the simulated world back to its start."""
     with open_client(options) as client:
-        state = client.simulation.reset(dict(options.positions))
+        state = client.simulation.reset(dict(options.positions), options.keyframe)
         return _tell(state, as_json=options.json)
 
 

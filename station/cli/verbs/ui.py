@@ -6,9 +6,9 @@ from argparse import Namespace
 from station.app.access import host_names
 from station.app.station_watch import StationWatch
 from station.app.ui_process import PortTakenError
-from station.cli.connection import locate, watchdog_of
-from station.cli.errors import NoStationError
-from station.cli.output import say, say_json
+from station.cli.connection import locate
+from station.cli.output import say, say_json, say_progress
+from station.local.station_locator import NoStationError, watchdog_of
 from station.ui.station_follower import StationAccess
 
 
@@ -34,8 +34,11 @@ def ui(options: Namespace) -> int:
             return 0  # the station that wanted a dashboard is gone already
     # Imported late, and after the watch began: Viser and the meshes take seconds, in
     # which the station may be killed.
+    from station.app.panda_fetch import fetch_what_is_missing
     from station.ui.main import DashboardConfig, run_dashboard
 
+    drawn = {"robot_description": options.robot_description}
+    fetch_what_is_missing(drawn, say_progress)
     config = DashboardConfig(
         url,
         token,

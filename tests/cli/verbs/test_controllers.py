@@ -79,3 +79,9 @@ def test_loading_may_be_given_more_time(run, station):
 def test_controller_is_unloaded(run):
     assert run("unload leg").out == "Unloaded leg.\n"
     assert json.loads(run("unload leg --json").out)["name"] == "leg"
+
+
+def test_types_are_reloaded(run, station):
+    assert run("reload_controller_libraries").out == "Unloaded: no controller.\n"
+    assert run("reload-controller-libraries --force-kill").out == "Unloaded: arm.\n"
+    assert station.calls == [("reload", False), ("reload", True)]

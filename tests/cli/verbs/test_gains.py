@@ -28,8 +28,40 @@ def test_gains_are_set_together(run, station):
 
 @pytest.mark.parametrize(
     "line",
-    ["set arm", "show arm j1/p=1", "set arm j1/p", "set arm j1/p=x", "set arm =1"],
+    [
+        *("set arm", "show arm j1/p=1", "set arm j1/p", "set arm j1/p=x", "set arm =1"),
+        *("show", "save", "list arm", "undo arm", "diff", "load", "delete a b"),
+    ],
 )
 def test_wrong_changes_are_wrong_usage(run, station, line):
     assert run(f"gains {line}").code == 2
     assert station.calls == []
+
+
+@pytest.mark.parametrize(
+    ("line", "call", "words"),
+    [
+        ("save stiff", ("save", "stiff", None), "Saved 1 gains of arm."),
+        ("save stiff arm", ("save", "stiff", ["arm"]), "Saved 1"),
+        ("load stiff", ("apply", "stiff", None), "j1/p  5       600"),
+        ("load stiff arm", ("apply", "stiff", ["arm"]), "j1/p  5       600"),
+        ("diff stiff", ("get_set", "stiff"), "j1/p  600    5"),
+        ("delete stiff", ("delete_set", "stiff"), "Deleted the gain set stiff."),
+        ("undo", ("undo",), "j1/p  5       600"),
+    ],
+)
+def test_gain_sets_are_saved_loaded_compared_and_undone(
+    run, station, line, call, words
+):
+    outcome = run(f"gains {line}")
+
+    assert outcome.code == 0
+    assert station.calls == [call]
+    assert words in outcome.out
+    assert "j1/d" not in outcome.out
+    assert json.loads(run(f"gains {line} --json").out)
+
+
+def test_gain_sets_are_listed(run):
+    assert run("gains list").out.split() == ["soft", "stiff"]
+    assert json.loads(run("gains list --json").out) == ["soft", "stiff"]

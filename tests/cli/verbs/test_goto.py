@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.cli.verbs import goto
+from station.client._sync import goal_handle
 from station.wire import Goal, GoalResult
 
 
@@ -17,7 +17,7 @@ def goal(status: str, message: str = "", code: int = 0) -> Goal:
 
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch):
-    monkeypatch.setattr(goto.time, "sleep", lambda _: None)
+    monkeypatch.setattr(goal_handle.time, "sleep", lambda _: None)
 
 
 def test_it_waits_until_the_joints_are_there(run, station):
@@ -61,7 +61,7 @@ def test_an_interrupt_cancels_the_goal(run, station, monkeypatch):
     def interrupt(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(goto.time, "sleep", interrupt)
+    monkeypatch.setattr(goal_handle.time, "sleep", interrupt)
     run("goto arm 1 2")
 
     assert station.calls[-1] == ("cancel_goal", "arm", "7")
@@ -74,7 +74,7 @@ def test_a_pose_starts_a_trajectory_controller_and_goes_there(run, station):
     outcome = run("goto ready")
 
     assert outcome.code == 0
-    assert station.calls[1] == ("switch", {"start": ["position_arm"]})
+    assert station.calls[1] == ("switch", {"start": ["position_arm"], "stop": ["arm"]})
     name, controller, request = station.calls[2]
     assert (name, controller) == ("submit_goal", "position_arm")
     (point,) = request["trajectory"]["points"]

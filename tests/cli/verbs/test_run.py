@@ -7,7 +7,9 @@ import pytest
 from station.app.announcement import Announcement
 from station.app.station_watchdog import EndedByWatchdogError
 
-ANNOUNCEMENT = Announcement("http://a", "http://u", "secret", "/run/x", "SCHED_FIFO 50")
+ANNOUNCEMENT = Announcement(
+    "http://a", "http://u", "secret", "/run/x", "SCHED_FIFO 50", "compiled: It fits."
+)
 
 
 @pytest.fixture
@@ -61,6 +63,7 @@ def test_addresses_are_printed(run):
     assert [line.split()[0] for line in outcome.out.splitlines()] == [
         "API",
         "Token",
+        "Kernel",
         "Dashboard",
     ]
     assert outcome.err == "warning: something\n"
@@ -108,3 +111,15 @@ def test_a_factor_out_of_range_is_refused_with_the_range(run, started, factor):
     assert outcome.code == 1
     assert "0.01 to 100" in outcome.err
     assert started == []
+
+
+@pytest.mark.usefixtures("started")
+def test_the_log_can_be_json(run, monkeypatch):
+    forms = []
+    monkeypatch.setattr("station.app.json_log.set_up_log", forms.append)
+
+    run("run")
+    found = run("run --log-format json")
+
+    assert forms == ["text", "json"]
+    assert "warning: something" not in found.err

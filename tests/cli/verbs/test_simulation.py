@@ -13,6 +13,7 @@ import pytest
         ("step", ("step", 1), "Paused"),
         ("step 20", ("step", 20), "Paused"),
         ("reset", ("reset", {}), "Running"),
+        ("reset --keyframe ready", ("reset", {}, "ready"), "Running"),
         ("reset j1=0.5 j2=-1e-1", ("reset", {"j1": 0.5, "j2": -0.1}), "Running"),
     ],
 )
@@ -30,6 +31,7 @@ def test_json_has_the_whole_state(run):
         "real_time_factor": 0.5,
         "time": 1.25,
         "steps_due": 0,
+        "keyframes": [],
     }
 
 

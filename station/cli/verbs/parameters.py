@@ -1,0 +1,45 @@
+"""Verb `parameters`: the tree that controllers are loaded with, as rosparam."""
+
+import json
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_json
+
+if TYPE_CHECKING:
+    from pydantic import JsonValue
+
+
+def parameters(options: Namespace) -> int:
+    """Print, set or delete a parameter.
+
+    Raises:
+        UsageError: A word is missing or too much.
+    """
+    takes_value = options.action == "set"
+    is_named = bool(options.path.strip("/")) or options.action == "get"
+    if takes_value != (options.value is not None) or not is_named:
+        raise UsageError(
+            f"The words after `parameters {options.action}` are too few or too many.",
+            remedy="station parameters get [PATH], set PATH VALUE, delete PATH.",
+        )
+    with open_client(options) as client:
+        if options.action == "set":
+            client.set_parameter(options.path, _value(options.value))
+            say("Done.")
+        elif options.action == "delete":
+            say_json(client.delete_parameter(options.path))
+        else:
+            say_json(client.parameter(options.path))
+    return 0
+
+
+def _value(text: str) -> "JsonValue":
+    """Return what a word says: JSON, or otherwise text."""
+    try:
+        value: JsonValue = json.loads(text)
+    except ValueError:
+        return text
+    return value
