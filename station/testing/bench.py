@@ -163,8 +163,8 @@ class Bench:
         """Return the state of a controller in ros_control's word."""
         return self.manager.get_controller(name).state.value
 
-    def fault(self, name: str) -> str:
-        """Return why a controller was stopped; empty if it was not."""
+    def fault(self, name: str) -> str | None:
+        """Return why a controller was stopped; None if it was not."""
         return self.status(name).fault
 
     def commands(self) -> list[float]:

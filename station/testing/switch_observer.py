@@ -291,7 +291,7 @@ class _Mirror:
             if name not in status
             or (
                 any(claim.resources for claim in status[name].claimed_resources)
-                and UNRELEASED not in status[name].fault
+                and UNRELEASED not in (status[name].fault or "")
             )
         }
         if not wrong:

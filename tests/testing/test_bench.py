@@ -30,7 +30,7 @@ def test_a_class_is_loaded_without_a_type_name():
 
     assert bench.commands().count(1.0) == 1
     assert bench.state("push") == "running"
-    assert bench.fault("push") == ""
+    assert bench.fault("push") is None
 
 
 def test_the_types_of_the_station_are_known():

@@ -319,7 +319,7 @@ class StormWorker:
             if status.state is not ControllerState.LOADING
         }
 
-    def _fault(self, name: str) -> str:
+    def _fault(self, name: str) -> str | None:
         return next(
             (s.fault for s in self._manager.list_controllers() if s.name == name),
             "it is not loaded",

@@ -1,0 +1,4 @@
+from station.app.in_process import open_station as open  # noqa: A004 - as gzip.open
+
+__version__: str
+__all__ = ["__version__", "open"]

@@ -1,0 +1,214 @@
+"""A Gymnasium environment whose actions are set-points of a controller."""
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, SupportsFloat, TypeAlias, cast
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from station.app.in_process import InProcessStation
+from station.core.ports.set_point import SetPointElement
+
+Array: TypeAlias = NDArray[np.float64]
+Observation: TypeAlias = dict[str, Array]
+Reward: TypeAlias = Callable[[Observation, Array], float]
+Ended: TypeAlias = Callable[[Observation], bool]
+
+_WIDEST = 1e6
+"""Bound of what has none of its own: of set-points, velocities and efforts."""
+_QUATERNION = {"qx", "qy", "qz", "qw"}
+_VECTORS = {"vx", "vy", "vz", "wx", "wy", "wz"}
+"""Elements of velocities whose length is limited, three each."""
+
+
+class StationEnv(gymnasium.Env[Observation, Array]):
+    """A simulated robot of a station, stepped as fast as the processor can.
+
+    An action is a set-point of one controller, in its units and within its range; it is
+    limited, filtered and checked as every set-point, and the quaternion of a pose is
+    made one of length 1. An observation has `position` [rad
+    or m], `velocity` and `effort` of all joints, shape (n,) each. An episode terminates
+    when the robot or the controller gives up (`info["fault"]` says why) or `terminated`
+    says so, and is truncated after `seconds`.
+
+    `reset(options={"joint_positions": {"panda_joint1": 0.3}})` begins elsewhere. The
+    same seed and the same actions give the same trajectory, bit for bit.
+
+    Args:
+        config: As for `station.open`.
+        controller: The controller that takes the actions; any that takes set-points.
+        cycles_per_step: How many control cycles follow an action. A streaming or jog
+            controller brakes when they take longer than its `command_timeout`.
+        seconds: Longest episode [s station time].
+        reward: The reward for an observation and the action before it; 0 when None.
+        terminated: Whether the task is over; never when None.
+        noise: Standard deviation of the joints' first positions [rad or m], >= 0.
+        settings: As for `station.open`.
+
+    Attributes:
+        station: The station, for everything else.
+
+    Raises:
+        StationError: The controller takes no set-points, or the robot is not simulated.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - gymnasium's name
+
+    def __init__(
+        self,
+        config: Path | str | Mapping[str, object] | None = None,
+        *,
+        controller: str = "position_streaming_controller",
+        cycles_per_step: int = 20,
+        seconds: float = 5.0,
+        reward: Reward | None = None,
+        terminated: Ended | None = None,
+        noise: float = 0.0,
+        settings: Mapping[str, object] | None = None,
+    ) -> None:
+        self.station = InProcessStation(config, settings=settings)
+        self.render_mode = None
+        facade = self.station.facade
+        elements = facade.motion.set_point(controller).elements
+        facade.simulation.report()  # refuses a robot that is not simulated
+        self._controller = controller
+        self._cycles = cycles_per_step
+        self._seconds = seconds
+        self._reward = reward
+        self._terminated = terminated
+        self._noise = noise
+        self._begin = 0
+        names = [element.name for element in elements]
+        self._quaternion = [i for i, name in enumerate(names) if name in _QUATERNION]
+        self.action_space: spaces.Space[Array] = _action_space(elements)
+        count = len(self.station.joint_names)
+        number = spaces.Box(-_WIDEST, _WIDEST, (count,), np.float64)
+        quantities = ("position", "velocity", "effort")
+        self.observation_space = cast(
+            "spaces.Space[Observation]", spaces.Dict(dict.fromkeys(quantities, number))
+        )
+
+    @override
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Put the robot back to its start and begin an episode.
+
+        Args:
+            seed: Seed of the noise.
+            options: `joint_positions`, position by joint [rad or m].
+
+        Returns:
+            The first observation, and what else there is to know.
+        """
+        super().reset(seed=seed)
+        station, facade = self.station, self.station.facade
+        running = [c.name for c in facade.controllers() if c.state.value == "running"]
+        if self._controller in running:
+            station.switch(stop=[self._controller])
+        facade.robots.recover_all()
+        station.reset()
+        station.step()
+        wanted = dict((options or {}).get("joint_positions", {}))
+        if self._noise:
+            for name, position in station.positions().items():
+                draw = self._noise * self.np_random.standard_normal()
+                wanted.setdefault(name, self._within(name, position + draw))
+        if wanted:
+            station.reset(wanted)
+            station.step()
+        station.switch(start=[self._controller])
+        self._begin = facade.loop.cycle
+        return self._observe(), self._info(None)
+
+    @override
+    def step(
+        self, action: Array
+    ) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Give the controller a set-point and run some cycles.
+
+        Args:
+            action: The set-point, shape (k,), within `action_space`.
+
+        Returns:
+            Observation, reward, whether the episode is over, whether its time is, and
+            `info` with `time` [s] and `fault`.
+
+        Raises:
+            InvalidCommandError: The action is not finite, or not of this controller.
+        """
+        fault = self._fault()
+        if fault is None:
+            self.station.command(self._controller, self._set_point(action))
+        self.station.step(self._cycles)
+        fault = fault or self._fault()
+        observation = self._observe()
+        reward = 0.0 if self._reward is None else self._reward(observation, action)
+        is_over = fault is not None
+        if self._terminated is not None:
+            is_over = is_over or self._terminated(observation)
+        is_late = self._time() >= self._seconds - 1e-9
+        return observation, reward, is_over, is_late, self._info(fault)
+
+    @override
+    def close(self) -> None:
+        """Stop the robot."""
+        self.station.close()
+
+    def _set_point(self, action: Array) -> list[float]:
+        """Return the action with a unit quaternion, where it has one."""
+        values = [float(value) for value in action]
+        if len(self._quaternion) == len(_QUATERNION):
+            length = math.hypot(*(values[i] for i in self._quaternion))
+            for i in self._quaternion:
+                values[i] /= length or math.nan
+        return values
+
+    def _fault(self) -> str | None:
+        """Return why the controller does not run any more; None while it runs."""
+        status = self.station.facade.controller(self._controller)
+        if status.state.value == "running":
+            return None
+        return status.fault or f"The controller is {status.state.value}."
+
+    def _observe(self) -> Observation:
+        latest = self.station.latest()
+        return {
+            "position": np.array(latest.position),
+            "velocity": np.array(latest.velocity),
+            "effort": np.array(latest.effort),
+        }
+
+    def _info(self, fault: str | None) -> dict[str, Any]:
+        info: dict[str, Any] = {"time": self._time()}
+        return info if fault is None else {**info, "fault": fault}
+
+    def _time(self) -> float:
+        """Return how long the episode is [s]; a count, so that it is the same anew."""
+        loop = self.station.facade.loop
+        return (loop.cycle - self._begin) * loop.period
+
+    def _within(self, joint: str, position: float) -> float:
+        """Return a position within the limits of a joint."""
+        for report in self.station.facade.loop.hw.joint_limits():
+            if report.joint == joint:
+                limits = report.limits
+                low, high = limits.min_position, limits.max_position
+                low = -_WIDEST if low is None else low
+                high = _WIDEST if high is None else high
+                return min(max(position, low), high)
+        return position
+
+
+def _action_space(elements: tuple[SetPointElement, ...]) -> spaces.Space[Array]:
+    low = np.array([max(e.minimum, -_WIDEST) for e in elements])
+    high = np.array([min(e.maximum, _WIDEST) for e in elements])
+    # A box inside of the ball: every action of it is a velocity that is allowed.
+    inside = np.array([3.0**-0.5 if e.name in _VECTORS else 1.0 for e in elements])
+    low, high = low * inside, high * inside
+    return spaces.Box(low, high, dtype=np.float64)

@@ -1,0 +1,1 @@
+"""The stations on this machine: how programs of their user find them, with tokens."""

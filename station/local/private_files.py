@@ -1,0 +1,150 @@
+"""Files in the user's runtime directory: private, written whole, read with suspicion.
+
+The directory is `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in the system's
+temporary directory; only its user can enter it.
+"""
+
+import json
+import os
+import stat
+import tempfile
+from dataclasses import Field, asdict, fields
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, TypeVar
+
+from station.core.errors import StationError
+
+_MAX_BYTES = 65_536
+_MAX_PID = 2**22
+"""Linux has no larger process numbers."""
+
+
+class _Record(Protocol):
+    """A dataclass of texts and numbers."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+
+RecordT = TypeVar("RecordT", bound=_Record)
+
+
+class RuntimeDirectoryError(StationError, RuntimeError):
+    """The directory of the runtime files is not the user's own, or cannot be used."""
+
+    code = "runtime_directory"
+
+
+def runtime_directory() -> Path:
+    """Return the directory of the runtime files; it need not exist."""
+    base = os.environ.get("XDG_RUNTIME_DIR")
+    if base and Path(base).is_dir():
+        return Path(base) / "station"
+    return Path(tempfile.gettempdir()) / f"station-{os.getuid()}"
+
+
+def process_start(pid: int) -> str:
+    """Return when a process started, in the system's own terms.
+
+    Returns:
+        Empty for a process that has ended, its parent knowing or not.
+    """
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+    # The name in parentheses may hold anything; field 3, the state, is the first after
+    # it, and field 22 the 20th.
+    fields_after_name = text.rpartition(")")[2].split()
+    if len(fields_after_name) < 20 or fields_after_name[0] in "ZX":
+        return ""
+    return fields_after_name[19]
+
+
+def is_alive(pid: int, started: str) -> bool:
+    """Return whether a process of this user runs and is the one that is meant.
+
+    Args:
+        pid: Its number.
+        started: What `process_start` returned for it; empty where unknown.
+    """
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return False  # somebody else's process by now
+    return not started or process_start(pid) == started
+
+
+def write_private(name: str, record: _Record) -> Path:
+    """Write a file of the runtime directory; readable by its user alone.
+
+    Args:
+        name: Name of the file.
+        record: A dataclass of texts and numbers.
+
+    Raises:
+        RuntimeDirectoryError: The directory belongs to somebody else, or cannot be
+            written.
+    """
+    directory = runtime_directory()
+    path = directory / name
+    try:
+        directory.mkdir(mode=0o700, parents=True, exist_ok=True)
+        check_private(directory)
+        path.unlink(missing_ok=True)
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+        with os.fdopen(os.open(path, flags, 0o600), "w", encoding="utf-8") as file:
+            json.dump(asdict(record), file)
+    except OSError as error:
+        raise RuntimeDirectoryError(
+            f"{path}: cannot be written: {error.strerror}.",
+            remedy="Set XDG_RUNTIME_DIR to a directory that is yours.",
+        ) from error
+    return path
+
+
+def read_private(path: Path, kind: type[RecordT]) -> RecordT | None:
+    """Return the record in a file; None when the file holds something else.
+
+    Any program of the user may have left anything there: a pipe that nobody writes to,
+    a process number that means "everybody", lists a thousand levels deep.
+
+    Args:
+        path: The file.
+        kind: A dataclass whose fields are texts, positive process numbers or tuples.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+        with os.fdopen(descriptor, "rb") as file:
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                return None
+            values = json.loads(file.read(_MAX_BYTES))
+        record = kind(**values)
+    except (OSError, ValueError, TypeError, RecursionError):
+        return None
+    if not all(_fits(getattr(record, f.name), f) for f in fields(record)):
+        return None
+    return record
+
+
+def check_private(directory: Path) -> None:
+    """Refuse a directory that others could have put something into.
+
+    Raises:
+        RuntimeDirectoryError: It is such a directory.
+    """
+    info = directory.lstat()
+    mode = stat.S_IMODE(info.st_mode)
+    if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or mode & 0o022:
+        raise RuntimeDirectoryError(
+            f"{directory} is not a directory of yours alone (owner {info.st_uid}, "
+            f"mode {mode:o}).",
+            remedy="Remove it, or set XDG_RUNTIME_DIR to a directory that is yours.",
+        )
+
+
+def _fits(value: object, field: Field[Any]) -> bool:
+    if field.type is int:
+        return type(value) is int and 0 < value <= _MAX_PID
+    return isinstance(value, str)
