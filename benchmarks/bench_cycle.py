@@ -1,81 +1,151 @@
-"""What a cycle costs: the simulated Franka, and each controller of the configuration.
+"""What a whole cycle costs over one step of the simulation, interpreted and compiled.
 
-Run `python benchmarks/bench_cycle.py`. One thread, no deadlines: the loop is stepped.
-MuJoCo's own step of the same arm is measured in turns with the cycle, so that the
-ratio holds on a machine that is busy with other things as well.
+Run `python benchmarks/bench_cycle.py [--robots panda ur5] [--mode both] [--json]`. One
+thread, no deadlines: the loop is stepped. MuJoCo's own step from the same state is
+measured in turns with the cycle; low quantiles count, so that the ratio holds on a
+machine that is busy with other things as well. Hot: blocks of cycles without a pause.
+Cold: single cycles and single steps, each after a sleep of 0.8 ms, as in the live loop.
+SCHED_FIFO is used where the system permits it.
 """
 
-import statistics
-from time import perf_counter
+import argparse
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
 
 import mujoco
+from cases import CASES, MISSING, STATES, Case
 from measuring import print_table, print_title, simulated_world
+from turns import Effort, Turns, ask_for_processor, measure_cold, measure_hot
 
-from station.app.composition import compose
-from station.config import load_config
 from station.core.control.switching import SwitchRequest
+from station.core.loop.scheduling import realtime_interpreter
+from station.kernel import STATUS
+from station.kernel.built import SWITCH
 
-CYCLES = 1000
-BLOCKS = 15
+MODES = {"interpreted": "0", "compiled": "1"}
+SETTLING = 1000
+"""Cycles before a measurement."""
+QUICK = Effort(blocks=8, calls=200, pairs=60)
+
+Row = dict[str, object]
 
 
 class Bench:
-    """The station of the default configuration, and a copy of its simulated state."""
+    """A station, and a copy of its simulated world that is only stepped."""
 
-    def __init__(self) -> None:
-        self.station = compose(load_config()).station
-        self.loop = self.station.loop
-        world = simulated_world(self.station)
-        self.model = world.model
-        self.data = mujoco.MjData(world.model)
-        mujoco.mj_copyData(self.data, world.model, world.data)
+    def __init__(self, case: Case) -> None:
+        self.station = case.make()
+        self.cycle = self.station.loop.step
+        self._robot = case.robot
+        self._world = simulated_world(self.station)
+        self._copy = mujoco.MjData(self._world.model)
+        self._runs = case.runs
+        self._begin()
 
-    def time_steps(self) -> float:
-        """Return how long one `mj_step` takes [us]."""
-        begin = perf_counter()
-        for _ in range(CYCLES):
-            mujoco.mj_step(self.model, self.data)
-        return (perf_counter() - begin) / CYCLES * 1e6
+    def step(self, steps: int) -> None:
+        """Make some bare steps of the simulation."""
+        model, data = self._world.model, self._copy
+        for _ in range(steps):
+            mujoco.mj_step(model, data)
 
-    def time_cycles(self) -> float:
-        """Return how long one whole cycle of the loop takes [us]."""
-        begin = perf_counter()
-        self.loop.step(CYCLES)
-        return (perf_counter() - begin) / CYCLES * 1e6
+    def rows(self, temperatures: list[str], effort: Effort) -> Iterator[Row]:
+        """Measure everything that runs on this robot."""
+        for label, names in self._all_runs().items():
+            for temperature in temperatures:
+                turns = self._measure(names, temperature, effort)
+                yield {
+                    "robot": self._robot,
+                    "controller": label,
+                    "mode": STATUS.mode,
+                    "temperature": temperature,
+                    **turns.row(),
+                }
 
-    def time_phases(self) -> tuple[float, float, float]:
-        """Return the medians of read, update and write [us]."""
-        self.loop.reset_statistics()
-        self.loop.step(CYCLES)
-        report = self.loop.report()
-        read, update, write = report.read.p50, report.update.p50, report.write.p50
-        return read * 1e6, update * 1e6, write * 1e6
-
-    def measure(self, controller: str) -> list[object]:
-        """Return a row of the table."""
-        names = [controller] if controller else []
+    def _measure(
+        self, names: tuple[str, ...], temperature: str, effort: Effort
+    ) -> Turns:
+        measure = {"hot": measure_hot, "cold": measure_cold}[temperature]
+        self.station.simulation.reset()
         if names:
-            self.station.switch_controllers(SwitchRequest(start=tuple(names)))
-        self.loop.step(CYCLES)
-        pairs = [(self.time_steps(), self.time_cycles()) for _ in range(BLOCKS)]
-        phases = self.time_phases()
+            self.station.switch_controllers(SwitchRequest(start=names))
+        self.cycle(SETTLING)
+        result = measure(self.step, self.cycle, self._begin, effort)
         if names:
-            self.station.switch_controllers(SwitchRequest(stop=tuple(names)))
-        step = statistics.median(step for step, _ in pairs)
-        cycle = statistics.median(cycle for _, cycle in pairs)
-        ratio = statistics.median(cycle / step for step, cycle in pairs)
-        return [controller or "none", step, *phases, cycle, ratio]
+            self.station.switch_controllers(SwitchRequest(stop=names))
+        return result
+
+    def _all_runs(self) -> dict[str, tuple[str, ...]]:
+        if self._runs is not None:
+            return self._runs
+        names = [status.name for status in self.station.controllers()]
+        return {"none": (), **{name: (name,) for name in names if name != STATES}}
+
+    def _begin(self) -> None:
+        """Put the copy to where the station's world is."""
+        mujoco.mj_copyData(self._copy, self._world.model, self._world.data)
+
+
+def measure_here(
+    robots: list[str], temperatures: list[str], effort: Effort
+) -> Iterator[Row]:
+    """Measure with the kernel of this process."""
+    ask_for_processor()
+    for robot in robots:
+        try:
+            bench = Bench(CASES[robot])
+        except MISSING as error:
+            sys.stderr.write(f"{robot} is left out: {error}\n")
+            continue
+        with realtime_interpreter():
+            yield from bench.rows(temperatures, effort)
+
+
+def measure_both(arguments: list[str]) -> Iterator[Row]:
+    """Measure in a process with the interpreted kernel, then with the compiled one."""
+    for mode, switch in MODES.items():
+        command = [sys.executable, __file__, *arguments, "--mode", mode, "--json"]
+        environment = {**os.environ, SWITCH: switch}
+        result = subprocess.run(
+            command, env=environment, stdout=subprocess.PIPE, text=True, check=False
+        )
+        if result.returncode:
+            sys.stderr.write(f"{mode} is left out.\n")
+            continue
+        yield from json.loads(result.stdout)
 
 
 def main() -> None:
-    """Print the table."""
-    bench = Bench()
-    names = [status.name for status in bench.station.controllers()]
-    print_title(f"One cycle of the simulated Panda [us], medians of {BLOCKS} blocks")
-    print_table(
-        ("controller", "mj_step", "read", "update", "write", "cycle", "cycle/mj_step"),
-        [bench.measure(name) for name in ("", *names)],
+    """Print the table, or JSON."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robots", nargs="+", choices=CASES, default=list(CASES))
+    parser.add_argument("--mode", choices=["both", *MODES], default="both")
+    parser.add_argument(
+        "--temperature", choices=["both", "hot", "cold"], default="both"
     )
+    parser.add_argument("--quick", action="store_true", help="measure less")
+    parser.add_argument("--json", action="store_true", help="print rows as JSON")
+    options = parser.parse_args()
+    chosen = options.temperature
+    temperatures = ["hot", "cold"] if chosen == "both" else [chosen]
+    if options.mode == "both":
+        arguments = ["--robots", *options.robots, "--temperature", chosen]
+        rows = measure_both([*arguments, *(["--quick"] if options.quick else [])])
+    else:
+        if os.environ.get(SWITCH) != MODES[options.mode]:
+            os.environ[SWITCH] = MODES[options.mode]
+            os.execv(sys.executable, [sys.executable, *sys.argv])
+        effort = QUICK if options.quick else Effort()
+        rows = measure_here(options.robots, temperatures, effort)
+    found = list(rows)
+    if options.json:
+        sys.stdout.write(json.dumps(found, indent=1) + "\n")
+        return
+    print_title("One cycle over one step of the simulation [us], low quantiles")
+    headers = list(found[0]) if found else []
+    print_table(headers, [list(row.values()) for row in found])
 
 
 if __name__ == "__main__":

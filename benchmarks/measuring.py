@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from station.core.facade.station import Station
-from station.hw.franka.franka_hw import FrankaHW
+from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
 
 REPEATS = 7
@@ -30,15 +30,14 @@ def median_time(action: Callable[[], object], number: int) -> float:
 
 
 def simulated_world(station: Station) -> World:
-    """Return the world of a station with a simulated Franka.
+    """Return the MuJoCo world of a station's robot.
 
     Raises:
         TypeError: It has none.
     """
-    robot = station.loop.hw
-    found = robot.simulated_world() if isinstance(robot, FrankaHW) else None
-    if found is None:
-        raise TypeError("the station has no simulated Franka")
+    found = station.loop.hw.simulated_world()
+    if not isinstance(found, SharedWorld):
+        raise TypeError("the station has no robot that MuJoCo simulates")
     return found.world
 
 
@@ -47,7 +46,7 @@ def print_title(title: str) -> None:
     load = os.getloadavg()[0]
     sys.stdout.write(
         f"\n{title}\n"
-        f"{_processor()}, {os.cpu_count()} cores, load {load:.1f}, "
+        f"{processor()}, {os.cpu_count()} cores, load {load:.1f}, "
         f"CPython {platform.python_version()}, NumPy {np.__version__}, "
         f"MuJoCo {mujoco.mj_versionString()}\n"
     )
@@ -70,7 +69,8 @@ def _cell(value: object) -> str:
     return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Return the name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,0 +1,148 @@
+"""The robots that the benchmarks run: 1, 2 and 4 arms, and 6, 7 and 29 joints."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import yaml
+
+from station.app.composition import compose
+from station.config import load_config
+from station.core.errors import StationError
+from station.core.facade.station import Station
+from station.core.hardware.interfaces import EffortJointInterface
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+PANDA_JOINTS = [f"joint{number}" for number in range(1, 8)]
+GAINS = [(600.0, 30.0)] * 4 + [(250.0, 10.0), (150.0, 10.0), (50.0, 5.0)]
+STATES = "joint_state_controller"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A robot, and what runs on it in a benchmark.
+
+    Attributes:
+        robot: How the table calls it.
+        make: Builds the station.
+        runs: Names of controllers that run together, by what the table calls them.
+            None: every controller of the configuration, one after the other.
+    """
+
+    robot: str
+    make: Callable[[], Station]
+    runs: dict[str, tuple[str, ...]] | None = None
+
+
+def station_of(values: dict[str, object]) -> Station:
+    """Return the station of a configuration."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "station.yaml"
+        path.write_text(yaml.safe_dump(values))
+        return compose(load_config(path)).station
+
+
+def make_panda() -> Station:
+    """Return the station of the default configuration."""
+    return compose(load_config()).station
+
+
+def make_dual_panda() -> Station:
+    """Return two arms under the controllers of their example."""
+    return compose(load_config(EXAMPLES / "dual_panda.yaml")).station
+
+
+def make_pandas(count: int) -> Station:
+    """Return some arms beside each other, each with an effort group controller."""
+    arms = [f"panda_{number}" for number in range(1, count + 1)]
+    robot: dict[str, object] = {
+        "type": "franka_hw/FrankaCombinedHW",
+        "robot_hardware": arms,
+    }
+    controllers: dict[str, object] = {}
+    for number, arm in enumerate(arms):
+        robot[arm] = {
+            "type": "franka_hw/FrankaCombinableHW",
+            "arm_id": arm,
+            "robot_description": "example-robot-data:panda",
+            "base_xyz": [0.0, 1.5 * number, 0.0],
+        }
+        joints = [f"{arm}_{joint}" for joint in PANDA_JOINTS]
+        controllers[f"{arm}_effort_group"] = _effort_group(
+            dict(zip(joints, GAINS, strict=True))
+        )
+    return station_of({"robot": robot, "controllers": controllers, "start": []})
+
+
+def make_urdf_robot(description: str, height: float = 1.2) -> Station:
+    """Return a robot of example-robot-data; all its motors have the same gains."""
+    robot = {
+        "type": "mujoco_hw/MujocoRobotHW",
+        "robot_description": f"example-robot-data:{description}",
+        "base_xyz": [0.0, 0.0, height],
+        "gravity_compensation": True,
+        "armature": 0.1,
+    }
+    bare = station_of({"robot": robot, "controllers": {}, "start": []})
+    efforts = bare.loop.hw.get(EffortJointInterface)
+    joints = [] if efforts is None else [h.name for h in efforts.handles()]
+    position = "position_controllers/JointGroupPositionController"
+    controllers = {
+        "effort_group": _effort_group(dict.fromkeys(joints, (50.0, 5.0))),
+        "position_group": {"type": position, "joints": joints},
+    }
+    return station_of({"robot": robot, "controllers": controllers, "start": []})
+
+
+def _effort_group(gains: dict[str, tuple[float, float]]) -> dict[str, object]:
+    return {
+        "type": "effort_controllers/JointGroupPositionController",
+        "joints": list(gains),
+        **{joint: {"pid": {"p": p, "i": 0, "d": d}} for joint, (p, d) in gains.items()},
+    }
+
+
+def _arms(count: int) -> Case:
+    names = tuple(f"panda_{number}_effort_group" for number in range(1, count + 1))
+    return Case(
+        f"{count} Pandas",
+        lambda: make_pandas(count),
+        {"none": (), "effort group": names},
+    )
+
+
+_GROUPS: dict[str, tuple[str, ...]] = {
+    "none": (),
+    "effort group": ("effort_group",),
+    "position group": ("position_group",),
+}
+
+CASES: dict[str, Case] = {
+    "panda": Case("Panda", make_panda),
+    "pandas2": _arms(2),
+    "pandas4": _arms(4),
+    "dual": Case(
+        "2 Pandas, example",
+        make_dual_panda,
+        {
+            "dual-arm impedance": (
+                "joint_state_controller",
+                "panda_1_state_controller",
+                "panda_2_state_controller",
+                "dual_arm_cartesian_impedance_example_controller",
+            )
+        },
+    ),
+    "ur5": Case("UR5, 6 joints", lambda: make_urdf_robot("ur5"), _GROUPS),
+    "urdf-panda": Case(
+        "Panda from its URDF", lambda: make_urdf_robot("panda"), _GROUPS
+    ),
+    "g1": Case(
+        "Unitree G1, 29 joints", lambda: make_urdf_robot("g1_29dof_rev_1_0"), _GROUPS
+    ),
+}
+"""Every robot by the name that chooses it."""
+
+MISSING = (StationError, OSError, ValueError)
+"""What building a robot raises whose description is not installed."""
