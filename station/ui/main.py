@@ -115,11 +115,11 @@ async def _serve(
     server = _Server(_gateway(config, api, button, dashboard, relay))
 
     def move_to(access: StationAccess) -> None:
-        api.move_to(access.url, access.token)
+        api.talk_to(access.url, access.token)
         button.move_to(access.token, access.watchdog_url)
         # That client belongs to Viser's event loop.
         viser_loop = guarded.server.get_event_loop()
-        viser_loop.call_soon_threadsafe(shown.move_to, access.url, access.token)
+        viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
 
     dashboard.start()
     try:

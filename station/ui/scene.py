@@ -11,6 +11,7 @@ from trimesh.scene.transforms import SceneGraph
 from station.core.description.urdf import Joint
 from station.ui.joint_frames import is_drawn_moving, pose_at, position_among
 from station.ui.robot_model import LIBRARY_FAILURES, RobotModel, RobotModelError
+from station.ui.vertex_colors import color_by_vertices
 
 _ROOT = "/robot"
 _STAND = "/stand"
@@ -181,6 +182,7 @@ def _draw(server: viser.ViserServer, robot: RobotModel) -> list[_MovingFrame]:
         if is_drawn_moving(joint):
             moving.append(_MovingFrame(joint, handle))
     for name, mesh in scene.geometry.items():
+        color_by_vertices(mesh)  # before the copy, which asks for these colours
         drawn = mesh.copy()
         # Applied to the mesh, because a Viser frame cannot scale or mirror.
         drawn.apply_transform(robot.drawing.get_transform(name, _parent(graph, name)))

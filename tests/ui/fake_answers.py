@@ -63,8 +63,8 @@ class FakeController:
             "type": self.type,
             "state": self.state,
             "claimed_resources": [{**claims, "resources": JOINTS}],
-            "fault": "",
-            "traceback": "",
+            "fault": None,
+            "traceback": None,
             "fallback": [],
             "time": NO_TIMES,
         }

@@ -71,8 +71,8 @@ def controller(name, state="initialized", joints=("joint1", "joint2", "joint3"))
         type="family/Kind",
         state=state,
         claimed_resources=[claims],
-        fault="",
-        traceback="",
+        fault=None,
+        traceback=None,
         fallback=[],
         time=TIMES,
     )
