@@ -5,10 +5,12 @@
 #   make test   all that CI runs      make check   without the slow and browser tests
 #   make setup  only prepares .venv   make lock    after a change of dependencies
 #   make bench  the benchmarks        make clean   removes all that can be made again
-#   make client  generates the blocking client from the one for asyncio
+#   make performance  measures anew and writes the tables of docs/performance.md
+#   make kernel  compiles the kernel now; `make run` does it beside the station
+#   make client  generates the blocking client from the one for asyncio, its page, the notebook
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test check static client lock bench clean
+.PHONY: help setup run kernel test check static client lock bench performance clean
 
 ARGS ?=
 PYTEST_ARGS ?=
@@ -32,32 +34,39 @@ $(READY_DEV): $(SETUP)
 run: $(READY)
 	@exec .venv/bin/station run $(ARGS)
 
+kernel: $(READY)
+	@STATION_COMPILED= .venv/bin/python -m station.kernel.build
+
 static: $(READY_DEV)
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-logo
 	.venv/bin/python tools/generate_client.py --check
+	.venv/bin/python tools/generate_notebook.py --check
 
 client: $(READY_DEV)
 	.venv/bin/python tools/generate_client.py
+	.venv/bin/python tools/generate_notebook.py
 
 check: static
-	.venv/bin/python -m pytest -n auto -m "not slow and not alone" $(PYTEST_ARGS)
-	.venv/bin/python -m pytest -m "alone and not slow" $(PYTEST_ARGS)
+	@sh tools/test.sh quick $(PYTEST_ARGS)
 
 test: check
 	@sh tools/browser.sh
-	.venv/bin/python -m pytest -m slow $(PYTEST_ARGS)
+	@sh tools/test.sh slow $(PYTEST_ARGS)
 
 lock: EXPORT := --quiet --no-config --locked --no-emit-project
 lock: $(READY)
 	.venv/bin/uv lock --no-config $(ARGS)
-	.venv/bin/uv export $(EXPORT) --no-dev --group build --output-file requirements.lock
-	.venv/bin/uv export $(EXPORT) --output-file requirements-dev.lock
+	.venv/bin/uv export $(EXPORT) --no-dev --group build --extra all --output-file requirements.lock
+	.venv/bin/uv export $(EXPORT) --all-extras --output-file requirements-dev.lock
 
 bench: $(READY)
 	@set -e; for script in benchmarks/bench_*.py; do echo "$$script"; .venv/bin/python "$$script"; done
+
+performance: $(READY_DEV) kernel
+	.venv/bin/python benchmarks/write_tables.py $(ARGS)
 
 clean:
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis artifacts build dist

@@ -1,6 +1,6 @@
-"""Generate the client for plain Python from the client for asyncio.
+"""Generate the client for plain Python from the client for asyncio, and its page.
 
-python tools/generate_client.py           writes station/client/_sync
+python tools/generate_client.py           writes station/client/_sync, docs/client.md
 python tools/generate_client.py --check   fails when the files there are stale
 """
 
@@ -14,6 +14,7 @@ import unasync
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "station" / "client" / "_async"
 TARGET = SOURCE.with_name("_sync")
+PAGE = ROOT / "docs" / "client.md"
 NOTE = "# Generated from _async/{name} by tools/generate_client.py.\n"
 NAMES = {
     "_async": "_sync",
@@ -21,7 +22,10 @@ NAMES = {
     "aclose": "close",
     "AsyncBaseTransport": "BaseTransport",
     "AsyncClient": "Client",
+    "AsyncGoalHandle": "GoalHandle",
+    "asyncio": "time",
     "AsyncConnection": "Connection",
+    "AsyncGainSetsClient": "GainSetsClient",
     "AsyncGripperClient": "GripperClient",
     "AsyncRobotClient": "RobotClient",
     "AsyncSimulationClient": "SimulationClient",
@@ -64,14 +68,22 @@ def stale() -> list[str]:
 def main() -> int:
     """Write the files, or with `--check` say which are stale and return 1."""
     if "--check" in sys.argv[1:]:
-        names = stale()
+        names = stale() or ([] if _page() == PAGE.read_text() else [PAGE.name])
         if names:
-            print(f"Stale in station/client/_sync: {', '.join(names)}.")
+            print(f"Stale: {', '.join(names)}.")
             print("Run .venv/bin/python tools/generate_client.py.")
         return int(bool(names))
     for name, text in generate().items():
         (TARGET / name).write_text(text)
+    PAGE.write_text(_page())
     return 0
+
+
+def _page() -> str:
+    # Imported late: it reads the docstrings of what has just been written.
+    from client_page import page
+
+    return page()
 
 
 if __name__ == "__main__":

@@ -1,0 +1,54 @@
+"""The reference in docs/client.md, from the docstrings of the client."""
+
+import inspect
+import re
+from pathlib import Path
+
+from station import client
+
+PAGE = Path(__file__).parents[1] / "docs" / "client.md"
+BEGIN = "<!-- Below: written by `make client` from the docstrings. -->\n"
+CLASSES = (
+    client.StationClient,
+    client.RobotClient,
+    client.GripperClient,
+    client.SimulationClient,
+    client.GoalHandle,
+    client.Stream,
+    client.Samples,
+    client.Pose,
+)
+
+
+def page() -> str:
+    """Return the text of the page: what is written by hand, and the reference."""
+    by_hand, _, _ = PAGE.read_text().partition(BEGIN)
+    return by_hand + BEGIN + "".join(_section(kind) for kind in CLASSES)
+
+
+def _section(kind: type) -> str:
+    rows = "".join(
+        f"| `{name}{_arguments(member)}` | {_first_line(member)} |\n"
+        for name, member in vars(kind).items()
+        if not name.startswith("_") and _is_described(member)
+    )
+    title = f"\n### {kind.__name__}\n\n{_first_line(kind)}\n"
+    return title + (f"\n| Name | |\n|---|---|\n{rows}" if rows else "")
+
+
+def _is_described(member: object) -> bool:
+    return inspect.isfunction(member) or isinstance(member, property)
+
+
+def _arguments(member: object) -> str:
+    """Return the arguments of a method with their defaults; nothing for a property."""
+    if not inspect.isfunction(member):
+        return ""
+    parameters = list(inspect.signature(member).parameters.values())[1:]
+    plain = [p.replace(annotation=inspect.Parameter.empty) for p in parameters]
+    return str(inspect.Signature(plain))
+
+
+def _first_line(member: object) -> str:
+    paragraph = (inspect.getdoc(member) or "").partition("\n\n")[0]
+    return re.sub(r"\s+", " ", paragraph).replace("|", "\\|")
