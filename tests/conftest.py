@@ -7,6 +7,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from station.kernel import STATUS
 from tests.thread_guard import leaked_threads
 
 TESTS = Path(__file__).parent
@@ -14,6 +15,11 @@ TESTS = Path(__file__).parent
 # Reproducible examples, and no time limit for one on a busy machine.
 hypothesis.settings.register_profile("station", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("station")
+
+
+def pytest_report_header() -> str:
+    """Say which kernel the tests run with."""
+    return f"kernel: {STATUS.text()}"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -26,6 +32,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.slow)
         if folder in {"browser", "system", "ui"}:
             item.add_marker(pytest.mark.alone)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def own_data_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep the tests away from what their user has saved (gain sets)."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
+        yield
 
 
 @pytest.fixture(autouse=True)

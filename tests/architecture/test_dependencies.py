@@ -1,11 +1,13 @@
 """What the station imports it declares, so that nobody's upgrade removes it."""
 
+import subprocess
 import sys
 import tomllib
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import grimp
+import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -13,8 +15,12 @@ ROOT = Path(__file__).parents[2]
 
 # Parts that their declared whole pins and documents as its own.
 PART_OF = {"pydantic-core": "pydantic"}
-# Suites of tests are imported by whoever has pytest; the station runs without it.
-BROUGHT_BY_USERS = {"station.testing": "pytest"}
+# Imported by whoever has the package; the station runs without it.
+BROUGHT_BY_USERS = {
+    ("station.testing", "pytest"),
+    ("station.client", "pandas"),
+    ("station.pytest_plugin", "pytest"),
+}
 
 
 def third_party_imports() -> dict[str, str]:
@@ -26,16 +32,17 @@ def third_party_imports() -> dict[str, str]:
             continue
         for imported in graph.find_modules_directly_imported_by(module):
             name = imported.partition(".")[0]
-            if BROUGHT_BY_USERS.get(".".join(module.split(".")[:2])) != name:
+            if (".".join(module.split(".")[:2]), name) not in BROUGHT_BY_USERS:
                 imports[name] = module
     return imports
 
 
 def test_imported_packages_are_declared():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    declared = {
-        canonicalize_name(Requirement(line).name) for line in settings["dependencies"]
-    }
+    lines = [*settings["dependencies"]]
+    for extra in settings["optional-dependencies"].values():
+        lines += extra
+    declared = {canonicalize_name(Requirement(line).name) for line in lines}
     providers = packages_distributions()
 
     undeclared = {}
@@ -47,3 +54,65 @@ def test_imported_packages_are_declared():
             undeclared[package] = module
 
     assert not undeclared, "add these to the dependencies in pyproject.toml"
+
+
+ALONE = """
+import importlib.metadata, sys
+from packaging.requirements import Requirement
+
+wanted, needed = ["control-station"], set()
+while wanted:
+    name = wanted.pop()
+    if name in needed:
+        continue
+    needed.add(name)
+    for line in importlib.metadata.requires(name) or ():
+        requirement = Requirement(line)
+        if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
+            wanted.append(requirement.name.lower().replace("_", "-"))
+providers = importlib.metadata.packages_distributions()
+
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        owners = {owner.lower().replace("_", "-") for owner in providers.get(name, ())}
+        if owners and not owners & needed:
+            raise ModuleNotFoundError(f"{name} is blocked", name=name)
+
+sys.meta_path.insert(0, Blocked())
+"""
+
+
+def run_alone(code: str) -> subprocess.CompletedProcess[str]:
+    """Run code that sees what `pip install control-station` installs, no extra."""
+    return subprocess.run(
+        [sys.executable, "-c", ALONE + code],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_client_and_command_line_need_no_extra():
+    modules = [
+        ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        for folder in ("client", "cli", "wire", "core", "config", "local")
+        for path in sorted((ROOT / "station" / folder).rglob("*.py"))
+        if path.name != "__init__.py"
+    ]
+    # It is a server, of the dashboard.
+    modules.remove("station.cli.verbs.ui")
+
+    done = run_alone(f"for m in {modules}: __import__(m)")
+
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments", [["run"], ["ui", "--connect", "http://127.0.0.1:9", "--token", "t"]]
+)
+def test_verb_that_misses_an_extra_says_how_to_get_it(arguments):
+    done = run_alone(f"from station.cli import main; sys.exit(main({arguments}))")
+
+    assert done.returncode == 1
+    assert "pip install 'control-station[all]'" in done.stderr

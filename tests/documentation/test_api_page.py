@@ -94,10 +94,14 @@ def test_topics_have_the_rate_and_the_fields_of_the_page():
         if not kind.__abstractmethods__
     }
 
-    for name, rate, fields in rows("Topic"):
+    for name, rate, fields, sample in rows("Topic"):
         assert float(rate) == topics[name].default_rate
         told = set(re.findall(r"\w+", fields))
         if "GET `/robots/{arm_id}/state`" in fields:
             told |= set(FrankaState.model_fields)
         assert set(topics[name].fields) <= told
+        in_batches = set(re.findall(r"\w+", sample))
+        if "the same" in sample or "the state" in sample:
+            in_batches |= told
+        assert set(topics[name].sample_fields) <= in_batches
     assert {row[0] for row in rows("Topic")} == set(topics)

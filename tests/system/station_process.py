@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -19,15 +20,25 @@ class StationProcess:
     Args:
         folder: Where its files go, the runtime file among them.
         arguments: More arguments.
+        python: The interpreter to run it with.
+        environment: More variables for its environment.
     """
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        *arguments: str,
+        python: Path | str = sys.executable,
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         self._out, self._err = folder / "stdout", folder / "stderr"
         self.environment = {
             **{k: v for k, v in os.environ.items() if not k.startswith("STATION_")},
             "XDG_RUNTIME_DIR": str(folder),
+            **(environment or {}),
         }
-        command = [sys.executable, "-m", "station", "run", "--json"]
+        self._python = str(python)
+        command = [self._python, "-m", "station", "run", "--json"]
         ports = ["--port", "0", "--ui-port", "0"]
         with self._out.open("w") as out, self._err.open("w") as err:
             self.process = subprocess.Popen(
@@ -103,7 +114,7 @@ class StationProcess:
     def command(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         """Run another command line in the same environment."""
         return subprocess.run(
-            [sys.executable, "-m", "station", *arguments],
+            [self._python, "-m", "station", *arguments],
             cwd=ROOT,
             env=self.environment,
             capture_output=True,

@@ -40,7 +40,7 @@ def position(station: Station) -> list[float]:
 
 
 def check_content(station: Station) -> None:
-    assert station.controller("cartesian").fault == ""
+    assert station.controller("cartesian").fault is None
     assert station.latest().mode == "move"
     assert not any(Arms(station.robots).state("panda").last_motion_errors)
 

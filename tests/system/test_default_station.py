@@ -31,7 +31,7 @@ def test_a_pose_0_3_rad_away_is_reached_within_two_seconds(station, step):
     goal = [q + dq for q, dq in zip(positions, step, strict=True)]
     station.motion.set_command(NAME, goal)
     station.loop.step(2000)
-    assert station.controller(NAME).fault == ""
+    assert station.controller(NAME).fault is None
     assert station.latest().position[:7] == pytest.approx(goal, abs=0.02)
 
 
@@ -43,4 +43,4 @@ def test_gains_that_make_the_arm_swing_do_not_end_the_motion(station):
         station.loop.step()
         swing.append(station.latest().position[0])
     assert max(swing) > 0.34
-    assert station.controller(NAME).fault == ""
+    assert station.controller(NAME).fault is None

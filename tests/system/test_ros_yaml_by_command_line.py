@@ -39,5 +39,5 @@ def test_every_controller_starts_and_runs(client):
         while client.status().cycle < cycle + 20:
             time.sleep(0.02)
         running = client.controller(loaded.name)
-        assert (running.state, running.fault) == ("running", "")
+        assert (running.state, running.fault) == ("running", None)
         client.switch_controllers(stop=[loaded.name])
