@@ -31,6 +31,11 @@ def zeros(size: int) -> Doubles:
     return memoryview(bytearray(8 * size)).cast("d")
 
 
+def given_or_zeros(memory: Doubles | None, size: int) -> Doubles:
+    """Return the memory if there is some, otherwise new memory with `size` zeros."""
+    return zeros(size) if memory is None else memory
+
+
 def as_doubles(values: Any) -> Doubles:  # noqa: ANN401 - whatever has such memory
     """Return the memory of an array of doubles, e.g. of NumPy."""
     return memoryview(values)
@@ -66,19 +71,6 @@ def put(view: Doubles, values: Iterable[float]) -> None:
         ValueError: There are more or fewer than n values; nothing was copied.
     """
     view[:] = array("d", values)
-
-
-def read_piece(storage: Storage, piece: slice) -> list[float]:
-    """Return a copy of some values of a storage, which may be a list or doubles."""
-    return [*storage[piece]]
-
-
-def write_piece(storage: Storage, piece: slice, values: list[float]) -> None:
-    """Write some values of a storage, which may be a list or doubles."""
-    if isinstance(storage, list):
-        storage[piece] = values
-    else:
-        storage[piece] = array("d", values)
 
 
 class Block:

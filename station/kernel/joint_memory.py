@@ -1,6 +1,6 @@
 """The memory that the parts of a simulated arm's cycle share."""
 
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.doubles import Doubles, given_or_zeros, zeros
 
 
 class JointMemory:
@@ -45,21 +45,17 @@ class JointMemory:
         tau_J_d: Doubles | None = None,  # noqa: N803 - libfranka's name
     ) -> None:
         self.size = size
-        self.q = _given(q, size)
-        self.dq = _given(dq, size)
-        self.theta = _given(theta, size)
-        self.dtheta = _given(dtheta, size)
-        self.tau_J = _given(tau_J, size)
-        self.dtau_J = _given(dtau_J, size)
-        self.q_d = _given(q_d, size)
-        self.dq_d = _given(dq_d, size)
-        self.ddq_d = _given(ddq_d, size)
-        self.tau_J_d = _given(tau_J_d, size)
+        self.q = given_or_zeros(q, size)
+        self.dq = given_or_zeros(dq, size)
+        self.theta = given_or_zeros(theta, size)
+        self.dtheta = given_or_zeros(dtheta, size)
+        self.tau_J = given_or_zeros(tau_J, size)
+        self.dtau_J = given_or_zeros(dtau_J, size)
+        self.q_d = given_or_zeros(q_d, size)
+        self.dq_d = given_or_zeros(dq_d, size)
+        self.ddq_d = given_or_zeros(ddq_d, size)
+        self.tau_J_d = given_or_zeros(tau_J_d, size)
         self.target = zeros(size)
         self.target_dq = zeros(size)
         self.torques = zeros(size)
         self.sent = zeros(size)
-
-
-def _given(memory: Doubles | None, size: int) -> Doubles:
-    return zeros(size) if memory is None else memory

@@ -2,7 +2,7 @@
 
 from array import array
 
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.doubles import Doubles, given_or_zeros
 
 
 class SimulatorMemory:
@@ -46,22 +46,18 @@ class SimulatorMemory:
         armature: Doubles | None = None,
     ) -> None:
         self.size = size
-        self.positions = _given(positions, size)
-        self.velocities = _given(velocities, size)
-        self.motor_forces = _given(motor_forces, size)
-        self.brake_forces = _given(brake_forces, size)
-        self.bias = _given(bias, size)
-        self.compensation = _given(compensation, size)
-        self.constraint_forces = _given(constraint_forces, size)
-        self.inertia = _given(inertia, size)
+        self.positions = given_or_zeros(positions, size)
+        self.velocities = given_or_zeros(velocities, size)
+        self.motor_forces = given_or_zeros(motor_forces, size)
+        self.brake_forces = given_or_zeros(brake_forces, size)
+        self.bias = given_or_zeros(bias, size)
+        self.compensation = given_or_zeros(compensation, size)
+        self.constraint_forces = given_or_zeros(constraint_forces, size)
+        self.inertia = given_or_zeros(inertia, size)
         self.diagonal = memoryview(array("l", range(size)))
         if diagonal is not None:
             self.diagonal = diagonal
-        self.controls = _given(controls, size)
-        self.limits = _given(limits, size)
-        self.passive_damping = _given(passive_damping, size)
-        self.armature = _given(armature, size)
-
-
-def _given(memory: Doubles | None, size: int) -> Doubles:
-    return zeros(size) if memory is None else memory
+        self.controls = given_or_zeros(controls, size)
+        self.limits = given_or_zeros(limits, size)
+        self.passive_damping = given_or_zeros(passive_damping, size)
+        self.armature = given_or_zeros(armature, size)

@@ -125,6 +125,7 @@ class FrankaHW(RobotHW):
             from station.hw.franka.simulated.arm_placement import simulate_one
 
             self.enter_world(simulate_one(self._parameters, root_params), arm_id)
+        # The arm once more, known to be there: `arm` looks each time, read() does not.
         self._driven, self._cycle_time = self.arm, self.arm.cycle_time
         self._mode = self.arm.state.doubles(MODE)
         self._sensors = SensorCheck(self.arm.state)

@@ -35,7 +35,6 @@ class WorldJoints:
         read_positions: Return the positions [rad or m].
         read_velocities: Return the velocities [rad/s or m/s].
         read_motor_forces: Return the motors' forces in the last step [Nm or N].
-        read_brake_forces: Return the brakes' forces in the last step [Nm or N].
         read_bias_forces: Return Coriolis, centrifugal and gravity forces [Nm or N].
         read_compensation: Return the gravity compensation's forces [Nm or N].
         read_inertia: Return the diagonal of the joint-space inertia matrix, armature
@@ -72,7 +71,6 @@ class WorldJoints:
         self.read_motor_forces = _reader(data.actuator_force, motors)
         if brake_forces is None:
             brake_forces = np.zeros(model.nv)
-        self.read_brake_forces = _reader(brake_forces, dofs)
         self.read_bias_forces = _reader(data.qfrc_bias, dofs)
         self.read_compensation = _reader(data.qfrc_gravcomp, dofs)
         self.damping: list[float] = model.dof_damping[dofs].tolist()
@@ -101,7 +99,6 @@ class WorldJoints:
         self._read_actuators = _reader(data.qfrc_actuator, dofs)
         self._model = model
         self._motors = motors
-        self._set_negative_damping = _writer(model.actuator_biasprm[:, 2], motors)
 
     def simulator_memory(self) -> SimulatorMemory:
         """Return MuJoCo's memory of these joints.
@@ -206,16 +203,6 @@ class WorldJoints:
             self._model.actuator_forcelimited[motor] = True
             self._model.actuator_forcerange[motor] = [-limit, limit]
         self.effort_limits = list(limits)
-
-    def set_damping(self, damping: list[float]) -> None:
-        """Set the damping of the motors, and keep their stiffness.
-
-        Faster than `set_servo`, so that it can be called in every step.
-
-        Args:
-            damping: Damping, >= 0 [Nm s/rad or N s/m], shape (n,).
-        """
-        self._set_negative_damping([-d for d in damping])
 
 
 class WorldJointStates:

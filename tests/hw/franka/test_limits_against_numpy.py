@@ -12,13 +12,15 @@ from station.hw.franka.commands.cartesian_commands import limit_vector
 from station.hw.franka.commands.rate_limiter import (
     PERIOD,
     limit_position,
-    limit_rate,
     limit_velocity,
     low_pass,
     rate_limits_of,
     velocity_range_of,
     with_margins,
 )
+from station.kernel.command_rates import CommandRates
+from station.kernel.doubles import as_doubles, zeros
+from station.kernel.joint_memory import JointMemory
 
 SAMPLES = 2_000
 EPS = 1e-3
@@ -84,6 +86,37 @@ def test_joint_motions_are_limited_alike(arm: str, limits: ArmLimits) -> None:
             assert position == pytest.approx(q[i] + expected[i] * PERIOD, abs=1e-12)
 
 
+def limited_torques(tau: np.ndarray, last: np.ndarray, rate: float) -> list[float]:
+    """Return torques as they are sent, with every sample as a joint of its own."""
+    size = len(tau)
+    joints = JointMemory(size, tau_J_d=as_doubles(last))
+    free = [np.inf] * size
+    rates = CommandRates(
+        joints,
+        positions=zeros(size),
+        velocities=zeros(size),
+        efforts=as_doubles(tau),
+        velocity=free,
+        acceleration=free,
+        jerk=free,
+        torque_rate=[rate] * size,
+        lower=[-np.inf] * size,
+        upper=free,
+        braking_share=0.5,
+        approach_gain=50.0,
+        period=PERIOD,
+    )
+    rates.is_limiting = True
+    rates.filter_torques()
+    return [*rates.result]
+
+
+def test_torque_rates_are_limited_both_ways() -> None:
+    tau = np.array([0.5, 5.0, -5.0, 1.0])
+    limited = limited_torques(tau, np.zeros(4), 1000.0)
+    assert limited == pytest.approx([0.5, 1.0, -1.0, 1.0])
+
+
 def test_torque_rates_are_limited_alike() -> None:
     generator = np.random.default_rng(9)
     last = generator.uniform(-87.0, 87.0, SAMPLES)
@@ -91,8 +124,9 @@ def test_torque_rates_are_limited_alike() -> None:
     step = (1000.0 - EPS) * PERIOD
     expected = np.clip(tau, last - step, last + step)
     rate = rate_limits_of(PANDA_LIMITS)[0].torque_rate
-    ours = [limit_rate(a, b, rate) for a, b in zip(tau, last, strict=True)]
-    np.testing.assert_allclose(ours, expected, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        limited_torques(tau, last, rate), expected, rtol=0.0, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize(

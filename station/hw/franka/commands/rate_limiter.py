@@ -128,18 +128,6 @@ def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:
     return filtered(value, previous, low_pass_gain(cutoff_frequency))
 
 
-def limit_rate(value: float, previous: float, max_rate: float) -> float:
-    """Return the value nearest to a command that the rate limit allows.
-
-    Args:
-        value: The new command, e.g. a torque [Nm].
-        previous: The last command.
-        max_rate: Largest rate per second, > 0.
-    """
-    step = max_rate * PERIOD
-    return previous + max(-step, min(step, value - previous))
-
-
 def limit_velocity(
     velocity: float,
     last_velocity: float,

@@ -81,15 +81,6 @@ class ArmSupervisor:
         self.log: list[ArmRecord] = []
         self.has_hand = False
 
-    def measured_errors(self, *, is_following: bool = False) -> list[ArmError]:
-        """Return errors of measured values that were out of range for too long.
-
-        Args:
-            is_following: Whether the arm follows a desired motion.
-        """
-        is_quiet = self._watch.is_quiet(is_following)
-        return self.examine(is_quiet=is_quiet, is_following=is_following)
-
     def examine(self, *, is_quiet: bool, is_following: bool) -> list[ArmError]:
         """Look closer at a cycle that the watch has looked at.
 

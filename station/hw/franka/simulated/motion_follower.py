@@ -6,6 +6,7 @@ Source: Franka Control Interface documentation, what happens with lost packets.
 from collections import deque
 from collections.abc import Sequence
 from math import isfinite
+from typing import NoReturn
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_errors import ArmError
@@ -98,8 +99,7 @@ class MotionFollower:
             InvalidCommandError: Not 7 finite numbers.
         """
         if not self._step.receive_torques(_as_doubles(tau)):
-            error = _malformed("joint torques", _DOF, tau)
-            raise error
+            _refuse("joint torques", _DOF, tau)
 
     def command_joints(self, values: Storage) -> None:
         """Take positions [rad] or velocities [rad/s], shape (7,), for the next cycle.
@@ -108,8 +108,7 @@ class MotionFollower:
             InvalidCommandError: Not 7 finite numbers.
         """
         if not self._step.receive_joints(_as_doubles(values)):
-            error = _malformed("joint commands", _DOF, values)
-            raise error
+            _refuse("joint commands", _DOF, values)
 
     def command_cartesian(
         self, values: Sequence[float], elbow: Sequence[float] | None, size: int
@@ -251,14 +250,12 @@ def _as_doubles(values: Storage) -> Doubles:
 
 def _checked(values: Sequence[float], what: str, size: int) -> list[float]:
     if len(values) != size or not isfinite(sum(values)):
-        raise _malformed(what, size, values)
+        _refuse(what, size, values)
     return list(values)
 
 
-def _malformed(
-    what: str, size: int, values: Sequence[float] | Storage
-) -> InvalidCommandError:
-    return InvalidCommandError(
+def _refuse(what: str, size: int, values: Sequence[float] | Storage) -> NoReturn:
+    raise InvalidCommandError(
         f"{what} must be {size} finite numbers, not {[*values]}",
         remedy="Correct the controller that commands them.",
     )

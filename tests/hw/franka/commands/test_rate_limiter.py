@@ -10,7 +10,6 @@ from station.hw.franka.commands.rate_limiter import (
     PERIOD,
     RateLimits,
     limit_position,
-    limit_rate,
     limit_velocity,
     low_pass,
 )
@@ -44,13 +43,6 @@ def test_low_pass_settles_like_a_first_order_filter() -> None:
 @pytest.mark.parametrize("cutoff", [1000.0, 5000.0])
 def test_low_pass_is_off_from_1000_hz_on(cutoff: float) -> None:
     assert low_pass(1.0, 0.0, cutoff) == 1.0
-
-
-@pytest.mark.parametrize(
-    ("value", "expected"), [(0.5, 0.5), (5.0, 1.0), (-5.0, -1.0), (1.0, 1.0)]
-)
-def test_rate_is_limited_both_ways(value: float, expected: float) -> None:
-    assert limit_rate(value, 0.0, 1000.0) == pytest.approx(expected)
 
 
 def test_velocity_within_the_limits_passes() -> None:

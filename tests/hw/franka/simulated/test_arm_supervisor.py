@@ -12,10 +12,21 @@ from station.kernel.simulator_memory import SimulatorMemory
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 
 
-def supervise(state: RobotState, **limits: float) -> ArmSupervisor:
-    thresholds = SupervisorLimits(**limits)
-    cycle = ArmCycle(state, PANDA_LIMITS, thresholds, SimulatorMemory(7), 0.001)
-    return ArmSupervisor(state, PANDA_LIMITS, thresholds, cycle.watch, cycle.log)
+class Supervised:
+    """A supervisor and the watch that tells it which cycles are unusual."""
+
+    def __init__(self, state: RobotState, **limits: float) -> None:
+        thresholds = SupervisorLimits(**limits)
+        cycle = ArmCycle(state, PANDA_LIMITS, thresholds, SimulatorMemory(7), 0.001)
+        self.watch = cycle.watch
+        self.supervisor = ArmSupervisor(
+            state, PANDA_LIMITS, thresholds, cycle.watch, cycle.log
+        )
+
+    def errors(self) -> list[ArmError]:
+        is_following = False
+        is_quiet = self.watch.is_quiet(is_following)
+        return self.supervisor.examine(is_quiet=is_quiet, is_following=is_following)
 
 
 @pytest.mark.parametrize(
@@ -28,21 +39,21 @@ def supervise(state: RobotState, **limits: float) -> ArmSupervisor:
 )
 def test_value_out_of_range_for_three_cycles_is_an_error(q, dq, tau, name):
     state = RobotState()
-    supervisor = supervise(state)
+    supervised = Supervised(state)
     state.doubles("dtheta")[0], state.doubles("tau_J")[0] = dq, tau
     state.theta = [q, *Q[1:]]
-    found = [supervisor.measured_errors() for _ in range(3)]
+    found = [supervised.errors() for _ in range(3)]
     assert found[:2] == [[], []]
     assert (found[2][0].name, found[2][0].where) == (name, "joint1")
 
 
 def test_fast_end_effector_is_an_error():
     state = RobotState()
-    supervisor = supervise(state, debounce=1)
+    supervised = Supervised(state, debounce=1)
     # The stretched arm swings about joints 2 and 4, each within its limit.
     state.dtheta = [2.1, 2.1, 0.0, -2.1, 0.0, 0.0, 0.0]
     state.theta = [0.0, 1.5, 0.0, -0.1, 0.0, 1.6, 0.0]
-    found = supervisor.measured_errors()
+    found = supervised.errors()
     assert [error.name for error in found] == ["cartesian_velocity_violation"]
 
 
@@ -50,14 +61,14 @@ def test_power_is_off_unless_limited():
     state = RobotState()
     state.doubles("dtheta")[0], state.doubles("tau_J")[0] = 2.0, 50.0
     state.theta = Q
-    assert supervise(state, debounce=1).measured_errors() == []
-    (error,) = supervise(state, debounce=1, power=90.0).measured_errors()
+    assert Supervised(state, debounce=1).errors() == []
+    (error,) = Supervised(state, debounce=1, power=90.0).errors()
     assert (error.name, error.value) == ("power_limit_violation", 100.0)
 
 
 def test_errors_of_the_last_motion_are_kept_when_the_present_errors_are_cleared():
     state = RobotState()
-    supervisor = supervise(state)
+    supervisor = Supervised(state).supervisor
     supervisor._cycle_log.note(0.0)
     supervisor.set_errors([ArmError("joint_reflex", "joint1", 30, 20, "Nm")], 5)
     supervisor.set_errors([ArmError("joint_reflex", "joint1", 40, 20, "Nm")], 6)
