@@ -1,3 +1,4 @@
+from station.kernel.cartesian_step cimport CartesianStep
 from station.kernel.cycle_log cimport CycleLog
 from station.kernel.desired_motion cimport DesiredMotion
 from station.kernel.joint_memory cimport JointMemory
@@ -15,6 +16,7 @@ cdef class ArmStep:
     cdef readonly Py_ssize_t size
     cdef double[::1] mode
     cdef DesiredMotion motion
+    cdef CartesianStep cartesian
     cdef JointMotors motors
     cdef CommandCheck check
     cdef JointWatch watch
@@ -35,7 +37,8 @@ cdef class ArmStep:
     cdef public double time
     cpdef bint receive_torques(self, double[::1] values)
     cpdef bint receive_joints(self, double[::1] values)
-    cpdef bint receive(self, double[::1] values, double[::1] place)
+    cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
+    cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     cpdef bint before(self)
     cpdef bint take_command(self)
     cpdef int after(self, double time)

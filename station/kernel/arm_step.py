@@ -1,6 +1,7 @@
 """What happens in an arm before and after every step of its world."""
 
 from station.kernel import arm_codes as codes
+from station.kernel.cartesian_step import CartesianStep
 from station.kernel.command_check import CommandCheck
 from station.kernel.cycle_log import CycleLog
 from station.kernel.desired_motion import DesiredMotion
@@ -29,6 +30,7 @@ class ArmStep:
         memory: State and commands of the joints.
         mode: The mode of the arm, one number.
         motion: The desired motion.
+        cartesian: Follows poses and twists.
         motors: Controls and torque sensors.
         check: Compares commanded motions and torques with their limits.
         watch: Looks at the readings.
@@ -58,6 +60,7 @@ class ArmStep:
         mode: Doubles,
         *,
         motion: DesiredMotion,
+        cartesian: CartesianStep,
         motors: JointMotors,
         check: CommandCheck,
         watch: JointWatch,
@@ -68,6 +71,7 @@ class ArmStep:
         self.size = memory.size
         self.mode = mode
         self.motion = motion
+        self.cartesian = cartesian
         self.motors = motors
         self.check = check
         self.watch = watch
@@ -96,20 +100,32 @@ class ArmStep:
         Returns:
             Whether they are n finite numbers; if not, nothing has changed.
         """
-        return self.receive(values, self.memory.torques)
+        return self.receive(values, self.size, self.memory.torques)
 
     def receive_joints(self, values: Doubles) -> bool:
         """Take positions [rad] or velocities [rad/s]; see `receive_torques`."""
-        return self.receive(values, self.memory.target)
+        return self.receive(values, self.size, self.memory.target)
 
-    def receive(self, values: Doubles, place: Doubles) -> bool:
+    def receive_end_effector(self, values: Doubles, size: int) -> bool:
+        """Take a pose, 16 numbers, or a twist [m/s, rad/s], 6; see `receive_torques`.
+
+        Args:
+            values: The command.
+            size: How many numbers it must have.
+        """
+        if not self.receive(values, size, self.cartesian.command):
+            return False
+        self.cartesian.size = size
+        return True
+
+    def receive(self, values: Doubles, size: int, place: Doubles) -> bool:
         """Take a command; see `receive_torques`.
 
         Args:
             values: The command.
-            place: Where it goes, shape (n,).
+            size: How many numbers it must have.
+            place: Where it goes, shape (size,) or longer.
         """
-        size = self.size
         if len(values) != size:
             return False
         for i in range(size):
@@ -157,7 +173,7 @@ class ArmStep:
     def take_command(self) -> bool:
         """Follow a command that has arrived; return False if it must be looked at."""
         generator, check, memory = self.generator, self.check, self.memory
-        if self.is_lossy or generator == _CARTESIAN:
+        if self.is_lossy:
             return False
         if self.torques_act and not check.admit_torques():
             return False
@@ -170,6 +186,10 @@ class ArmStep:
             if self.has_curves or not check.admit_velocities():
                 return False
             self.motion.follow_velocities()
+        elif generator == _CARTESIAN:
+            if not self.is_begun or self.has_curves or not self.cartesian.follow():
+                return False
+            self.motion.follow_positions()
         else:
             self.motion.hold()
         if self.torques_act:

@@ -6,7 +6,7 @@ cdef class InverseKinematics:
     cdef double[::1] chain
     cdef double[::1] q
     cdef double[::1] tool
-    cdef double[::1] target
+    cdef readonly double[::1] target
     cdef double[::1] step
     cdef double[::1] links
     cdef double[::1] flange

@@ -4,6 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from station.core.franka import Frame
+from station.hw.franka.arm.franka_kinematics import CHAIN, IDENTITY, frame_pose
 from station.kernel.arm_codes import (
     CARTESIAN,
     CONTACT,
@@ -26,6 +28,7 @@ from tests.kernel.both_modes import (
 )
 
 SIZE = 7
+START = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 PERIOD = 0.001
 QUANTITIES = ("theta", "dtheta", "tau_J", "q_d", "dq_d", "ddq_d", "tau_J_d", "target")
 SIMULATED = ("positions", "velocities", "motor_forces", "bias", "compensation")
@@ -73,23 +76,46 @@ class Arm:
         )
         self.watch.room = 1.0
         self.log = part("cycle_log").CycleLog(self.memory)
+        check = part("command_check").CommandCheck(
+            self.memory,
+            **bounds,
+            **speeds,
+            acceleration=[10.0] * SIZE,
+            jerk=[5000.0] * SIZE,
+            torque_rate=1000.0,
+            period=PERIOD,
+        )
+        self.cartesian = self._cartesian_step(part, check)
         self.step = module.ArmStep(
             self.memory,
             self.mode,
             motion=self.motion,
+            cartesian=self.cartesian,
             motors=self.motors,
-            check=part("command_check").CommandCheck(
-                self.memory,
-                **bounds,
-                **speeds,
-                acceleration=[10.0] * SIZE,
-                jerk=[5000.0] * SIZE,
-                torque_rate=1000.0,
-                period=PERIOD,
-            ),
+            check=check,
             watch=self.watch,
             log=self.log,
             simulator=simulator,
+        )
+
+    def _cartesian_step(self, part, check):
+        q_d, step = self.names["q_d"], zeros(SIZE)
+        target, tool = zeros(16), doubles(IDENTITY)
+        kinematics = part("inverse_kinematics").InverseKinematics(
+            CHAIN, q_d, tool, target, step
+        )
+        sizes = {"pose": 16, "twist": 6, "acceleration": 6, "elbow": 2}
+        sizes |= {"elbow_velocity": 2, "elbow_acceleration": 2}
+        self.end_effector = {name: zeros(size) for name, size in sizes.items()}
+        return part("cartesian_step").CartesianStep(
+            self.memory,
+            kinematics,
+            check,
+            **self.end_effector,
+            translation=[2.0, 13.0, 6500.0],
+            rotation=[2.5, 25.0, 12500.0],
+            elbow_limits=[2.2, 10.0, 5000.0],
+            period=PERIOD,
         )
 
     def set_mode(self, mode: int, generator: int = NO_MOTION) -> None:
@@ -99,7 +125,7 @@ class Arm:
     def everything(self) -> list[float]:
         """Return all numbers that a cycle can change."""
         found = [*self.controls, self.watch.room, self.watch.total_power]
-        for values in self.names.values():
+        for values in (*self.names.values(), *self.end_effector.values()):
             found += values
         for time, state, command in self.log.cycles():
             found += [time, *command, *(number for part in state for number in part)]
@@ -171,10 +197,34 @@ def test_a_command_that_is_not_seven_finite_numbers_is_not_taken(arm, command):
 
 
 @pytest.mark.parametrize("generator", [POSITIONS, CARTESIAN])
-def test_a_first_position_and_every_pose_are_left_to_the_caller(arm, generator):
+def test_a_first_position_and_a_first_pose_are_left_to_the_caller(arm, generator):
     arm.set_mode(MOVE, generator)
     arm.step.receive_joints(doubles([0.0] * SIZE))
     assert not arm.step.before()
+
+
+def test_a_slow_twist_moves_the_joints(arm):
+    put(arm.names["q_d"], START)
+    put(arm.end_effector["pose"], frame_pose(Frame.END_EFFECTOR, START))
+    arm.set_mode(MOVE, CARTESIAN)
+    arm.step.is_begun = True
+    assert arm.step.receive_end_effector(doubles([1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]), 6)
+    assert arm.step.before()
+    reached = frame_pose(Frame.END_EFFECTOR, [*arm.names["q_d"]])
+    assert reached == pytest.approx([*arm.end_effector["pose"]], abs=1e-12)
+    assert arm.names["dq_d"][1] != 0.0
+
+
+def test_a_fast_twist_is_left_to_the_caller_unchanged(arm):
+    put(arm.names["q_d"], START)
+    put(arm.end_effector["pose"], frame_pose(Frame.END_EFFECTOR, START))
+    arm.set_mode(MOVE, CARTESIAN)
+    arm.step.is_begun = True
+    arm.step.receive_end_effector(doubles([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]), 6)
+    before = arm.everything()
+    assert not arm.step.before()
+    assert arm.everything() == before
+    assert arm.step.is_fresh
 
 
 def test_a_contact_and_a_reading_out_of_range_are_told(arm):

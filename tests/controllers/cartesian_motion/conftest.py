@@ -16,20 +16,15 @@ from station.core.franka import (
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import (
     body_jacobian,
     frame_pose,
     zero_jacobian,
 )
 from station.hw.franka.arm.self_collision import clearance
-from station.hw.franka.simulated.cartesian_motion import (
-    CartesianCommand,
-    CartesianMotion,
-)
 from tests.conformance.benches import JOINTS, POSE, panda
+from tests.hw.franka.cartesian_motions import PERIOD, Generator
 
-PERIOD = 0.001
 PARAMETERS = {"arm_id": "panda", "joint_names": JOINTS}
 
 
@@ -64,7 +59,7 @@ class IdealArm(RobotHW):
         self.register_interface(poses)
         self.register_interface(models)
         self.tree = ParameterTree({"robot_description": panda().xml})
-        self.motion = CartesianMotion(self.state, PANDA_LIMITS, PERIOD)
+        self.motion = Generator(self.state)
         self.clock = ManualClock()
         self.time = 0.0
         self.errors = []
@@ -113,7 +108,7 @@ class IdealArm(RobotHW):
         )
 
     def _follow(self):
-        self.errors += self.motion.receive(CartesianCommand(tuple(self.command)))
+        self.errors += self.motion.receive(self.command)
         q, errors = self.motion.solve()
         self.errors += errors
         self.twists.append(list(self.state.O_dP_EE_c))

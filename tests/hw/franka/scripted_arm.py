@@ -29,6 +29,7 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.kernel.doubles import Storage
 from tests.hw.franka.plain_model import PlainModel
 
 _GENERATORS = {
@@ -189,13 +190,13 @@ class ScriptedArm(RobotArm):
 
     @override
     def command_cartesian_pose(
-        self, pose: list[float], elbow: list[float] | None = None
+        self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
         self._take_motion(pose, MotionGeneratorMode.CARTESIAN_POSITION, elbow)
 
     @override
     def command_cartesian_velocity(
-        self, twist: list[float], elbow: list[float] | None = None
+        self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
         self._take_motion(twist, MotionGeneratorMode.CARTESIAN_VELOCITY, elbow)
 

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
-from station.hw.franka.commands.cartesian_commands import limit_vector
 from station.hw.franka.commands.rate_limiter import (
     PERIOD,
     limit_position,
     limit_velocity,
-    low_pass,
+    low_pass_gain,
     rate_limits_of,
     velocity_range_of,
     with_margins,
 )
-from station.kernel.command_rates import CommandRates
+from station.kernel.command_rates import CommandRates, filtered
 from station.kernel.doubles import as_doubles, zeros
 from station.kernel.joint_memory import JointMemory
+from tests.hw.franka.limited_vectors import limited
 
 SAMPLES = 2_000
 EPS = 1e-3
@@ -174,7 +174,7 @@ def test_twists_are_limited_alike(limits: ArmLimits, part: str) -> None:
         a0 = generator.normal(size=3)
         a0 *= bounds.acceleration * generator.uniform() / np.linalg.norm(a0)
         v = v0 + generator.normal(size=3) * 10.0 ** generator.uniform(-5, 0)
-        ours = limit_vector(v.tolist(), v0.tolist(), a0.tolist(), bounds)
+        ours = limited(v, v0, a0, bounds)
         expected = limited_vector(v, v0, a0, bounds)
         np.testing.assert_allclose(ours, expected, rtol=0.0, atol=1e-12)
         assert np.linalg.norm(ours) <= bounds.velocity + 1e-9
@@ -192,7 +192,7 @@ def test_low_pass_has_the_response_of_its_transfer_function(
     response = gain / (1.0 - (1.0 - gain) / step)
     value, outputs = 0.0, []
     for cycle in range(2_000):
-        value = low_pass((step**cycle).real, value, cutoff)
+        value = filtered((step**cycle).real, value, low_pass_gain(cutoff))
         outputs.append(value)
     cycles = np.arange(1_000, 2_000)
     expected = (response * step**cycles).real

@@ -25,6 +25,10 @@ class MotionLimits:
     acceleration: float
     jerk: float
 
+    def bounds(self) -> tuple[float, float, float]:
+        """Return velocity, acceleration and jerk."""
+        return self.velocity, self.acceleration, self.jerk
+
 
 @dataclass(frozen=True, slots=True)
 class UrdfLimits:

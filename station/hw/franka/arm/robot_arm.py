@@ -151,7 +151,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def command_cartesian_pose(
-        self, pose: list[float], elbow: list[float] | None = None
+        self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
         """Command the end effector's pose.
 
@@ -167,7 +167,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def command_cartesian_velocity(
-        self, twist: list[float], elbow: list[float] | None = None
+        self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
         """Command the end effector's twist.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import pi
 
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimits
-from station.kernel.command_rates import filtered, limited
+from station.kernel.command_rates import limited
 
 PERIOD = 0.001
 """Cycle of the arm [s]."""
@@ -113,19 +113,6 @@ def low_pass_gain(cutoff_frequency: float) -> float:
     if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
         return 1.0
     return PERIOD / (PERIOD + 1.0 / (2.0 * pi * cutoff_frequency))
-
-
-def low_pass(value: float, previous: float, cutoff_frequency: float) -> float:
-    """Return the first-order low-pass of a command.
-
-    Args:
-        value: The new command.
-        previous: The filter's last output.
-        cutoff_frequency: [Hz], > 0; `MAX_CUTOFF_FREQUENCY` and above is off.
-    """
-    if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
-        return value
-    return filtered(value, previous, low_pass_gain(cutoff_frequency))
 
 
 def limit_velocity(

@@ -2,11 +2,15 @@
 
 from station.core.franka.franka_robot_state import MODE, RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.kernel.arm_step import ArmStep
+from station.kernel.cartesian_step import CartesianStep
 from station.kernel.command_check import CommandCheck
 from station.kernel.cycle_log import CycleLog
 from station.kernel.desired_motion import DesiredMotion
+from station.kernel.doubles import zeros
+from station.kernel.inverse_kinematics import InverseKinematics
 from station.kernel.joint_memory import JointMemory
 from station.kernel.joint_motors import JointMotors
 from station.kernel.joint_watch import JointWatch
@@ -32,6 +36,7 @@ class ArmCycle:
     Attributes:
         memory: State and commands of the joints.
         motion: The desired motion.
+        cartesian: The motion of the end effector.
         motors: Controls and torque sensors.
         watch: Looks at the readings.
         log: The last cycles.
@@ -54,6 +59,17 @@ class ArmCycle:
             deceleration=limits.acceleration,
             period=period,
         )
+        check = CommandCheck(
+            self.memory,
+            lower=limits.lower,
+            upper=limits.upper,
+            velocity=limits.velocity,
+            acceleration=limits.acceleration,
+            jerk=limits.jerk,
+            torque_rate=limits.torque_rate,
+            period=period,
+        )
+        self.cartesian = _cartesian_step(state, self.memory, check, limits, period)
         self.motors = JointMotors(self.memory, simulator, period)
         self.watch = _watch(self.memory, limits, thresholds, period)
         self.log = CycleLog(self.memory)
@@ -61,22 +77,42 @@ class ArmCycle:
             self.memory,
             state.doubles(MODE),
             motion=self.motion,
+            cartesian=self.cartesian,
             motors=self.motors,
-            check=CommandCheck(
-                self.memory,
-                lower=limits.lower,
-                upper=limits.upper,
-                velocity=limits.velocity,
-                acceleration=limits.acceleration,
-                jerk=limits.jerk,
-                torque_rate=limits.torque_rate,
-                period=period,
-            ),
+            check=check,
             watch=self.watch,
             log=self.log,
             simulator=simulator,
         )
         self.step.has_curves = bool(limits.curves)
+
+
+def _cartesian_step(
+    state: RobotState,
+    memory: JointMemory,
+    check: CommandCheck,
+    limits: ArmLimits,
+    period: float,
+) -> CartesianStep:
+    field = state.doubles
+    kinematics = InverseKinematics(
+        CHAIN, field("q_d"), field("F_T_EE"), zeros(16), zeros(memory.size)
+    )
+    return CartesianStep(
+        memory,
+        kinematics,
+        check,
+        pose=field("O_T_EE_c"),
+        twist=field("O_dP_EE_c"),
+        acceleration=field("O_ddP_EE_c"),
+        elbow=field("elbow_c"),
+        elbow_velocity=field("delbow_c"),
+        elbow_acceleration=field("ddelbow_c"),
+        translation=limits.translation.bounds(),
+        rotation=limits.rotation.bounds(),
+        elbow_limits=limits.elbow.bounds(),
+        period=period,
+    )
 
 
 def _watch(

@@ -15,8 +15,8 @@ from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, MotionGeneratorMode
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.cartesian_motion import (
-    CartesianCommand,
     CartesianMotion,
+    Elbow,
 )
 from station.hw.franka.simulated.motion_checks import (
     joint_motion_errors,
@@ -69,7 +69,8 @@ class MotionFollower:
         self._log = cycle.log
         self._limits = limits
         self._period = period
-        self._cartesian = CartesianMotion(state, limits, period)
+        self._end_effector = cycle.cartesian
+        self._cartesian = CartesianMotion(state, limits, cycle.cartesian, period)
         self._generator = MotionGeneratorMode.NONE
         self.begin(MotionGeneratorMode.NONE)
 
@@ -87,7 +88,8 @@ class MotionFollower:
         put(self._memory.torques, _ZEROS)
         put(self._memory.sent, _ZEROS)
         self._log.command_size = 0
-        self._cartesian_target = CartesianCommand(())
+        self._elbow: Elbow | None = None
+        self._end_effector.has_elbow = False
         self._lost_in_a_row = 0
         self._losses: deque[int] = deque()
         self._cartesian.begin()
@@ -111,7 +113,7 @@ class MotionFollower:
             _refuse("joint commands", _DOF, values)
 
     def command_cartesian(
-        self, values: Sequence[float], elbow: Sequence[float] | None, size: int
+        self, values: Storage, elbow: Sequence[float] | None, size: int
     ) -> None:
         """Take a pose or a twist for the next cycle.
 
@@ -124,19 +126,11 @@ class MotionFollower:
             InvalidCommandError: `values` are not `size` finite numbers, or the elbow
                 is malformed.
         """
-        command = _checked(values, "a Cartesian command", size)
-        chosen = None
-        if elbow is not None:
-            if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
-                raise InvalidCommandError(
-                    f"An elbow of {elbow} is not possible.",
-                    remedy="Give the position of joint 3 and a sign of +1 or -1.",
-                )
-            chosen = (elbow[0], elbow[1])
-        self._cartesian_target = CartesianCommand(tuple(command), chosen)
-        put(self._log.command[:size], command)
-        self._log.command_size = size
-        self._step.is_fresh = True
+        chosen = _checked_elbow(elbow)
+        if not self._step.receive_end_effector(_as_doubles(values), size):
+            _refuse("a Cartesian command", size, values)
+        self._elbow = chosen
+        self._end_effector.has_elbow = chosen is not None
 
     def ignore(self) -> None:
         """Discard this cycle's command and slow down to rest."""
@@ -232,14 +226,13 @@ class MotionFollower:
     def _follow_cartesian(self, *, arrived: bool) -> list[ArmError]:
         cartesian = self._cartesian
         if arrived:
-            errors = cartesian.receive(self._cartesian_target)
+            errors = cartesian.plan(self._elbow)
             if errors:
                 return errors
         else:
             cartesian.extrapolate()
-        q, errors = cartesian.solve()
+        errors = cartesian.solve()
         if not errors:
-            put(self._memory.target, q)
             self._motion.follow_positions()
         return errors
 
@@ -248,13 +241,18 @@ def _as_doubles(values: Storage) -> Doubles:
     return doubles(values) if isinstance(values, (list, tuple)) else values
 
 
-def _checked(values: Sequence[float], what: str, size: int) -> list[float]:
-    if len(values) != size or not isfinite(sum(values)):
-        _refuse(what, size, values)
-    return list(values)
+def _checked_elbow(elbow: Sequence[float] | None) -> Elbow | None:
+    if elbow is None:
+        return None
+    if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
+        raise InvalidCommandError(
+            f"An elbow of {elbow} is not possible.",
+            remedy="Give the position of joint 3 and a sign of +1 or -1.",
+        )
+    return elbow[0], elbow[1]
 
 
-def _refuse(what: str, size: int, values: Sequence[float] | Storage) -> NoReturn:
+def _refuse(what: str, size: int, values: Storage) -> NoReturn:
     raise InvalidCommandError(
         f"{what} must be {size} finite numbers, not {[*values]}",
         remedy="Correct the controller that commands them.",

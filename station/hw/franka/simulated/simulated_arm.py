@@ -221,7 +221,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def command_cartesian_pose(
-        self, pose: list[float], elbow: list[float] | None = None
+        self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_POSITION:
             raise self._not_commandable("Cartesian pose")
@@ -229,7 +229,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def command_cartesian_velocity(
-        self, twist: list[float], elbow: list[float] | None = None
+        self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_VELOCITY:
             raise self._not_commandable("Cartesian velocity")

@@ -5,7 +5,7 @@ from math import sqrt
 import pytest
 
 from station.hw.franka.arm.arm_limits import MotionLimits
-from station.hw.franka.commands.cartesian_commands import limit_vector
+from tests.hw.franka.limited_vectors import limited
 
 LIMITS = MotionLimits(2.0, 13.0, 6500.0)
 PERIOD = 0.001
@@ -18,7 +18,7 @@ def norm(vector):
 def test_step_is_approached_within_all_limits():
     v, a = [0.0] * 3, [0.0] * 3
     for _ in range(2_000):
-        new = limit_vector([3.0, -3.0, 1.0], v, a, LIMITS)
+        new = limited([3.0, -3.0, 1.0], v, a, LIMITS)
         acceleration = [(x - y) / PERIOD for x, y in zip(new, v, strict=True)]
         jerk = [(x - y) / PERIOD for x, y in zip(acceleration, a, strict=True)]
         assert norm(new) <= 2.0 + 1e-9
@@ -29,7 +29,7 @@ def test_step_is_approached_within_all_limits():
 
 
 def test_command_within_the_limits_passes():
-    assert limit_vector([1e-6, 0, 0], [0.0] * 3, [0.0] * 3, LIMITS) == pytest.approx([
+    assert limited([1e-6, 0, 0], [0.0] * 3, [0.0] * 3, LIMITS) == pytest.approx([
         1e-6,
         0.0,
         0.0,

@@ -11,8 +11,9 @@ from station.hw.franka.commands.rate_limiter import (
     RateLimits,
     limit_position,
     limit_velocity,
-    low_pass,
+    low_pass_gain,
 )
+from station.kernel.command_rates import filtered
 
 LIMITS = PANDA_RATE_LIMITS[0]
 
@@ -29,20 +30,20 @@ def test_limits_of_the_panda_carry_libfrankas_margins() -> None:
 
 
 def test_low_pass_of_100_hz_has_the_published_gain() -> None:
-    assert low_pass(1.0, 0.0, 100.0) == pytest.approx(0.3859, abs=5e-5)
+    assert low_pass_gain(100.0) == pytest.approx(0.3859, abs=5e-5)
 
 
 def test_low_pass_settles_like_a_first_order_filter() -> None:
     value = 0.0
     for _ in range(100):
-        value = low_pass(1.0, value, 10.0)
+        value = filtered(1.0, value, low_pass_gain(10.0))
     # Backward Euler of tau = 1 / (2 pi f): (1 + dt / tau)^-n.
     assert value == pytest.approx(1.0 - (1.0 + PERIOD * 20.0 * math.pi) ** -100)
 
 
 @pytest.mark.parametrize("cutoff", [1000.0, 5000.0])
 def test_low_pass_is_off_from_1000_hz_on(cutoff: float) -> None:
-    assert low_pass(1.0, 0.0, cutoff) == 1.0
+    assert low_pass_gain(cutoff) == 1.0
 
 
 def test_velocity_within_the_limits_passes() -> None:

@@ -6,22 +6,17 @@ from math import cos, pi
 import pytest
 
 from station.core.franka import Frame, RobotState
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import frame_pose
-from station.hw.franka.simulated.cartesian_motion import (
-    CartesianCommand,
-    CartesianMotion,
-)
+from tests.hw.franka.cartesian_motions import PERIOD, Generator
 
-PERIOD = 0.001
 START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]
 
 
-def follow(state: RobotState, motion: CartesianMotion, cycles: int, elbow=None):
+def follow(state: RobotState, motion: Generator, cycles: int, elbow=None):
     for cycle in range(cycles):
         speed = 0.1 * min(1.0, cycle / 200)
-        command = CartesianCommand((speed, 0.5 * speed, 0.0, 0.0, 0.0, speed), elbow)
-        assert motion.receive(command) == []
+        twist = (speed, 0.5 * speed, 0.0, 0.0, 0.0, speed)
+        assert motion.receive(twist, elbow) == []
         q, errors = motion.solve()
         assert errors == []
         dq = [(a - b) / PERIOD for a, b in zip(q, state.q_d, strict=True)]
@@ -31,7 +26,7 @@ def follow(state: RobotState, motion: CartesianMotion, cycles: int, elbow=None):
 
 def test_end_effector_reaches_the_commanded_pose():
     state = RobotState(q_d=list(START))
-    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion = Generator(state)
     motion.begin()
     follow(state, motion, 1_000)
     reached = frame_pose(Frame.END_EFFECTOR, state.q_d)
@@ -42,7 +37,7 @@ def test_end_effector_reaches_the_commanded_pose():
 
 def test_lost_command_goes_on_with_constant_acceleration():
     state = RobotState(q_d=list(START))
-    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion = Generator(state)
     motion.begin()
     follow(state, motion, 100)
     twist, rate = list(state.O_dP_EE_c), list(state.O_ddP_EE_c)
@@ -54,7 +49,7 @@ def test_lost_command_goes_on_with_constant_acceleration():
 
 def test_motion_begins_as_fast_as_the_joints_are():
     state = RobotState(q_d=list(START), dq_d=[0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0])
-    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion = Generator(state)
     motion.begin()
 
     moved = [q + dq * 1e-6 for q, dq in zip(state.q_d, state.dq_d, strict=True)]
@@ -67,14 +62,12 @@ def test_motion_begins_as_fast_as_the_joints_are():
 
 def test_elbow_that_nobody_commands_comes_to_rest_within_its_limits():
     state = RobotState(q_d=list(START), dq_d=[0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0])
-    motion = CartesianMotion(state, PANDA_LIMITS, PERIOD)
+    motion = Generator(state)
     motion.begin()
     rates = []
     for _ in range(100):
         twist = tuple(0.9 * v for v in state.O_dP_EE_c)
-        assert not [
-            e for e in motion.receive(CartesianCommand(twist)) if "elbow" in e.name
-        ]
+        assert not [e for e in motion.receive(twist) if "elbow" in e.name]
         motion.solve()
         rates.append(state.delbow_c[0])
 
