@@ -11,6 +11,7 @@ from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.kernel.arm_chain import turn_to_inner_axes
+from station.kernel.doubles import doubles
 
 
 class ArmModel(FrankaModel):
@@ -28,7 +29,8 @@ class ArmModel(FrankaModel):
     def __init__(self, description: RobotFiles) -> None:
         self._dynamics = FrankaDynamics(description)
         self._load = Load()
-        self._known: tuple[float, ...] = ()
+        self._center = doubles(self._load.center_of_mass)
+        self._inertia = doubles(self._load.inertia)
 
     @override
     def mass(
@@ -61,7 +63,7 @@ class ArmModel(FrankaModel):
         gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
         # Inertia has no weight: with the inertia known last nothing else changes.
-        load = self._load_of(self._load.inertia, m_total, F_x_Ctotal)
+        load = self._load_of(self._inertia, m_total, F_x_Ctotal)
         return self._dynamics.gravity(q, load, gravity_earth)
 
     @override
@@ -108,8 +110,15 @@ class ArmModel(FrankaModel):
         self, inertia: Sequence[float], mass: float, center: Sequence[float]
     ) -> Load:
         """Return the load; the same object as long as its numbers are the same."""
-        known = (mass, *center, *inertia)
-        if known != self._known:
-            self._known = known
-            self._load = Load(mass, tuple(center), tuple(inertia))
+        # Views of doubles are compared without making Python's floats; anything else
+        # never equals one, and is compared as a load.
+        if (
+            mass != self._load.mass
+            or center != self._center
+            or inertia != self._inertia
+        ):
+            load = Load(mass, tuple(center), tuple(inertia))
+            if load != self._load:
+                self._load = load
+                self._center, self._inertia = doubles(center), doubles(inertia)
         return self._load
