@@ -11,6 +11,7 @@ from station.api.streams.topics import (
     ControllerStateTopic,
     ControllersTopic,
     CycleTopic,
+    EventsTopic,
     JointStatesTopic,
     LoopTopic,
     RobotStateTopic,
@@ -20,6 +21,7 @@ from station.api.streams.topics import (
 from station.wire import (
     Controllers,
     ControllerSample,
+    Event,
     FrankaState,
     JointStates,
     LoopReport,
@@ -39,6 +41,7 @@ _MODELS: tuple[type[BaseModel], ...] = (
     LoopReport,
     StopState,
     Scene,
+    Event,
 )
 TOPICS: tuple[tuple[str, type[Topic], type[BaseModel] | None], ...] = (
     ("joint_states", JointStatesTopic, JointStates),
@@ -47,6 +50,7 @@ TOPICS: tuple[tuple[str, type[Topic], type[BaseModel] | None], ...] = (
     ("controllers", ControllersTopic, Controllers),
     ("loop", LoopTopic, None),
     ("scene", SceneTopic, Scene),
+    ("events", EventsTopic, Event),
 )
 """Address, topic, and the model of its data; None where it has several."""
 
@@ -125,10 +129,10 @@ def document() -> Schema:
         name = address.partition("/")[0]
         known = {} if model is None else schemas[model.__name__]["properties"]
         properties = {**_OWN, **known}
-        for form, data in (
-            ("state", _state(topic, properties)),
-            ("cycles", _cycles(topic, properties)),
-        ):
+        forms = {"state": _state(topic, properties)}
+        if topic.sample_fields:
+            forms["cycles"] = _cycles(topic, properties)
+        for form, data in forms.items():
             what = f"{name} {'at a rate' if form == 'state' else 'with rate=full'}"
             messages[f"{name}_{form}"] = _message(what, f"A frame of {what}.", data)
         channels[name] = {
@@ -136,7 +140,7 @@ def document() -> Schema:
             "title": name,
             "messages": {
                 key: {"$ref": f"#/components/messages/{key}"}
-                for key in ("hello", f"{name}_state", f"{name}_cycles")
+                for key in ("hello", *(f"{name}_{form}" for form in forms))
             },
             "parameters": _address_parameters(address),
             "bindings": {"ws": {"query": {"type": "object", "properties": _QUERY}}},

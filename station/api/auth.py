@@ -82,6 +82,11 @@ class Access:
     role: Role
     session: Session | None = None
 
+    @property
+    def name(self) -> str:
+        """Who is behind it: the role, for the tokens that the station makes itself."""
+        return self.role.value
+
     def has_ended(self) -> bool:
         """Return whether the access was withdrawn; that of a token never is."""
         return self.session is not None and self.session.has_ended()

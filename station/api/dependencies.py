@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import Depends, Request, Security
 from fastapi.security import HTTPBearer
 
+from station.api.audit import ACCESS, Recorder
 from station.api.auth import Access, Authenticator, Role
 from station.api.errors import ProblemError
 from station.core.facade.station import Station
@@ -58,10 +59,20 @@ async def get_failed_logins(request: Request) -> FailedLogins:
 FailedLoginsDep = Annotated[FailedLogins, Depends(get_failed_logins)]
 
 
+async def get_recorder(request: Request) -> Recorder:
+    """Return what events are recorded with."""
+    recorder: Recorder = request.app.state.recorder
+    return recorder
+
+
+RecorderDep = Annotated[Recorder, Depends(get_recorder)]
+
+
 async def access(
     request: Request,
     authenticator: AuthenticatorDep,
     failed_logins: FailedLoginsDep,
+    recorder: RecorderDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
     """Return what the caller may do, and what proves it.
@@ -72,6 +83,7 @@ async def access(
     found = authenticator.access_of_headers(request.headers)
     if found is None:
         if "authorization" in request.headers:
+            recorder.failed_login(request)
             await failed_logins.slow_down(request)
         raise ProblemError(
             401,
@@ -81,6 +93,7 @@ async def access(
             "printed at its start, or log in at /login?token=<token>.",
             {"WWW-Authenticate": "Bearer"},
         )
+    request.scope.setdefault("state", {})[ACCESS] = found
     return found
 
 

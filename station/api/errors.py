@@ -7,12 +7,16 @@ import orjson
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.types import Receive, Scope, Send
+from typing_extensions import override
 
 from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.wire import PROBLEM_MEDIA_TYPE
 
 MAX_ERRORS = 20
+PROBLEM_CODE = "problem_code"
+"""Key in the scope's state of the code of a refusal, for the audit."""
 
 STATUS: Mapping[type[errors.StationError], int] = {
     errors.StationError: 500,
@@ -77,6 +81,28 @@ HTTP_REMEDIES: Mapping[int, str] = {
 }
 
 
+class ProblemResponse(Response):
+    """A problem document; notes its code in the scope, for the audit.
+
+    Args:
+        code: Stable machine-readable name.
+        content: The document.
+        status: HTTP status.
+        headers: Extra response headers.
+    """
+
+    def __init__(
+        self, code: str, content: bytes, status: int, headers: Mapping[str, str]
+    ) -> None:
+        super().__init__(content, status, dict(headers), PROBLEM_MEDIA_TYPE)
+        self.code = code
+
+    @override
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        scope.setdefault("state", {})[PROBLEM_CODE] = self.code
+        await super().__call__(scope, receive, send)
+
+
 class ProblemError(HTTPException):
     """A refusal that the API itself decides on.
 
@@ -137,7 +163,7 @@ def problem_response(
     if details:
         body["details"] = dict(details)
     content = orjson.dumps(body, default=str, option=orjson.OPT_NON_STR_KEYS)
-    return Response(content, status, dict(headers or {}), PROBLEM_MEDIA_TYPE)
+    return ProblemResponse(code, content, status, headers or {})
 
 
 def status_of(kind: type[errors.StationError]) -> int:

@@ -26,6 +26,7 @@ TAGS = {
     "robots": "Arms and grippers: state, model, services, recovery, simulated faults.",
     "simulation": "Time, reset and scene of a simulated robot.",
     "stop": "The latched stop, a software stop and no safety device.",
+    "events": "What happened: who did what, when, from where, with what result.",
     "streams": "WebSocket streams; /api/v1/asyncapi.json describes their frames.",
 }
 """What the operations of each tag are about."""

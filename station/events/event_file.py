@@ -114,17 +114,47 @@ class EventFile:
         Raises:
             sqlite3.Error: The file cannot be read.
         """
+        return self._select("id > ?", "ASC", (after, kinds, severity, limit))
+
+    def read_newest(
+        self,
+        before: int,
+        limit: int,
+        kinds: Collection[EventKind] = (),
+        severity: Severity = Severity.INFO,
+    ) -> list[Event]:
+        """Return the last events before a number, oldest first. Any thread.
+
+        Args:
+            before: Only events with smaller numbers, >= 1.
+            limit: Most events that are returned, >= 1.
+            kinds: Only these; all when empty.
+            severity: Only those of at least this severity.
+
+        Raises:
+            sqlite3.Error: The file cannot be read.
+        """
+        chosen = self._select("id < ?", "DESC", (before, kinds, severity, limit))
+        return chosen[::-1]
+
+    def _select(
+        self,
+        condition: str,
+        order: str,
+        values: tuple[int, Collection[EventKind], Severity, int],
+    ) -> list[Event]:
+        number, kinds, severity, limit = values
         marks = ", ".join("?" * len(kinds))
         of_kind = f" AND kind IN ({marks})" if kinds else ""
         query = (
-            f"SELECT {_COLUMNS} FROM events WHERE id > ? AND severity >= ?{of_kind}"
-            " ORDER BY id LIMIT ?"
+            f"SELECT {_COLUMNS} FROM events WHERE {condition} AND severity >= ?"
+            f"{of_kind} ORDER BY id {order} LIMIT ?"
         )
         names = [kind.value for kind in kinds]
-        values = (after, severity.rank, *names, limit)
+        given = (number, severity.rank, *names, limit)
         # A connection of its own: the writer's is in the middle of a batch.
         with closing(sqlite3.connect(self.path, timeout=BUSY_TIMEOUT)) as connection:
-            return [_event(row) for row in connection.execute(query, values)]
+            return [_event(row) for row in connection.execute(query, given)]
 
 
 def _row(event: Event) -> tuple[object, ...]:

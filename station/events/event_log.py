@@ -99,7 +99,10 @@ class EventLog:
         self._wake = threading.Event()
         self._is_closed = threading.Event()
         self._file = None if path is None else self._open(path)
-        self._newest = self._file.newest_id() if self._file is not None else 0
+        self._newest = 0
+        if self._file is not None:
+            self._newest = self._file.newest_id()
+            self._recent.extend(self._file.read_newest(self._newest + 1, IN_MEMORY))
         self._thread: threading.Thread | None = None
         if self._file is not None:
             self._thread = threading.Thread(
@@ -234,20 +237,33 @@ class EventLog:
         kinds: Collection[EventKind] = (),
         severity: Severity = Severity.INFO,
     ) -> list[Event]:
-        """Return the newest events of memory, oldest first; never waits.
+        """Return the newest events, oldest first.
+
+        Reads the disk when the memory has fewer than `limit` of them.
 
         Args:
             limit: Most events that are returned, >= 1.
             kinds: Only these; all when empty.
             severity: Only those of at least this severity.
         """
+        with self._lock:
+            recent, file = list(self._recent), self._file
         found = [
             event
-            for event in self.recent(0)
+            for event in recent
             if (not kinds or event.kind in kinds)
             and event.severity.rank >= severity.rank
-        ]
-        return found[-limit:]
+        ][-limit:]
+        missing = limit - len(found)
+        if missing and file is not None and recent:
+            before = recent[0].id
+            try:
+                older = file.read_newest(before, missing, kinds, severity)
+            except (sqlite3.Error, ValueError) as error:
+                _log.warning("Events cannot be read from %s: %s", file.path, error)
+            else:
+                found = older + found
+        return found
 
     def state(self) -> EventLogState:
         """Return how the log is doing."""

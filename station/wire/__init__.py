@@ -32,6 +32,13 @@ from station.wire.controllers import (
     SwitchResult,
     Tunable,
 )
+from station.wire.events import (
+    Event,
+    EventKindName,
+    EventLogState,
+    Events,
+    SeverityName,
+)
 from station.wire.gain_sets import (
     GainDifference,
     GainsChanges,
@@ -167,6 +174,10 @@ __all__ = [
     "Controllers",
     "DesiredState",
     "EndEffectorFrame",
+    "Event",
+    "EventKindName",
+    "EventLogState",
+    "Events",
     "ExternalForce",
     "Fault",
     "Faults",
@@ -231,6 +242,7 @@ __all__ = [
     "ServiceInfo",
     "Services",
     "Session",
+    "SeverityName",
     "Simulation",
     "SimulationPatch",
     "SoftLimits",

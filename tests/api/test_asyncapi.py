@@ -11,6 +11,7 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.api.streams.topics import topic_names
+from station.client import StationClient
 from station.core.control.switching import SwitchRequest
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import open_stream
@@ -53,8 +54,20 @@ def test_every_topic_is_described(arm):
     assert kinds == set(DOCUMENT["channels"])
 
 
+def test_the_frame_of_an_event_is_as_described(arm):
+    _, server = arm
+    with open_stream(server, "events") as stream:
+        hello = stream.recv(timeout=5.0)
+        with StationClient(server.url, OPERATOR) as client:
+            client.stop("now")
+        frame = stream.recv(timeout=5.0)
+
+    check("hello", json.loads(hello))
+    check("events_state", json.loads(frame))
+
+
 @pytest.mark.parametrize("form", ["state", "cycles"])
-@pytest.mark.parametrize("name", DOCUMENT["channels"])
+@pytest.mark.parametrize("name", sorted(set(DOCUMENT["channels"]) - {"events"}))
 def test_recorded_frames_are_as_described(arm, name, form):
     members = {"controller_state": "/arm", "robot_state": "/panda"}
     query = "?rate=100" if form == "state" else "?rate=full"

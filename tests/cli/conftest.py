@@ -256,6 +256,10 @@ class FakeStation:
     def _stop_state(self, state):
         return StopState(state=state, reason="", epoch=2)
 
+    def events(self, since, **options):
+        self._record("events", since, options)
+        return self.happened
+
     def stream(self, topic, **options):
         self._record("stream", topic, options)
         return _FakeStream(self.frames)

@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from station.api.routes import (
     access,
     controllers,
+    events,
     gain_sets,
     gains,
     goals,
@@ -44,6 +45,7 @@ for _module in (
     scene,
     simulation,
     stop,
+    events,
     streams,
 ):
     api_router.include_router(_module.router)

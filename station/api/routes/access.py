@@ -1,15 +1,22 @@
 """Access: cookies for browsers, tickets for WebSockets."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
-from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Authenticator, Role
+from station.api.auth import (
+    SESSION_LIFETIME,
+    TICKET_LIFETIME,
+    Access,
+    Authenticator,
+    Role,
+)
 from station.api.dependencies import (
     AccessDep,
     AuthenticatorDep,
     FailedLoginsDep,
+    RecorderDep,
     RoleDep,
 )
 from station.api.errors import ProblemError
@@ -17,6 +24,9 @@ from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.web.failed_logins import FailedLogins
 from station.wire import LoginRequest, Session, StreamTicket
+
+if TYPE_CHECKING:
+    from station.api.audit import Recorder
 
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
@@ -28,8 +38,10 @@ async def _role_of(
     failed_logins: FailedLogins,
     token: str,
 ) -> Role:
+    recorder: Recorder = request.app.state.recorder
     role = authenticator.role_of_token(token)
     if role is None:
+        recorder.failed_login(request)
         await failed_logins.slow_down(request)
         raise ProblemError(
             401,
@@ -38,6 +50,7 @@ async def _role_of(
             "Use the token that the station printed when it was started; every start "
             "makes a new one.",
         )
+    recorder.login(request, Access(role), "login")
     return role
 
 
@@ -68,9 +81,15 @@ async def login(
 
 @router.post("/logout", status_code=204, responses=problems())
 async def logout(
-    request: Request, response: Response, authenticator: AuthenticatorDep
+    request: Request,
+    response: Response,
+    authenticator: AuthenticatorDep,
+    recorder: RecorderDep,
 ) -> None:
     """Revoke the session cookie, and end the streams of the session."""
+    access = authenticator.access_of_headers(request.headers)
+    if access is not None and access.session is not None:
+        recorder.login(request, access, "logout")
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"

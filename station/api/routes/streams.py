@@ -13,6 +13,7 @@ from station.api.streams.request import parse_request
 from station.wire import CLOSE_UNAUTHORIZED
 
 if TYPE_CHECKING:
+    from station.api.audit import Recorder
     from station.api.streams import Broadcaster
     from station.core.facade.station import Station
     from station.web.failed_logins import FailedLogins
@@ -35,16 +36,20 @@ async def stream(websocket: WebSocket, topic: str) -> None:
     station: Station = websocket.app.state.station
     broadcaster: Broadcaster = websocket.app.state.broadcaster
     failed_logins: FailedLogins = websocket.app.state.failed_logins
+    recorder: Recorder = websocket.app.state.recorder
     await websocket.accept()
     access = access_of(websocket)
     if access is None:
         if "authorization" in websocket.headers:
+            recorder.failed_login(websocket)
             await failed_logins.slow_down(websocket)
         reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return
     try:
-        request, source = parse_request(station, topic, websocket.query_params)
+        request, source = parse_request(
+            station, topic, websocket.query_params, recorder.log
+        )
     except StreamRequestError as error:
         await websocket.close(error.close_code, error.reason)
         return
@@ -60,11 +65,11 @@ async def stream(websocket: WebSocket, topic: str) -> None:
 async def stream_needs_websocket(topic: str) -> NoReturn:
     """Open `ws://…/api/v1/streams/{topic}?rate=HZ&fields=a,b&format=json|msgpack`.
 
-    Topics: `joint_states`, `controllers`, `loop`, `scene`, `controller_state/{name}`,
-    `robot_state/{arm_id}`. The first frame is `{"topic": "hello", "boot_id", "epoch",
-    "data": {…}}` with a snapshot of everything; every frame has `topic`, `seq`,
-    `epoch`, `cycle`, `stamp`, `data`. A client that is slow misses frames, which gaps
-    in `seq` show. `rate=full` sends every cycle in batches: `data.samples`, each with
+    Topics: `joint_states`, `controllers`, `loop`, `scene`, `events`,
+    `controller_state/{name}`, `robot_state/{arm_id}`. The first frame is
+    `{"topic": "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of everything;
+    every frame has `topic`, `seq`, `epoch`, `cycle`, `stamp`, `data`. A client that is
+    slow misses frames, which gaps in `seq` show. `rate=full` sends every cycle in batches: `data.samples`, each with
     its `cycle`; in `data.lost` how many cycles were overwritten before they were sent,
     and in `data.skipped` how many deadlines the loop missed, so that there was no
     cycle.

@@ -13,6 +13,7 @@ from station.client.routes import PREFIX
 from station.client.stream_options import bearer
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+Query = Mapping[str, str | list[str]]
 
 
 class AsyncConnection:
@@ -65,14 +66,14 @@ class AsyncConnection:
         self._http.headers.update(bearer(token))
 
     async def get(
-        self, path: str, answer: type[ModelT], query: Mapping[str, str] | None = None
+        self, path: str, answer: type[ModelT], query: Query | None = None
     ) -> ModelT:
         """Send a GET request and return the answer.
 
         Args:
             path: Path below the prefix of the API.
             answer: Wire model of the answer.
-            query: Query parameters.
+            query: Query parameters; a list repeats its parameter.
 
         Raises:
             ApiError: The station refuses.
@@ -121,7 +122,7 @@ class AsyncConnection:
         path: str,
         answer: type[ModelT],
         *,
-        query: Mapping[str, str] | None = None,
+        query: Query | None = None,
         content: bytes | None = None,
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,

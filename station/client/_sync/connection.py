@@ -14,6 +14,7 @@ from station.client.routes import PREFIX
 from station.client.stream_options import bearer
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+Query = Mapping[str, str | list[str]]
 
 
 class Connection:
@@ -66,14 +67,14 @@ class Connection:
         self._http.headers.update(bearer(token))
 
     def get(
-        self, path: str, answer: type[ModelT], query: Mapping[str, str] | None = None
+        self, path: str, answer: type[ModelT], query: Query | None = None
     ) -> ModelT:
         """Send a GET request and return the answer.
 
         Args:
             path: Path below the prefix of the API.
             answer: Wire model of the answer.
-            query: Query parameters.
+            query: Query parameters; a list repeats its parameter.
 
         Raises:
             ApiError: The station refuses.
@@ -122,7 +123,7 @@ class Connection:
         path: str,
         answer: type[ModelT],
         *,
-        query: Mapping[str, str] | None = None,
+        query: Query | None = None,
         content: bytes | None = None,
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,

@@ -511,6 +511,34 @@ class StationClient:
         request = wire.ReleaseRequest(arm=arm)
         return self._connection.send("POST", "/stop/release", wire.StopState, request)
 
+    def events(
+        self,
+        since: int | None = None,
+        *,
+        kinds: Sequence[wire.EventKindName] = (),
+        severity: wire.SeverityName = "info",
+        limit: int = 100,
+    ) -> list[wire.Event]:
+        """Return what happened at the station, oldest first.
+
+        To follow events as they happen, iterate over `stream("events")`; the `data` of
+        each frame is an event.
+
+        Args:
+            since: Number of the last event that is known; the newest events when None.
+            kinds: Only events of these kinds; all when empty.
+            severity: Only events of at least this severity.
+            limit: Most events, 1 to 1000.
+        """
+        query: dict[str, str | list[str]] = {
+            "severity": severity,
+            "limit": str(limit),
+            "kind": list(kinds),
+        }
+        if since is not None:
+            query["since"] = str(since)
+        return (self._connection.get("/events", wire.Events, query)).events
+
     def stream_ticket(self) -> wire.StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
         return self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
@@ -528,8 +556,8 @@ class StationClient:
         `with` (`async with`) connects at once, within `timeout`, or raises.
 
         Args:
-            topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
-                `robot_state/<arm_id>`.
+            topic: `joint_states`, `controllers`, `loop`, `events`,
+                `controller_state/<name>`, `robot_state/<arm_id>`.
             rate: Frames per second [Hz], or "full" for every cycle, in batches.
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
