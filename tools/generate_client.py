@@ -18,6 +18,7 @@ PAGE = ROOT / "docs" / "client.md"
 NOTE = "# Generated from _async/{name} by tools/generate_client.py.\n"
 NAMES = {
     "_async": "_sync",
+    "async_heartbeat": "heartbeat",
     "async_stream": "stream",
     "aclose": "close",
     "AsyncBaseTransport": "BaseTransport",
@@ -25,12 +26,15 @@ NAMES = {
     "AsyncGoalHandle": "GoalHandle",
     "asyncio": "time",
     "AsyncConnection": "Connection",
+    "AsyncControlLease": "ControlLease",
     "AsyncGainSetsClient": "GainSetsClient",
     "AsyncGripperClient": "GripperClient",
+    "AsyncHeartbeat": "Heartbeat",
     "AsyncRobotClient": "RobotClient",
     "AsyncSimulationClient": "SimulationClient",
     "AsyncStationClient": "StationClient",
     "AsyncStream": "Stream",
+    "AsyncTokensClient": "TokensClient",
 }
 
 

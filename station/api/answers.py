@@ -183,15 +183,26 @@ def stop_state(station: Station) -> wire.StopState:
 
 
 def status(
-    station: Station, versions: dict[str, str], events: EventLogState
+    station: Station,
+    versions: dict[str, str],
+    events: EventLogState,
+    operator: str | None = None,
 ) -> wire.Status:
-    """Return the station at a glance, with its arms and versions."""
+    """Return the station at a glance, with its arms and versions.
+
+    Args:
+        station: The station.
+        versions: Versions of the packages.
+        events: How the event log is doing.
+        operator: Who holds control.
+    """
     found = station.status()
     return wire.Status.model_validate({
         **{field.name: getattr(found, field.name) for field in fields(found)},
         "robots": arms(station),
         "versions": versions,
         "events": events,
+        "operator": operator,
         "clamps": clamps(found.clamps),
         "command_violations": {
             "count": found.command_violations,

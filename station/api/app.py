@@ -8,6 +8,7 @@ import station as package
 from station.api import docs_page, index
 from station.api.audit import Audit, Recorder
 from station.api.auth import Authenticator
+from station.api.control import Control
 from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
 from station.api.guard import MAX_BODY_BYTES, Guard
@@ -67,6 +68,7 @@ def create_app(
     app.state.authenticator = authenticator
     app.state.failed_logins = FailedLogins()
     recorder = app.state.recorder = Recorder(EventLog() if events is None else events)
+    app.state.control = Control(recorder.log, station.motion.let_expire)
     app.state.event_feed = EventFeed(recorder.log)
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(

@@ -2,11 +2,13 @@
 
 from typing import Annotated
 
-from fastapi import Depends, Request, Security
+from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
 from station.api.audit import ACCESS, Recorder
 from station.api.auth import Access, Authenticator, Role
+from station.api.control import HEADER as LEASE_HEADER
+from station.api.control import Control
 from station.api.errors import ProblemError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
@@ -108,8 +110,8 @@ async def viewer(access: AccessDep) -> Role:
 RoleDep = Annotated[Role, Depends(viewer)]
 
 
-async def operator(role: RoleDep) -> Role:
-    """Return the caller's role, which is operator.
+async def operator_anyway(role: RoleDep) -> Role:
+    """Return the caller's role, which is operator; whoever holds control.
 
     Raises:
         ProblemError: The caller is no operator.
@@ -124,5 +126,40 @@ async def operator(role: RoleDep) -> Role:
     return role
 
 
+async def get_control(request: Request) -> Control:
+    """Return the lease of control."""
+    control: Control = request.app.state.control
+    return control
+
+
+ControlDep = Annotated[Control, Depends(get_control)]
+LeaseKey = Annotated[
+    str | None,
+    Header(
+        alias=LEASE_HEADER,
+        max_length=100,
+        examples=["kCbBNd9xZ2u8"],
+        description="The lease of control that the request acts under, from the answer "
+        "of POST /control.",
+    ),
+]
+
+
+async def operator(
+    request: Request,
+    role: Annotated[Role, Depends(operator_anyway)],
+    access: AccessDep,
+    control: ControlDep,
+) -> Role:
+    """Return the caller's role, which is operator, while nobody else holds control.
+
+    Raises:
+        ControlHeldError: Somebody else holds control.
+    """
+    control.check(access, request.headers.get(LEASE_HEADER))
+    return role
+
+
 Viewer = Depends(viewer)
 Operator = Depends(operator)
+OperatorAnyway = Depends(operator_anyway)

@@ -10,6 +10,12 @@ from starlette.exceptions import HTTPException
 from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 
+from station.api.control import ControlHeldError, ControlNotHeldError
+from station.api.named_tokens import (
+    TokenExistsError,
+    TokenNotFoundError,
+    TokensNotKeptError,
+)
 from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.wire import PROBLEM_MEDIA_TYPE
@@ -52,10 +58,16 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.LoopError: 503,
     errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
+    TokenExistsError: 409,
+    TokenNotFoundError: 404,
+    TokensNotKeptError: 500,
+    ControlHeldError: 423,
+    ControlNotHeldError: 409,
 }
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
 
 ROUTES: Mapping[str, str] = {
+    "control_held": "GET /api/v1/control says who holds control.",
     "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
     "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
@@ -68,6 +80,7 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "token_not_found": "GET /api/v1/tokens lists the named tokens.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
     '{"arm": true} allows motion.',

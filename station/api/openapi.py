@@ -15,7 +15,8 @@ _OWN_ERRORS = ("HTTPValidationError", "ValidationError")
 TAGS = {
     "health": "Whether the process lives and the loop runs; no token is needed.",
     "station": "The station at a glance.",
-    "access": "Sessions of browsers, and tickets that open WebSockets.",
+    "control": "Who holds control: a lease of one operator that others respect.",
+    "access": "Named tokens, sessions of browsers, and tickets that open WebSockets.",
     "controllers": "Controllers: which can be loaded, which are, and which run.",
     "gains": "Run-time parameters of controllers, and named sets of them.",
     "set-points": "Set-points of running controllers, and the states that follow.",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Self
 from fastapi import FastAPI
 
 import station as package
+from station.api.named_tokens import NamedTokens
 from station.core.facade.station import Station
 from station.events import EventKind, EventLog
 from station.events.state_watcher import StateWatcher
@@ -17,8 +18,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from station.api.audit import Recorder
+    from station.api.control import Control
 
 FILE = "events.sqlite"
+TOKENS = "tokens.json"
 
 
 class Journal:
@@ -63,6 +66,15 @@ class Journal:
     ) -> None:
         self._stack.close()
 
+    def named_tokens(self) -> NamedTokens:
+        """Return the named tokens that the station keeps in its directory.
+
+        Raises:
+            TokensNotKeptError: Their file cannot be read.
+        """
+        directory = self.directory
+        return NamedTokens(None if directory is None else directory / TOKENS)
+
     def start(self, app: FastAPI) -> None:
         """Record the start and follow the station until the end.
 
@@ -84,6 +96,12 @@ class Journal:
             result="ended",
         )
         self._stack.callback(recorder.repeats.finish)
-        watcher = StateWatcher(self._station, self.log, recorder.repeats.flush)
+        control: Control = app.state.control
+
+        def look_also() -> None:
+            recorder.repeats.flush()
+            control.look()
+
+        watcher = StateWatcher(self._station, self.log, look_also)
         watcher.start()
         self._stack.callback(watcher.stop)

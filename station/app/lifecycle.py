@@ -138,6 +138,7 @@ class StationRun:
         if ui.enabled and not orphan:
             ui_port = free_port(api.host, ui.port)
         journal = stack.enter_context(Journal(station, self._warn))
+        authenticator.named = journal.named_tokens()
         app = create_app(
             station,
             authenticator,

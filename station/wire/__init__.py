@@ -3,6 +3,16 @@
 Imports nothing of the station, so that the client does not need it either.
 """
 
+from station.wire.access import (
+    ControlPatch,
+    ControlRequest,
+    ControlState,
+    NewToken,
+    RoleName,
+    Token,
+    TokenRequest,
+    Tokens,
+)
 from station.wire.base import (
     ControllerName,
     Measured,
@@ -165,6 +175,9 @@ __all__ = [
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
+    "ControlPatch",
+    "ControlRequest",
+    "ControlState",
     "ControllerName",
     "ControllerSample",
     "ControllerState",
@@ -222,6 +235,7 @@ __all__ = [
     "LoginRequest",
     "LoopReport",
     "Measured",
+    "NewToken",
     "ObjectKind",
     "Parameter",
     "ParameterRequest",
@@ -237,6 +251,7 @@ __all__ = [
     "RequestModel",
     "ResetRequest",
     "ResponseModel",
+    "RoleName",
     "Scene",
     "SceneObject",
     "ServiceInfo",
@@ -257,6 +272,9 @@ __all__ = [
     "StreamTicket",
     "SwitchRequest",
     "SwitchResult",
+    "Token",
+    "TokenRequest",
+    "Tokens",
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",

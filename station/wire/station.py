@@ -127,6 +127,7 @@ class Status(ResponseModel):
         clamps: Commands that limits cut off; empty if none ever was.
         command_violations: Commands that nobody had the right to write.
         events: How the event log is doing; null from a station that does not tell.
+        operator: Name of whoever holds control; null while nobody does.
     """
 
     boot_id: str
@@ -145,6 +146,7 @@ class Status(ResponseModel):
     clamps: Items[Clamp] = Field(default_factory=list)
     command_violations: CommandViolations = Field(default_factory=CommandViolations)
     events: EventLogState | None = None
+    operator: str | None = None
 
 
 class StopRequest(RequestModel):
@@ -237,9 +239,11 @@ class Session(ResponseModel):
 
     Attributes:
         role: `viewer`: read everything and stop the robot; `operator`: everything.
+        name: Name of the token: the role, or that of a named token.
     """
 
     role: Literal["viewer", "operator"]
+    name: str = ""
 
 
 class StreamTicket(ResponseModel):

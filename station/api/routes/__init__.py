@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
+    control,
     controllers,
     events,
     gain_sets,
@@ -22,6 +23,7 @@ from station.api.routes import (
     status,
     stop,
     streams,
+    tokens,
 )
 
 PREFIX = "/api/v1"
@@ -45,6 +47,8 @@ for _module in (
     scene,
     simulation,
     stop,
+    control,
+    tokens,
     events,
     streams,
 ):

@@ -10,14 +10,12 @@ from station.api.auth import (
     TICKET_LIFETIME,
     Access,
     Authenticator,
-    Role,
 )
 from station.api.dependencies import (
     AccessDep,
     AuthenticatorDep,
     FailedLoginsDep,
     RecorderDep,
-    RoleDep,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -32,15 +30,15 @@ router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
 
 
-async def _role_of(
+async def _access_of(
     request: Request,
     authenticator: Authenticator,
     failed_logins: FailedLogins,
     token: str,
-) -> Role:
+) -> Access:
     recorder: Recorder = request.app.state.recorder
-    role = authenticator.role_of_token(token)
-    if role is None:
+    access = authenticator.access_of_token(token)
+    if access is None:
         recorder.failed_login(request)
         await failed_logins.slow_down(request)
         raise ProblemError(
@@ -50,14 +48,16 @@ async def _role_of(
             "Use the token that the station printed when it was started; every start "
             "makes a new one.",
         )
-    recorder.login(request, Access(role), "login")
-    return role
+    recorder.login(request, access, "login")
+    return access
 
 
-def _set_cookie(response: Response, authenticator: Authenticator, role: Role) -> None:
+def _set_cookie(
+    response: Response, authenticator: Authenticator, access: Access
+) -> None:
     response.set_cookie(
         authenticator.cookie_name,
-        authenticator.open_session(role),
+        authenticator.open_session(access.role, access.token),
         max_age=int(SESSION_LIFETIME),
         path="/",
         httponly=True,
@@ -74,9 +74,9 @@ async def login(
     failed_logins: FailedLoginsDep,
 ) -> Session:
     """Exchange a token for a session cookie (SameSite=Strict, HttpOnly)."""
-    role = await _role_of(request, authenticator, failed_logins, body.token)
-    _set_cookie(response, authenticator, role)
-    return Session(role=role.value)
+    access = await _access_of(request, authenticator, failed_logins, body.token)
+    _set_cookie(response, authenticator, access)
+    return Session(role=access.role.value, name=access.name)
 
 
 @router.post("/logout", status_code=204, responses=problems())
@@ -97,9 +97,9 @@ async def logout(
 
 
 @router.get("/session", responses=problems())
-async def session(role: RoleDep) -> Session:
-    """Return the caller's role."""
-    return Session(role=role.value)
+async def session(access: AccessDep) -> Session:
+    """Return the caller's role and name."""
+    return Session(role=access.role.value, name=access.name)
 
 
 @router.post("/stream-tickets", responses=problems())
@@ -121,10 +121,10 @@ async def login_by_link(
     target: Annotated[str, Query(alias="next")] = "/docs",
 ) -> Response:
     """Log a browser in by the link that the station printed, then show a page."""
-    role = await _role_of(request, authenticator, failed_logins, token)
+    access = await _access_of(request, authenticator, failed_logins, token)
     # A link that leads to another site would let an attacker use the login page to
     # send people there; browsers take // and /\\ for the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))
     response = RedirectResponse(target if own else "/docs", status_code=303)
-    _set_cookie(response, authenticator, role)
+    _set_cookie(response, authenticator, access)
     return response

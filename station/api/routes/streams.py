@@ -69,7 +69,8 @@ async def stream_needs_websocket(topic: str) -> NoReturn:
     `controller_state/{name}`, `robot_state/{arm_id}`. The first frame is
     `{"topic": "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of everything;
     every frame has `topic`, `seq`, `epoch`, `cycle`, `stamp`, `data`. A client that is
-    slow misses frames, which gaps in `seq` show. `rate=full` sends every cycle in batches: `data.samples`, each with
+    slow misses frames, which gaps in `seq` show. `rate=full` sends every cycle in
+    batches: `data.samples`, each with
     its `cycle`; in `data.lost` how many cycles were overwritten before they were sent,
     and in `data.skipped` how many deadlines the loop missed, so that there was no
     cycle.

@@ -13,6 +13,7 @@ from station.client.routes import PREFIX
 from station.client.stream_options import bearer
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+LEASE_HEADER = "X-Control-Lease"
 Query = Mapping[str, str | list[str]]
 
 
@@ -29,6 +30,7 @@ class AsyncConnection:
         url: The station.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s]; may be changed.
+        lease: The lease of control that requests act under; None without one.
     """
 
     def __init__(
@@ -41,6 +43,7 @@ class AsyncConnection:
         self.url = url
         self.token = token
         self.timeout = timeout
+        self.lease: str | None = None
         self._http = httpx.AsyncClient(
             base_url=url,
             headers=bearer(token),
@@ -60,7 +63,7 @@ class AsyncConnection:
             url: The station, without a slash at its end.
             token: Operator or viewer token.
         """
-        self.url, self.token = url, token
+        self.url, self.token, self.lease = url, token, None
         self._http.base_url = httpx.URL(url)
         self._http.headers.pop("Authorization", None)
         self._http.headers.update(bearer(token))
@@ -108,6 +111,8 @@ class AsyncConnection:
             ValueError: A number of the body is not finite.
         """
         sent = dict(headers or {})
+        if self.lease is not None:
+            sent[LEASE_HEADER] = self.lease
         content = None
         if body is not None:
             sent["Content-Type"] = "application/json"

@@ -14,6 +14,7 @@ from station.client.routes import PREFIX
 from station.client.stream_options import bearer
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+LEASE_HEADER = "X-Control-Lease"
 Query = Mapping[str, str | list[str]]
 
 
@@ -30,6 +31,7 @@ class Connection:
         url: The station.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s]; may be changed.
+        lease: The lease of control that requests act under; None without one.
     """
 
     def __init__(
@@ -42,6 +44,7 @@ class Connection:
         self.url = url
         self.token = token
         self.timeout = timeout
+        self.lease: str | None = None
         self._http = httpx.Client(
             base_url=url,
             headers=bearer(token),
@@ -61,7 +64,7 @@ class Connection:
             url: The station, without a slash at its end.
             token: Operator or viewer token.
         """
-        self.url, self.token = url, token
+        self.url, self.token, self.lease = url, token, None
         self._http.base_url = httpx.URL(url)
         self._http.headers.pop("Authorization", None)
         self._http.headers.update(bearer(token))
@@ -109,6 +112,8 @@ class Connection:
             ValueError: A number of the body is not finite.
         """
         sent = dict(headers or {})
+        if self.lease is not None:
+            sent[LEASE_HEADER] = self.lease
         content = None
         if body is not None:
             sent["Content-Type"] = "application/json"

@@ -12,18 +12,22 @@ from pydantic import JsonValue
 from station import wire
 from station.client._sync.collecting import collect
 from station.client._sync.connection import Connection
+from station.client._sync.control_lease import ControlLease
 from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.goal_handle import GoalHandle
-from station.client._sync.motion import move_to_pose, start_move
+from station.client._sync.motion import move_to, start_move
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
+from station.client._sync.tokens_client import TokensClient
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
 from station.client.routes import (
     Restart,
     Strictness,
     controller_path,
+    event_query,
     goal_path,
+    load_request,
     segment,
 )
 from station.client.samples import Samples
@@ -61,6 +65,7 @@ class StationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        tokens: Named tokens of people and programs.
     """
 
     def __init__(
@@ -75,6 +80,7 @@ class StationClient:
         self._connection = Connection(url.rstrip("/"), token, timeout, transport)
         self.simulation = SimulationClient(self._connection)
         self.gain_sets = GainSetsClient(self._connection)
+        self.tokens = TokensClient(self._connection)
 
     def __enter__(self) -> Self:
         return self
@@ -142,7 +148,8 @@ class StationClient:
 
     def controllers(self) -> list[wire.ControllerState]:
         """Return all loaded controllers."""
-        return (self._connection.get("/controllers", wire.Controllers)).controllers
+        found = self._connection.get("/controllers", wire.Controllers)
+        return found.controllers
 
     def controller(self, name: str) -> wire.ControllerState:
         """Return one controller."""
@@ -165,15 +172,7 @@ class StationClient:
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
         """
-        given: dict[str, object] = {
-            "name": name,
-            "type": type,
-            "params": params,
-            "timeout": timeout,
-        }
-        request = wire.LoadRequest.model_validate({
-            key: value for key, value in given.items() if value is not None
-        })
+        request = load_request(name, type, params, timeout)
         patience = LOAD_TIMEOUT if timeout is None else timeout
         return self._connection.send(
             "POST", "/controllers", wire.ControllerState, request, patience=patience
@@ -236,10 +235,8 @@ class StationClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        path, request = (
-            controller_path(name, "gains"),
-            wire.GainsPatch(values=dict(values)),
-        )
+        path = controller_path(name, "gains")
+        request = wire.GainsPatch(values=dict(values))
         headers = {} if etag is None else {"If-Match": etag}
         return self._connection.send(
             "PATCH", path, wire.GainsChange, request, headers=headers
@@ -293,15 +290,14 @@ class StationClient:
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        path, request = (
-            controller_path(name, "goals"),
-            wire.GoalRequest(goal=dict(goal), epoch=epoch),
-        )
+        path = controller_path(name, "goals")
+        request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
         return self._connection.send("POST", path, wire.Goal, request)
 
     def goals(self, name: str) -> list[wire.Goal]:
         """Return a controller's latest goals, oldest first."""
-        return (self._connection.get(controller_path(name, "goals"), wire.Goals)).goals
+        path = controller_path(name, "goals")
+        return (self._connection.get(path, wire.Goals)).goals
 
     def goal(self, name: str, goal_id: str) -> wire.Goal:
         """Return a goal: its progress, or how and why it ended."""
@@ -312,10 +308,7 @@ class StationClient:
         return self._connection.send("DELETE", goal_path(name, goal_id), wire.Goal)
 
     def follow_trajectory(
-        self,
-        name: str,
-        trajectory: Mapping[str, JsonValue],
-        epoch: int | None = None,
+        self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
     ) -> wire.CommandAccepted:
         """Let a running controller follow a trajectory without a goal.
 
@@ -388,15 +381,7 @@ class StationClient:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        if not isinstance(target, Pose):
-            (self.start_move(target, duration=duration)).wait(timeout)
-            return
-        if duration is not None:
-            raise ValueError(
-                "A motion to a Pose takes no duration; the limits of its controller "
-                "say how fast it is."
-            )
-        move_to_pose(self, target, timeout)
+        move_to(self, target, duration, timeout)
 
     def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
@@ -511,6 +496,37 @@ class StationClient:
         request = wire.ReleaseRequest(arm=arm)
         return self._connection.send("POST", "/stop/release", wire.StopState, request)
 
+    def act_under(self, lease: str | None) -> None:
+        """Let the requests from now on act under a lease of control.
+
+        Args:
+            lease: The `lease` that whoever took control was told; None for none.
+        """
+        self._connection.lease = lease
+
+    def release_control(self) -> wire.ControlState:
+        """Give control back, which this client, or its named token, holds."""
+        return self._connection.send("DELETE", "/control", wire.ControlState)
+
+    def control_state(self) -> wire.ControlState:
+        """Return who holds control."""
+        return self._connection.get("/control", wire.ControlState)
+
+    def control(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> ControlLease:
+        """Return control of the station for a `with` block (`async with`).
+
+        While it lasts, the changes of other operators are refused; stopping is always
+        possible.
+
+        Args:
+            owner: Name that others are told; that of the token when None.
+            ttl: How long control lasts when this program falls silent [s], 0.5 to 3600.
+            force: Take control from whoever holds it.
+        """
+        return ControlLease(self._connection, owner, ttl, force=force)
+
     def events(
         self,
         since: int | None = None,
@@ -530,13 +546,7 @@ class StationClient:
             severity: Only events of at least this severity.
             limit: Most events, 1 to 1000.
         """
-        query: dict[str, str | list[str]] = {
-            "severity": severity,
-            "limit": str(limit),
-            "kind": list(kinds),
-        }
-        if since is not None:
-            query["since"] = str(since)
+        query = event_query(since, kinds, severity, limit)
         return (self._connection.get("/events", wire.Events, query)).events
 
     def stream_ticket(self) -> wire.StreamTicket:
