@@ -18,6 +18,7 @@ PAGE = ROOT / "docs" / "client.md"
 NOTE = "# Generated from _async/{name} by tools/generate_client.py.\n"
 NAMES = {
     "_async": "_sync",
+    "async_command_stream": "command_stream",
     "async_heartbeat": "heartbeat",
     "async_stream": "stream",
     "aclose": "close",
@@ -25,6 +26,7 @@ NAMES = {
     "AsyncClient": "Client",
     "AsyncGoalHandle": "GoalHandle",
     "asyncio": "time",
+    "AsyncCommandStream": "CommandStream",
     "AsyncConnection": "Connection",
     "AsyncControlLease": "ControlLease",
     "AsyncGainSetsClient": "GainSetsClient",

@@ -69,6 +69,7 @@ def create_app(
     app.state.failed_logins = FailedLogins()
     recorder = app.state.recorder = Recorder(EventLog() if events is None else events)
     app.state.control = Control(recorder.log, station.motion.let_expire)
+    app.state.command_streams = 0
     app.state.event_feed = EventFeed(recorder.log)
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(

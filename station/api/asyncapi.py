@@ -6,6 +6,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 import station as package
+from station.api.streams.command_stream import DEFAULT_TIMEOUT, LONGEST_TIMEOUT
 from station.api.streams.request import MAX_RATE, MIN_RATE
 from station.api.streams.topics import (
     ControllerStateTopic,
@@ -19,6 +20,8 @@ from station.api.streams.topics import (
     Topic,
 )
 from station.wire import (
+    CommandCounts,
+    CommandRequest,
     Controllers,
     ControllerSample,
     Event,
@@ -119,7 +122,12 @@ _QUERY: Schema = {
 def document() -> Schema:
     """Return the document; the frames are those without `fields`."""
     _, found = models_json_schema(
-        [(model, "serialization") for model in _MODELS], ref_template=_REF + "{model}"
+        [
+            *((model, "serialization") for model in _MODELS),
+            (CommandCounts, "serialization"),
+            (CommandRequest, "validation"),
+        ],
+        ref_template=_REF + "{model}",
     )
     schemas: Schema = found["$defs"]
     messages: Schema = {"hello": _message("Hello", "The first frame.", _hello())}
@@ -150,6 +158,24 @@ def document() -> Schema:
             "channel": {"$ref": f"#/channels/{name}"},
             "summary": f"The station sends {name}.",
         }
+    messages["set_point"] = {
+        "title": "Set-point",
+        "summary": "A set-point, or an array of its numbers alone.",
+        "payload": {"$ref": f"{_REF}CommandRequest"},
+    }
+    messages["command_counts"] = {
+        "title": "Counts",
+        "summary": "What became of the set-points that were received.",
+        "payload": {"$ref": f"{_REF}CommandCounts"},
+    }
+    channels["command"] = _command_channel()
+    for action, name in (("receive", "set_point"), ("send", "command_counts")):
+        operations[f"{action}_{name}"] = {
+            "action": action,
+            "channel": {"$ref": "#/channels/command"},
+            "summary": f"The station {action}s {messages[name]['title']}.",
+            "messages": [{"$ref": f"#/channels/command/messages/{name}"}],
+        }
     return {
         "asyncapi": VERSION,
         "info": {
@@ -162,6 +188,28 @@ def document() -> Schema:
         "channels": channels,
         "operations": operations,
         "components": {"messages": messages, "schemas": schemas},
+    }
+
+
+def _command_channel() -> Schema:
+    query = {
+        "timeout": {
+            "description": "Silence after which the last set-point expires [s], up to "
+            f"{LONGEST_TIMEOUT:g}.",
+            "default": str(DEFAULT_TIMEOUT),
+            "type": "string",
+        },
+        **{key: _QUERY[key] for key in ("format", "ticket")},
+    }
+    return {
+        "address": "/api/v1/streams/command/{controller}",
+        "title": "command",
+        "messages": {
+            key: {"$ref": f"#/components/messages/{key}"}
+            for key in ("set_point", "command_counts")
+        },
+        "parameters": {"controller": {"description": "Name: controller."}},
+        "bindings": {"ws": {"query": {"type": "object", "properties": query}}},
     }
 
 

@@ -9,6 +9,7 @@ from pydantic import JsonValue
 from station.wire import LoadRequest
 
 PREFIX: Final = "/api/v1"
+LEASE_HEADER: Final = "X-Control-Lease"
 Strictness = Literal["strict", "best_effort"]
 Restart = Literal["none", "previous"]
 

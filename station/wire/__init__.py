@@ -140,18 +140,22 @@ from station.wire.station import (
 )
 from station.wire.streams import (
     CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD,
     CLOSE_FORBIDDEN,
     CLOSE_GOING_AWAY,
     CLOSE_TOO_SLOW,
     CLOSE_TRY_LATER,
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
+    CommandCounts,
+    CommandError,
     StreamFormat,
     StreamFrame,
 )
 
 __all__ = [
     "CLOSE_BAD_REQUEST",
+    "CLOSE_CONTROL_HELD",
     "CLOSE_FORBIDDEN",
     "CLOSE_GOING_AWAY",
     "CLOSE_TOO_SLOW",
@@ -171,7 +175,9 @@ __all__ = [
     "Clamp",
     "ClampReasonName",
     "CommandAccepted",
+    "CommandCounts",
     "CommandElement",
+    "CommandError",
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",

@@ -82,7 +82,7 @@ def parse_request(
     rate = _rate(topic, query)
     known_fields = topic.sample_fields if rate is None else topic.fields
     request = StreamRequest(
-        topic.name, rate, _fields(known_fields, query), _format(query)
+        topic.name, rate, _fields(known_fields, query), read_format(query)
     )
     return request, topic
 
@@ -115,7 +115,12 @@ def _fields(known: Sequence[str], query: Mapping[str, str]) -> frozenset[str]:
     return fields
 
 
-def _format(query: Mapping[str, str]) -> StreamFormat:
+def read_format(query: Mapping[str, str]) -> StreamFormat:
+    """Return how messages are to be written.
+
+    Raises:
+        StreamRequestError: There is no such format.
+    """
     chosen = _FORMATS.get(query.get("format", "json"))
     if chosen is None:
         raise StreamRequestError(

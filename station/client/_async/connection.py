@@ -2,18 +2,18 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 import httpx
 from pydantic import BaseModel, JsonValue
 
+from station.client.command_options import CommandOptions
 from station.client.errors import ApiError, StationUnreachableError
-from station.client.routes import PREFIX
-from station.client.stream_options import bearer
+from station.client.routes import LEASE_HEADER, PREFIX
+from station.client.stream_options import Rate, StreamOptions, bearer
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
-LEASE_HEADER = "X-Control-Lease"
 Query = Mapping[str, str | list[str]]
 
 
@@ -67,6 +67,32 @@ class AsyncConnection:
         self._http.base_url = httpx.URL(url)
         self._http.headers.pop("Authorization", None)
         self._http.headers.update(bearer(token))
+
+    def stream_options(
+        self, topic: str, rate: Rate | None, fields: Sequence[str], *, reconnect: bool
+    ) -> StreamOptions:
+        """Return address and options of a stream.
+
+        Args:
+            topic: What to stream.
+            rate: Frames per second [Hz], or "full"; None means the station's default.
+            fields: Only these keys of `data`; all when empty.
+            reconnect: Connect again when the link breaks.
+        """
+        return StreamOptions(
+            self.url, self.token, topic, rate, tuple(fields), reconnect, self.timeout
+        )
+
+    def command_options(self, controller: str, timeout: float) -> CommandOptions:
+        """Return address and options of a stream of set-points.
+
+        Args:
+            controller: The controller.
+            timeout: Silence after which the last set-point expires [s], > 0.
+        """
+        return CommandOptions(
+            self.url, self.token, self.lease, controller, timeout, self.timeout
+        )
 
     async def get(
         self, path: str, answer: type[ModelT], query: Query | None = None

@@ -18,6 +18,7 @@ from station.client._async.motion import move_to, start_move
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client._async.tokens_client import AsyncTokensClient
+from station.client.async_command_stream import AsyncCommandStream
 from station.client.async_stream import AsyncStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
@@ -31,7 +32,7 @@ from station.client.routes import (
     segment,
 )
 from station.client.samples import Samples
-from station.client.stream_options import Rate, StreamOptions
+from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
@@ -280,6 +281,18 @@ class AsyncStationClient:
         return await self._connection.get(
             controller_path(name, "state"), wire.ControllerSample
         )
+
+    def command_stream(
+        self, controller: str, *, timeout: float = 0.2
+    ) -> AsyncCommandStream:
+        """Return a stream of set-points for a `with` block (`async with`).
+
+        Args:
+            controller: The controller; it must run.
+            timeout: Silence after which the last set-point expires [s], up to 60.
+        """
+        options = self._connection.command_options(controller, timeout)
+        return AsyncCommandStream(options)
 
     async def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
@@ -581,17 +594,10 @@ class AsyncStationClient:
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
         """
-        return AsyncStream(
-            StreamOptions(
-                self.url,
-                self._connection.token,
-                topic,
-                rate,
-                tuple(fields),
-                reconnect,
-                self.timeout,
-            )
+        options = self._connection.stream_options(
+            topic, rate, fields, reconnect=reconnect
         )
+        return AsyncStream(options)
 
 
 def _parameter(path: str) -> str:

@@ -19,6 +19,7 @@ from station.client._sync.motion import move_to, start_move
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
 from station.client._sync.tokens_client import TokensClient
+from station.client.command_stream import CommandStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
 from station.client.routes import (
@@ -32,7 +33,7 @@ from station.client.routes import (
 )
 from station.client.samples import Samples
 from station.client.stream import Stream
-from station.client.stream_options import Rate, StreamOptions
+from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
@@ -279,6 +280,16 @@ class StationClient:
         return self._connection.get(
             controller_path(name, "state"), wire.ControllerSample
         )
+
+    def command_stream(self, controller: str, *, timeout: float = 0.2) -> CommandStream:
+        """Return a stream of set-points for a `with` block (`async with`).
+
+        Args:
+            controller: The controller; it must run.
+            timeout: Silence after which the last set-point expires [s], up to 60.
+        """
+        options = self._connection.command_options(controller, timeout)
+        return CommandStream(options)
 
     def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
@@ -572,17 +583,10 @@ class StationClient:
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
         """
-        return Stream(
-            StreamOptions(
-                self.url,
-                self._connection.token,
-                topic,
-                rate,
-                tuple(fields),
-                reconnect,
-                self.timeout,
-            )
+        options = self._connection.stream_options(
+            topic, rate, fields, reconnect=reconnect
         )
+        return Stream(options)
 
 
 def _parameter(path: str) -> str:
