@@ -6,6 +6,7 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute
 from typing_extensions import override
 
+from station.api.routes.problems import MEANINGS
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
 
 _REF = "#/components/schemas/"
@@ -57,6 +58,12 @@ HEADERS = {
 }
 _OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",) * 2}
 
+_WHOEVER_HOLDS_CONTROL = frozenset({
+    f"/api/v1/{name}"
+    for name in ("login", "logout", "stop", "stream-tickets", "tokens", "tokens/{name}")
+})
+"""Paths whose changes no lease of control can refuse."""
+
 
 def operation_id(route: APIRoute) -> str:
     """Return the name of a route's function, which is unique and stays."""
@@ -82,7 +89,10 @@ class StationApi(FastAPI):
                 {"name": name, "description": text} for name, text in TAGS.items()
             ]
             for path, methods in document["paths"].items():
-                for operation in methods.values():
+                for method, operation in methods.items():
+                    if method != "get" and path not in _WHOEVER_HOLDS_CONTROL:
+                        locked = {"description": MEANINGS[423]}
+                        operation["responses"].setdefault("423", locked)
                     _complete(path, operation)
         return super().openapi()
 
