@@ -18,19 +18,25 @@ PAGE = ROOT / "docs" / "client.md"
 NOTE = "# Generated from _async/{name} by tools/generate_client.py.\n"
 NAMES = {
     "_async": "_sync",
+    "async_command_stream": "command_stream",
+    "async_heartbeat": "heartbeat",
     "async_stream": "stream",
     "aclose": "close",
     "AsyncBaseTransport": "BaseTransport",
     "AsyncClient": "Client",
     "AsyncGoalHandle": "GoalHandle",
     "asyncio": "time",
+    "AsyncCommandStream": "CommandStream",
     "AsyncConnection": "Connection",
+    "AsyncControlLease": "ControlLease",
     "AsyncGainSetsClient": "GainSetsClient",
     "AsyncGripperClient": "GripperClient",
+    "AsyncHeartbeat": "Heartbeat",
     "AsyncRobotClient": "RobotClient",
     "AsyncSimulationClient": "SimulationClient",
     "AsyncStationClient": "StationClient",
     "AsyncStream": "Stream",
+    "AsyncTokensClient": "TokensClient",
 }
 
 

@@ -22,6 +22,7 @@ from station.core.loop.snapshot import Snapshot
 from station.core.ports.goal import Goal, GoalStatus
 from station.core.ports.set_point import SetPoint
 from station.core.trajectory import PosVelAccState
+from station.events import Event, EventLogState
 from station.wire.base import finite_or_none
 
 
@@ -181,19 +182,38 @@ def stop_state(station: Station) -> wire.StopState:
     })
 
 
-def status(station: Station, versions: dict[str, str]) -> wire.Status:
-    """Return the station at a glance, with its arms and versions."""
+def status(
+    station: Station,
+    versions: dict[str, str],
+    events: EventLogState,
+    operator: str | None = None,
+) -> wire.Status:
+    """Return the station at a glance, with its arms and versions.
+
+    Args:
+        station: The station.
+        versions: Versions of the packages.
+        events: How the event log is doing.
+        operator: Who holds control.
+    """
     found = station.status()
     return wire.Status.model_validate({
         **{field.name: getattr(found, field.name) for field in fields(found)},
         "robots": arms(station),
         "versions": versions,
+        "events": events,
+        "operator": operator,
         "clamps": clamps(found.clamps),
         "command_violations": {
             "count": found.command_violations,
             "last": found.last_command_violation,
         },
     })
+
+
+def event(found: Event) -> wire.Event:
+    """Return an event."""
+    return wire.Event.model_validate(found)
 
 
 def arm_report(found: ArmReport) -> wire.ArmReport:

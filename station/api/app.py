@@ -6,8 +6,11 @@ from fastapi import FastAPI
 
 import station as package
 from station.api import docs_page, index
+from station.api.audit import Audit, Recorder
 from station.api.auth import Authenticator
+from station.api.control import Control
 from station.api.errors import add_error_handlers
+from station.api.event_feed import EventFeed
 from station.api.guard import MAX_BODY_BYTES, Guard
 from station.api.host_policy import HostPolicy
 from station.api.openapi import StationApi, operation_id
@@ -15,6 +18,7 @@ from station.api.routes import PREFIX, api_router, metrics, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
+from station.events import EventLog
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
 
@@ -34,6 +38,7 @@ def create_app(
     max_streams: int = 64,
     max_body: int = MAX_BODY_BYTES,
     dashboard_url: Callable[[], str | None] = lambda: None,
+    events: EventLog | None = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -46,6 +51,7 @@ def create_app(
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
         dashboard_url: Returns where the dashboard is; None while it is not known.
+        events: Where events are recorded; a log in memory when left out.
     """
     app = StationApi(
         title="Control station",
@@ -61,6 +67,10 @@ def create_app(
     app.state.station = station
     app.state.authenticator = authenticator
     app.state.failed_logins = FailedLogins()
+    recorder = app.state.recorder = Recorder(EventLog() if events is None else events)
+    app.state.control = Control(recorder.log, station.motion.let_expire)
+    app.state.command_streams = 0
+    app.state.event_feed = EventFeed(recorder.log)
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams
@@ -73,5 +83,6 @@ def create_app(
     app.include_router(index.router)
     app.include_router(metrics.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
+    app.add_middleware(Audit, repeats=recorder.repeats)
     app.add_middleware(RequestId)
     return app

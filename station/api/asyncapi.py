@@ -6,11 +6,13 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 import station as package
+from station.api.streams.command_stream import DEFAULT_TIMEOUT, LONGEST_TIMEOUT
 from station.api.streams.request import MAX_RATE, MIN_RATE
 from station.api.streams.topics import (
     ControllerStateTopic,
     ControllersTopic,
     CycleTopic,
+    EventsTopic,
     JointStatesTopic,
     LoopTopic,
     RobotStateTopic,
@@ -18,8 +20,11 @@ from station.api.streams.topics import (
     Topic,
 )
 from station.wire import (
+    CommandCounts,
+    CommandRequest,
     Controllers,
     ControllerSample,
+    Event,
     FrankaState,
     JointStates,
     LoopReport,
@@ -39,6 +44,7 @@ _MODELS: tuple[type[BaseModel], ...] = (
     LoopReport,
     StopState,
     Scene,
+    Event,
 )
 TOPICS: tuple[tuple[str, type[Topic], type[BaseModel] | None], ...] = (
     ("joint_states", JointStatesTopic, JointStates),
@@ -47,6 +53,7 @@ TOPICS: tuple[tuple[str, type[Topic], type[BaseModel] | None], ...] = (
     ("controllers", ControllersTopic, Controllers),
     ("loop", LoopTopic, None),
     ("scene", SceneTopic, Scene),
+    ("events", EventsTopic, Event),
 )
 """Address, topic, and the model of its data; None where it has several."""
 
@@ -115,7 +122,12 @@ _QUERY: Schema = {
 def document() -> Schema:
     """Return the document; the frames are those without `fields`."""
     _, found = models_json_schema(
-        [(model, "serialization") for model in _MODELS], ref_template=_REF + "{model}"
+        [
+            *((model, "serialization") for model in _MODELS),
+            (CommandCounts, "serialization"),
+            (CommandRequest, "validation"),
+        ],
+        ref_template=_REF + "{model}",
     )
     schemas: Schema = found["$defs"]
     messages: Schema = {"hello": _message("Hello", "The first frame.", _hello())}
@@ -125,10 +137,10 @@ def document() -> Schema:
         name = address.partition("/")[0]
         known = {} if model is None else schemas[model.__name__]["properties"]
         properties = {**_OWN, **known}
-        for form, data in (
-            ("state", _state(topic, properties)),
-            ("cycles", _cycles(topic, properties)),
-        ):
+        forms = {"state": _state(topic, properties)}
+        if topic.sample_fields:
+            forms["cycles"] = _cycles(topic, properties)
+        for form, data in forms.items():
             what = f"{name} {'at a rate' if form == 'state' else 'with rate=full'}"
             messages[f"{name}_{form}"] = _message(what, f"A frame of {what}.", data)
         channels[name] = {
@@ -136,7 +148,7 @@ def document() -> Schema:
             "title": name,
             "messages": {
                 key: {"$ref": f"#/components/messages/{key}"}
-                for key in ("hello", f"{name}_state", f"{name}_cycles")
+                for key in ("hello", *(f"{name}_{form}" for form in forms))
             },
             "parameters": _address_parameters(address),
             "bindings": {"ws": {"query": {"type": "object", "properties": _QUERY}}},
@@ -145,6 +157,24 @@ def document() -> Schema:
             "action": "send",
             "channel": {"$ref": f"#/channels/{name}"},
             "summary": f"The station sends {name}.",
+        }
+    messages["set_point"] = {
+        "title": "Set-point",
+        "summary": "A set-point, or an array of its numbers alone.",
+        "payload": {"$ref": f"{_REF}CommandRequest"},
+    }
+    messages["command_counts"] = {
+        "title": "Counts",
+        "summary": "What became of the set-points that were received.",
+        "payload": {"$ref": f"{_REF}CommandCounts"},
+    }
+    channels["command"] = _command_channel()
+    for action, name in (("receive", "set_point"), ("send", "command_counts")):
+        operations[f"{action}_{name}"] = {
+            "action": action,
+            "channel": {"$ref": "#/channels/command"},
+            "summary": f"The station {action}s {messages[name]['title']}.",
+            "messages": [{"$ref": f"#/channels/command/messages/{name}"}],
         }
     return {
         "asyncapi": VERSION,
@@ -158,6 +188,28 @@ def document() -> Schema:
         "channels": channels,
         "operations": operations,
         "components": {"messages": messages, "schemas": schemas},
+    }
+
+
+def _command_channel() -> Schema:
+    query = {
+        "timeout": {
+            "description": "Silence after which the last set-point expires [s], up to "
+            f"{LONGEST_TIMEOUT:g}.",
+            "default": str(DEFAULT_TIMEOUT),
+            "type": "string",
+        },
+        **{key: _QUERY[key] for key in ("format", "ticket")},
+    }
+    return {
+        "address": "/api/v1/streams/command/{controller}",
+        "title": "command",
+        "messages": {
+            key: {"$ref": f"#/components/messages/{key}"}
+            for key in ("set_point", "command_counts")
+        },
+        "parameters": {"controller": {"description": "Name: controller."}},
+        "bindings": {"ws": {"query": {"type": "object", "properties": query}}},
     }
 
 

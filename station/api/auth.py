@@ -1,4 +1,4 @@
-"""Authentication: two tokens, cookies for browsers, tickets for WebSockets."""
+"""Authentication: the station's tokens, cookies for browsers, WebSocket tickets."""
 
 import asyncio
 import contextlib
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from http.cookies import CookieError, SimpleCookie
 
+from station.api.named_tokens import NamedToken, NamedTokens
 from station.core.clock import Clock, SystemClock
 
 TICKET_LIFETIME = 30.0
@@ -41,14 +42,19 @@ class Session:
     Args:
         role: What it may do.
         clock: Ages it.
+        token: The named token that it was opened with, with which it ends.
 
     Attributes:
         role: The same.
+        token: The same.
         cookie: The random value of its cookie.
     """
 
-    def __init__(self, role: Role, clock: Clock) -> None:
+    def __init__(
+        self, role: Role, clock: Clock, token: NamedToken | None = None
+    ) -> None:
         self.role = role
+        self.token = token
         self.cookie = secrets.token_urlsafe(32)
         self._clock = clock
         self._expiry = clock.now() + SESSION_LIFETIME
@@ -56,6 +62,8 @@ class Session:
 
     def has_ended(self) -> bool:
         """Return whether the session was closed or has expired."""
+        if self.token is not None and self.token.has_ended():
+            return True
         return self._closed.is_set() or self._clock.now() >= self._expiry
 
     def close(self) -> None:
@@ -77,21 +85,38 @@ class Access:
         role: What it may do.
         session: The browser's session, also when a ticket of that session was shown;
             None for a token.
+        token: The named token, also behind a session; None for the tokens that the
+            station makes itself.
     """
 
     role: Role
     session: Session | None = None
+    token: NamedToken | None = None
+
+    @property
+    def name(self) -> str:
+        """Who is behind it: the role, for the tokens that the station makes itself."""
+        return self.role.value if self.token is None else self.token.name
 
     def has_ended(self) -> bool:
-        """Return whether the access was withdrawn; that of a token never is."""
-        return self.session is not None and self.session.has_ended()
+        """Return whether the access was withdrawn; the station's own tokens never."""
+        ends = (self.session, self.token)
+        return any(end is not None and end.has_ended() for end in ends)
 
     async def wait_for_end(self) -> None:
-        """Return when the access was withdrawn; for a token, never."""
-        if self.session is None:
+        """Return when the access was withdrawn; for the station's own tokens, never."""
+        ends = [
+            asyncio.ensure_future(end.wait_for_end())
+            for end in (self.session, self.token)
+            if end is not None
+        ]
+        if not ends:
             await asyncio.Event().wait()
-        else:
-            await self.session.wait_for_end()
+        try:
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for end in ends:
+                end.cancel()
 
 
 class _Tickets:
@@ -128,7 +153,7 @@ class _Sessions:
         self._clock = clock
         self._open: dict[str, Session] = {}
 
-    def open(self, role: Role) -> str:
+    def open(self, role: Role, token: NamedToken | None) -> str:
         for session in list(self._open.values()):
             if session.has_ended():
                 self.close(session.cookie)
@@ -136,7 +161,7 @@ class _Sessions:
         alike = [one.cookie for one in self._open.values() if one.role is role]
         if len(alike) >= MAX_GRANTS:
             self.close(alike[0])
-        session = Session(role, self._clock)
+        session = Session(role, self._clock, token)
         self._open[session.cookie] = session
         return session.cookie
 
@@ -163,6 +188,7 @@ class Authenticator:
         viewer_token: The token.
         cookie_name: Name of the session cookie; differs between stations, because
             browsers share cookies among the ports of a host.
+        named: The named tokens.
     """
 
     def __init__(
@@ -176,6 +202,7 @@ class Authenticator:
         self.operator_token = operator_token or secrets.token_urlsafe(32)
         self.viewer_token = viewer_token or secrets.token_urlsafe(32)
         self.cookie_name = f"station_{secrets.token_hex(4)}"
+        self.named = NamedTokens()
         self._sessions = _Sessions(clock)
         self._tickets = _Tickets(clock)
 
@@ -188,9 +215,22 @@ class Authenticator:
             return Role.OPERATOR
         return Role.VIEWER if viewer else None
 
-    def open_session(self, role: Role) -> str:
-        """Return the value of a new session cookie."""
-        return self._sessions.open(role)
+    def access_of_token(self, token: str) -> Access | None:
+        """Return what the bearer of a token may do; None when nobody knows it."""
+        role = self.role_of_token(token)
+        if role is not None:
+            return Access(role)
+        named = self.named.find(token)
+        return None if named is None else Access(Role(named.role), token=named)
+
+    def open_session(self, role: Role, token: NamedToken | None = None) -> str:
+        """Return the value of a new session cookie.
+
+        Args:
+            role: What the session may do.
+            token: The named token that opens it.
+        """
+        return self._sessions.open(role, token)
 
     def close_session(self, cookie: str) -> None:
         """Revoke a session cookie; its tickets and its open streams end with it."""
@@ -222,7 +262,8 @@ class Authenticator:
         if authorization is not None:
             scheme, _, token = authorization.partition(" ")
             known = scheme.lower() == "bearer"
-            role = self.role_of_token(token.strip()) if known else None
-            return None if role is None else Access(role)
+            return self.access_of_token(token.strip()) if known else None
         session = self._sessions.find(self.session_of(headers))
-        return None if session is None else Access(session.role, session)
+        if session is None:
+            return None
+        return Access(session.role, session, session.token)

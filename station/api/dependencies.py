@@ -2,10 +2,13 @@
 
 from typing import Annotated
 
-from fastapi import Depends, Request, Security
+from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
+from station.api.audit import ACCESS, Recorder
 from station.api.auth import Access, Authenticator, Role
+from station.api.control import HEADER as LEASE_HEADER
+from station.api.control import Control
 from station.api.errors import ProblemError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
@@ -58,10 +61,20 @@ async def get_failed_logins(request: Request) -> FailedLogins:
 FailedLoginsDep = Annotated[FailedLogins, Depends(get_failed_logins)]
 
 
+async def get_recorder(request: Request) -> Recorder:
+    """Return what events are recorded with."""
+    recorder: Recorder = request.app.state.recorder
+    return recorder
+
+
+RecorderDep = Annotated[Recorder, Depends(get_recorder)]
+
+
 async def access(
     request: Request,
     authenticator: AuthenticatorDep,
     failed_logins: FailedLoginsDep,
+    recorder: RecorderDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
     """Return what the caller may do, and what proves it.
@@ -72,6 +85,7 @@ async def access(
     found = authenticator.access_of_headers(request.headers)
     if found is None:
         if "authorization" in request.headers:
+            recorder.failed_login(request)
             await failed_logins.slow_down(request)
         raise ProblemError(
             401,
@@ -81,6 +95,7 @@ async def access(
             "printed at its start, or log in at /login?token=<token>.",
             {"WWW-Authenticate": "Bearer"},
         )
+    request.scope.setdefault("state", {})[ACCESS] = found
     return found
 
 
@@ -95,8 +110,8 @@ async def viewer(access: AccessDep) -> Role:
 RoleDep = Annotated[Role, Depends(viewer)]
 
 
-async def operator(role: RoleDep) -> Role:
-    """Return the caller's role, which is operator.
+async def operator_anyway(role: RoleDep) -> Role:
+    """Return the caller's role, which is operator; whoever holds control.
 
     Raises:
         ProblemError: The caller is no operator.
@@ -111,5 +126,40 @@ async def operator(role: RoleDep) -> Role:
     return role
 
 
+async def get_control(request: Request) -> Control:
+    """Return the lease of control."""
+    control: Control = request.app.state.control
+    return control
+
+
+ControlDep = Annotated[Control, Depends(get_control)]
+LeaseKey = Annotated[
+    str | None,
+    Header(
+        alias=LEASE_HEADER,
+        max_length=100,
+        examples=["kCbBNd9xZ2u8"],
+        description="The lease of control that the request acts under, from the answer "
+        "of POST /control.",
+    ),
+]
+
+
+async def operator(
+    request: Request,
+    role: Annotated[Role, Depends(operator_anyway)],
+    access: AccessDep,
+    control: ControlDep,
+) -> Role:
+    """Return the caller's role, which is operator, while nobody else holds control.
+
+    Raises:
+        ControlHeldError: Somebody else holds control.
+    """
+    control.check(access, request.headers.get(LEASE_HEADER))
+    return role
+
+
 Viewer = Depends(viewer)
 Operator = Depends(operator)
+OperatorAnyway = Depends(operator_anyway)

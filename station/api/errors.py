@@ -7,12 +7,22 @@ import orjson
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.types import Receive, Scope, Send
+from typing_extensions import override
 
+from station.api.control import ControlHeldError, ControlNotHeldError
+from station.api.named_tokens import (
+    TokenExistsError,
+    TokenNotFoundError,
+    TokensNotKeptError,
+)
 from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.wire import PROBLEM_MEDIA_TYPE
 
 MAX_ERRORS = 20
+PROBLEM_CODE = "problem_code"
+"""Key in the scope's state of the code of a refusal, for the audit."""
 
 STATUS: Mapping[type[errors.StationError], int] = {
     errors.StationError: 500,
@@ -48,10 +58,16 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.LoopError: 503,
     errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
+    TokenExistsError: 409,
+    TokenNotFoundError: 404,
+    TokensNotKeptError: 500,
+    ControlHeldError: 423,
+    ControlNotHeldError: 409,
 }
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
 
 ROUTES: Mapping[str, str] = {
+    "control_held": "GET /api/v1/control says who holds control.",
     "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
     "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
@@ -64,6 +80,7 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "token_not_found": "GET /api/v1/tokens lists the named tokens.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
     '{"arm": true} allows motion.',
@@ -75,6 +92,28 @@ HTTP_REMEDIES: Mapping[int, str] = {
     404: "/docs has all routes.",
     405: "Use one of the methods in the Allow header; see /docs.",
 }
+
+
+class ProblemResponse(Response):
+    """A problem document; notes its code in the scope, for the audit.
+
+    Args:
+        code: Stable machine-readable name.
+        content: The document.
+        status: HTTP status.
+        headers: Extra response headers.
+    """
+
+    def __init__(
+        self, code: str, content: bytes, status: int, headers: Mapping[str, str]
+    ) -> None:
+        super().__init__(content, status, dict(headers), PROBLEM_MEDIA_TYPE)
+        self.code = code
+
+    @override
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        scope.setdefault("state", {})[PROBLEM_CODE] = self.code
+        await super().__call__(scope, receive, send)
 
 
 class ProblemError(HTTPException):
@@ -137,7 +176,7 @@ def problem_response(
     if details:
         body["details"] = dict(details)
     content = orjson.dumps(body, default=str, option=orjson.OPT_NON_STR_KEYS)
-    return Response(content, status, dict(headers or {}), PROBLEM_MEDIA_TYPE)
+    return ProblemResponse(code, content, status, headers or {})
 
 
 def status_of(kind: type[errors.StationError]) -> int:

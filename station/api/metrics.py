@@ -23,6 +23,7 @@ from station.core.facade.station import Station
 from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
 from station.core.numerics.statistics import Percentiles
+from station.events import EventLog
 
 PHASES = ("read", "update", "write", "total")
 
@@ -33,11 +34,15 @@ class StationCollector(Collector):
     Args:
         station: The station.
         broadcaster: Its streams.
+        events: Its event log.
     """
 
-    def __init__(self, station: Station, broadcaster: Broadcaster) -> None:
+    def __init__(
+        self, station: Station, broadcaster: Broadcaster, events: EventLog
+    ) -> None:
         self._station = station
         self._broadcaster = broadcaster
+        self._events = events
 
     @override
     def collect(self) -> Iterable[Metric]:
@@ -46,6 +51,23 @@ class StationCollector(Collector):
         yield from self._loop_figures()
         yield from self._controller_figures()
         yield from self._limit_figures()
+        yield from self._event_figures()
+
+    def _event_figures(self) -> Iterator[Metric]:
+        state = self._events.state()
+        yield GaugeMetricFamily(
+            "station_events_newest", "Number of the newest event.", state.newest_id
+        )
+        yield CounterMetricFamily(
+            "station_events_lost",
+            "Events of this run that could not be kept on disk.",
+            state.lost,
+        )
+        yield GaugeMetricFamily(
+            "station_events_failing",
+            "Whether events cannot be written to disk at the moment.",
+            float(state.failure is not None),
+        )
 
     def _station_figures(self) -> Iterator[Metric]:
         station = self._station
@@ -180,14 +202,15 @@ def _add_quantiles(
         metric.add_metric([*labels, quantile], value)
 
 
-def render(station: Station, broadcaster: Broadcaster) -> bytes:
+def render(station: Station, broadcaster: Broadcaster, events: EventLog) -> bytes:
     """Return all figures in Prometheus' text format.
 
     Args:
         station: The station.
         broadcaster: Its streams.
+        events: Its event log.
     """
     registry = CollectorRegistry()
-    registry.register(StationCollector(station, broadcaster))
+    registry.register(StationCollector(station, broadcaster, events))
     ProcessCollector(registry=registry)
     return generate_latest(registry)

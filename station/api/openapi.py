@@ -6,6 +6,7 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute
 from typing_extensions import override
 
+from station.api.routes.problems import MEANINGS
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
 
 _REF = "#/components/schemas/"
@@ -15,7 +16,8 @@ _OWN_ERRORS = ("HTTPValidationError", "ValidationError")
 TAGS = {
     "health": "Whether the process lives and the loop runs; no token is needed.",
     "station": "The station at a glance.",
-    "access": "Sessions of browsers, and tickets that open WebSockets.",
+    "control": "Who holds control: a lease of one operator that others respect.",
+    "access": "Named tokens, sessions of browsers, and tickets that open WebSockets.",
     "controllers": "Controllers: which can be loaded, which are, and which run.",
     "gains": "Run-time parameters of controllers, and named sets of them.",
     "set-points": "Set-points of running controllers, and the states that follow.",
@@ -26,6 +28,7 @@ TAGS = {
     "robots": "Arms and grippers: state, model, services, recovery, simulated faults.",
     "simulation": "Time, reset and scene of a simulated robot.",
     "stop": "The latched stop, a software stop and no safety device.",
+    "events": "What happened: who did what, when, from where, with what result.",
     "streams": "WebSocket streams; /api/v1/asyncapi.json describes their frames.",
 }
 """What the operations of each tag are about."""
@@ -55,6 +58,12 @@ HEADERS = {
 }
 _OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",) * 2}
 
+_WHOEVER_HOLDS_CONTROL = frozenset({
+    f"/api/v1/{name}"
+    for name in ("login", "logout", "stop", "stream-tickets", "tokens", "tokens/{name}")
+})
+"""Paths whose changes no lease of control can refuse."""
+
 
 def operation_id(route: APIRoute) -> str:
     """Return the name of a route's function, which is unique and stays."""
@@ -80,7 +89,10 @@ class StationApi(FastAPI):
                 {"name": name, "description": text} for name, text in TAGS.items()
             ]
             for path, methods in document["paths"].items():
-                for operation in methods.values():
+                for method, operation in methods.items():
+                    if method != "get" and path not in _WHOEVER_HOLDS_CONTROL:
+                        locked = {"description": MEANINGS[423]}
+                        operation["responses"].setdefault("423", locked)
                     _complete(path, operation)
         return super().openapi()
 

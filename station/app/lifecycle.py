@@ -16,6 +16,7 @@ from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import compose
+from station.app.journal import Journal
 from station.app.kernel_build import KernelBuild
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
@@ -136,12 +137,16 @@ class StationRun:
         ui_port = orphan.port if orphan else 0
         if ui.enabled and not orphan:
             ui_port = free_port(api.host, ui.port)
+        journal = stack.enter_context(Journal(station, self._warn))
+        authenticator.named = journal.named_tokens()
         app = create_app(
             station,
             authenticator,
             HostPolicy(host_names(api.host)),
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
+            events=journal.log,
         )
+        journal.start(app)
         server = ApiServer(app, api.host, api.port)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)

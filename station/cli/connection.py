@@ -1,5 +1,6 @@
 """Which station a verb talks to, and with which token."""
 
+import os
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
@@ -8,6 +9,9 @@ from station.local import station_locator
 
 if TYPE_CHECKING:
     from station.client import StationClient
+
+LEASE_VARIABLE = "STATION_CONTROL_LEASE"
+"""Environment variable with the lease of control that verbs act under."""
 
 
 def open_client(options: Namespace) -> "StationClient":
@@ -20,7 +24,9 @@ def open_client(options: Namespace) -> "StationClient":
     from station.client import StationClient
 
     url, token = locate(options.url, options.token)
-    return StationClient(url, token)
+    client = StationClient(url, token)
+    client.act_under(os.environ.get(LEASE_VARIABLE))
+    return client
 
 
 def locate(url: str | None, token: str | None) -> tuple[str, str | None]:

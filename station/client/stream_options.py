@@ -13,6 +13,7 @@ from station.client.errors import ApiError
 from station.client.routes import PREFIX
 from station.wire import (
     CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD,
     CLOSE_FORBIDDEN,
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
@@ -28,6 +29,7 @@ REFUSALS: Mapping[int, tuple[str, str]] = {
     CLOSE_BAD_REQUEST: ("bad_stream_request", "Correct rate, fields or format."),
     CLOSE_UNAUTHORIZED: ("unauthorized", "Give the client the station's token."),
     CLOSE_FORBIDDEN: ("forbidden", "Use the address and token the station printed."),
+    CLOSE_CONTROL_HELD: ("control_held", "Ask for control, or take it by force."),
     CLOSE_UNKNOWN_TOPIC: ("unknown_topic", "Ask for a topic the station has."),
 }
 """Close codes after which connecting again is pointless: code and remedy."""

@@ -3,6 +3,16 @@
 Imports nothing of the station, so that the client does not need it either.
 """
 
+from station.wire.access import (
+    ControlPatch,
+    ControlRequest,
+    ControlState,
+    NewToken,
+    RoleName,
+    Token,
+    TokenRequest,
+    Tokens,
+)
 from station.wire.base import (
     ControllerName,
     Measured,
@@ -31,6 +41,13 @@ from station.wire.controllers import (
     SwitchRequest,
     SwitchResult,
     Tunable,
+)
+from station.wire.events import (
+    Event,
+    EventKindName,
+    EventLogState,
+    Events,
+    SeverityName,
 )
 from station.wire.gain_sets import (
     GainDifference,
@@ -123,18 +140,22 @@ from station.wire.station import (
 )
 from station.wire.streams import (
     CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD,
     CLOSE_FORBIDDEN,
     CLOSE_GOING_AWAY,
     CLOSE_TOO_SLOW,
     CLOSE_TRY_LATER,
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
+    CommandCounts,
+    CommandError,
     StreamFormat,
     StreamFrame,
 )
 
 __all__ = [
     "CLOSE_BAD_REQUEST",
+    "CLOSE_CONTROL_HELD",
     "CLOSE_FORBIDDEN",
     "CLOSE_GOING_AWAY",
     "CLOSE_TOO_SLOW",
@@ -154,10 +175,15 @@ __all__ = [
     "Clamp",
     "ClampReasonName",
     "CommandAccepted",
+    "CommandCounts",
     "CommandElement",
+    "CommandError",
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
+    "ControlPatch",
+    "ControlRequest",
+    "ControlState",
     "ControllerName",
     "ControllerSample",
     "ControllerState",
@@ -167,6 +193,10 @@ __all__ = [
     "Controllers",
     "DesiredState",
     "EndEffectorFrame",
+    "Event",
+    "EventKindName",
+    "EventLogState",
+    "Events",
     "ExternalForce",
     "Fault",
     "Faults",
@@ -211,6 +241,7 @@ __all__ = [
     "LoginRequest",
     "LoopReport",
     "Measured",
+    "NewToken",
     "ObjectKind",
     "Parameter",
     "ParameterRequest",
@@ -226,11 +257,13 @@ __all__ = [
     "RequestModel",
     "ResetRequest",
     "ResponseModel",
+    "RoleName",
     "Scene",
     "SceneObject",
     "ServiceInfo",
     "Services",
     "Session",
+    "SeverityName",
     "Simulation",
     "SimulationPatch",
     "SoftLimits",
@@ -245,6 +278,9 @@ __all__ = [
     "StreamTicket",
     "SwitchRequest",
     "SwitchResult",
+    "Token",
+    "TokenRequest",
+    "Tokens",
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",

@@ -14,6 +14,7 @@ from station.wire.base import (
     example,
 )
 from station.wire.controllers import Percentiles
+from station.wire.events import EventLogState
 from station.wire.hardware import Clamp
 from station.wire.robots import ArmReport
 from station.wire.simulation import Simulation
@@ -125,6 +126,8 @@ class Status(ResponseModel):
         versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
         command_violations: Commands that nobody had the right to write.
+        events: How the event log is doing; null from a station that does not tell.
+        operator: Name of whoever holds control; null while nobody does.
     """
 
     boot_id: str
@@ -142,6 +145,8 @@ class Status(ResponseModel):
     versions: dict[str, str]
     clamps: Items[Clamp] = Field(default_factory=list)
     command_violations: CommandViolations = Field(default_factory=CommandViolations)
+    events: EventLogState | None = None
+    operator: str | None = None
 
 
 class StopRequest(RequestModel):
@@ -234,9 +239,11 @@ class Session(ResponseModel):
 
     Attributes:
         role: `viewer`: read everything and stop the robot; `operator`: everything.
+        name: Name of the token: the role, or that of a named token.
     """
 
     role: Literal["viewer", "operator"]
+    name: str = ""
 
 
 class StreamTicket(ResponseModel):

@@ -13,6 +13,7 @@ CLOSE_UNAUTHORIZED = 4401
 CLOSE_FORBIDDEN = 4403
 CLOSE_UNKNOWN_TOPIC = 4404
 CLOSE_TOO_SLOW = 4408
+CLOSE_CONTROL_HELD = 4423
 
 StreamFormat = Literal["json", "msgpack"]
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -51,3 +52,41 @@ class StreamFrame(ResponseModel):
             ValidationError: The payload is another one.
         """
         return model.model_validate({"stamp": self.stamp, **self.data})
+
+
+class CommandError(ResponseModel):
+    """Why a set-point of a command stream was refused.
+
+    Attributes:
+        code: Stable machine-readable name.
+        detail: Which thing, its value, what is allowed.
+        remedy: What to do.
+    """
+
+    code: str
+    detail: str
+    remedy: str
+
+
+class CommandCounts(ResponseModel):
+    """What the sender of a command stream is told, twice a second at most.
+
+    Attributes:
+        received: Set-points that have come, 0 or more.
+        applied: Those that a cycle has picked up, 0 or more.
+        superseded: Those that a newer one replaced before a cycle came, 0 or more.
+        refused: Those that were malformed or not possible, 0 or more.
+        pending: Those that wait for a cycle, 0 to 2.
+        cycle: Number of the last cycle, 0 or more.
+        epoch: Present epoch, 1 or more.
+        error: Why the last refused one was refused; null when none was.
+    """
+
+    received: int
+    applied: int
+    superseded: int
+    refused: int
+    pending: int
+    cycle: int
+    epoch: int
+    error: CommandError | None = None

@@ -38,6 +38,7 @@ from station.core.hardware.robot_report import (
 )
 from station.core.ports.goal import GoalStatus
 from station.core.ports.set_point import SetPoint, SetPointElement
+from station.events import EventLog
 from tests.api.spring import make_station
 
 
@@ -107,7 +108,7 @@ def test_controllers(station):
 
 
 def test_status_loop_stop_and_joints(station):
-    status = answers.status(station, {"station": "1"})
+    status = answers.status(station, {"station": "1"}, EventLog().state())
 
     assert status.loop.cycles == station.loop.cycle
     assert answers.stop_state(station).state == status.stop_state == "armed"

@@ -11,12 +11,14 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.api.streams.topics import topic_names
+from station.client import StationClient
 from station.core.control.switching import SwitchRequest
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import open_stream
 from tests.franka_station import make_franka_station
 
 DOCUMENT = asyncapi.document()
+CYCLED = sorted(set(DOCUMENT["channels"]) - {"events", "command"})
 
 
 @pytest.fixture
@@ -50,11 +52,25 @@ def test_every_topic_is_described(arm):
     station, _ = arm
     kinds = {name.partition("/")[0] for name in topic_names(station)}
 
-    assert kinds == set(DOCUMENT["channels"])
+    assert kinds | {"command"} == set(DOCUMENT["channels"])
+
+
+def test_the_frame_of_an_event_is_as_described(arm):
+    _, server = arm
+    with open_stream(server, "events") as stream:
+        hello = stream.recv(timeout=5.0)
+        with StationClient(server.url, OPERATOR) as client:
+            client.stop("now")
+        frame = stream.recv(timeout=5.0)
+
+    check("hello", json.loads(hello))
+    check("events_state", json.loads(frame))
 
 
 @pytest.mark.parametrize("form", ["state", "cycles"])
-@pytest.mark.parametrize("name", DOCUMENT["channels"])
+@pytest.mark.parametrize(
+    "name", sorted(set(DOCUMENT["channels"]) - {"events", "command"})
+)
 def test_recorded_frames_are_as_described(arm, name, form):
     members = {"controller_state": "/arm", "robot_state": "/panda"}
     query = "?rate=100" if form == "state" else "?rate=full"

@@ -5,16 +5,19 @@ from argparse import Namespace
 import pytest
 
 from station.cli.main import main
+from station.client import ApiError
 from station.wire import (
     ArmReport,
     CommandAccepted,
     ControllerState,
     ControllerType,
+    ControlState,
     DesiredState,
     Gains,
     GainsChange,
     GainSet,
     Goal,
+    NewToken,
     Percentiles,
     Recoveries,
     Recovery,
@@ -22,6 +25,7 @@ from station.wire import (
     StopState,
     StreamFrame,
     SwitchResult,
+    Token,
     Tunable,
 )
 
@@ -117,6 +121,9 @@ class FakeStation:
         self.trajectory_controllers: list[str] = []
         self.refusal: BaseException | None = None
         self.simulation = FakeSimulation(self)
+        self.tokens = FakeTokens(self)
+        self.control_found = ControlState()
+        self.lease = None
         self.gain_sets = FakeGainSets(self)
 
     def __enter__(self):
@@ -256,6 +263,24 @@ class FakeStation:
     def _stop_state(self, state):
         return StopState(state=state, reason="", epoch=2)
 
+    def act_under(self, lease):
+        self.lease = lease
+
+    def control_state(self):
+        return self.control_found
+
+    def release_control(self):
+        self._record("release_control")
+        return ControlState()
+
+    def control(self, owner, **options):
+        self._record("control", owner, options)
+        return _FakeLease()
+
+    def events(self, since, **options):
+        self._record("events", since, options)
+        return self.happened
+
     def stream(self, topic, **options):
         self._record("stream", topic, options)
         return _FakeStream(self.frames)
@@ -265,6 +290,41 @@ def _report(arm_id):
     return ArmReport(
         arm_id=arm_id, robot_mode="idle", connected=True, errors=[], remedy=""
     )
+
+
+class _FakeLease:
+    """Control that is lost at once."""
+
+    lost = ApiError("Grace holds control.", status=423, code="control_held", remedy="")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def renew(self):
+        return ControlState(owner="Ada", since=0.0, mine=True, lease="key")
+
+
+class FakeTokens:
+    """What `TokensClient` is to the command line."""
+
+    def __init__(self, station: "FakeStation") -> None:
+        self._station = station
+
+    def list(self):
+        return [Token(name="ada", role="viewer", created=0.0, expires_at=None)]
+
+    def create(self, name, role, expires):
+        self._station._record("create", name, role, expires)
+        return NewToken(
+            name=name, role=role, created=0.0, expires_at=expires, token="secret"
+        )
+
+    def revoke(self, name):
+        self._station._record("revoke", name)
+        return self.list()[0]
 
 
 class _FakeArm:

@@ -4,7 +4,9 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
+    control,
     controllers,
+    events,
     gain_sets,
     gains,
     goals,
@@ -21,6 +23,7 @@ from station.api.routes import (
     status,
     stop,
     streams,
+    tokens,
 )
 
 PREFIX = "/api/v1"
@@ -44,6 +47,9 @@ for _module in (
     scene,
     simulation,
     stop,
+    control,
+    tokens,
+    events,
     streams,
 ):
     api_router.include_router(_module.router)

@@ -1,16 +1,21 @@
 """Access: cookies for browsers, tickets for WebSockets."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
-from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Authenticator, Role
+from station.api.auth import (
+    SESSION_LIFETIME,
+    TICKET_LIFETIME,
+    Access,
+    Authenticator,
+)
 from station.api.dependencies import (
     AccessDep,
     AuthenticatorDep,
     FailedLoginsDep,
-    RoleDep,
+    RecorderDep,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -18,18 +23,23 @@ from station.api.routes.problems import problems
 from station.web.failed_logins import FailedLogins
 from station.wire import LoginRequest, Session, StreamTicket
 
+if TYPE_CHECKING:
+    from station.api.audit import Recorder
+
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
 
 
-async def _role_of(
+async def _access_of(
     request: Request,
     authenticator: Authenticator,
     failed_logins: FailedLogins,
     token: str,
-) -> Role:
-    role = authenticator.role_of_token(token)
-    if role is None:
+) -> Access:
+    recorder: Recorder = request.app.state.recorder
+    access = authenticator.access_of_token(token)
+    if access is None:
+        recorder.failed_login(request)
         await failed_logins.slow_down(request)
         raise ProblemError(
             401,
@@ -38,13 +48,16 @@ async def _role_of(
             "Use the token that the station printed when it was started; every start "
             "makes a new one.",
         )
-    return role
+    recorder.login(request, access, "login")
+    return access
 
 
-def _set_cookie(response: Response, authenticator: Authenticator, role: Role) -> None:
+def _set_cookie(
+    response: Response, authenticator: Authenticator, access: Access
+) -> None:
     response.set_cookie(
         authenticator.cookie_name,
-        authenticator.open_session(role),
+        authenticator.open_session(access.role, access.token),
         max_age=int(SESSION_LIFETIME),
         path="/",
         httponly=True,
@@ -61,16 +74,22 @@ async def login(
     failed_logins: FailedLoginsDep,
 ) -> Session:
     """Exchange a token for a session cookie (SameSite=Strict, HttpOnly)."""
-    role = await _role_of(request, authenticator, failed_logins, body.token)
-    _set_cookie(response, authenticator, role)
-    return Session(role=role.value)
+    access = await _access_of(request, authenticator, failed_logins, body.token)
+    _set_cookie(response, authenticator, access)
+    return Session(role=access.role.value, name=access.name)
 
 
 @router.post("/logout", status_code=204, responses=problems())
 async def logout(
-    request: Request, response: Response, authenticator: AuthenticatorDep
+    request: Request,
+    response: Response,
+    authenticator: AuthenticatorDep,
+    recorder: RecorderDep,
 ) -> None:
     """Revoke the session cookie, and end the streams of the session."""
+    access = authenticator.access_of_headers(request.headers)
+    if access is not None and access.session is not None:
+        recorder.login(request, access, "logout")
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"
@@ -78,9 +97,9 @@ async def logout(
 
 
 @router.get("/session", responses=problems())
-async def session(role: RoleDep) -> Session:
-    """Return the caller's role."""
-    return Session(role=role.value)
+async def session(access: AccessDep) -> Session:
+    """Return the caller's role and name."""
+    return Session(role=access.role.value, name=access.name)
 
 
 @router.post("/stream-tickets", responses=problems())
@@ -102,10 +121,10 @@ async def login_by_link(
     target: Annotated[str, Query(alias="next")] = "/docs",
 ) -> Response:
     """Log a browser in by the link that the station printed, then show a page."""
-    role = await _role_of(request, authenticator, failed_logins, token)
+    access = await _access_of(request, authenticator, failed_logins, token)
     # A link that leads to another site would let an attacker use the login page to
     # send people there; browsers take // and /\\ for the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))
     response = RedirectResponse(target if own else "/docs", status_code=303)
-    _set_cookie(response, authenticator, role)
+    _set_cookie(response, authenticator, access)
     return response

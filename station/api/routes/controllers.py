@@ -1,9 +1,9 @@
 """Controllers: list, load, unload, switch."""
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Request, Response
 
 from station.api import answers
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import Operator, RecorderDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import switching
@@ -60,7 +60,12 @@ def _is_loaded(station: Station, name: str) -> bool:
     dependencies=[Operator],
     responses=problems(404, 409, 413, 422, 423, 503, 504),
 )
-def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchResult:
+def switch_controllers(
+    request: SwitchRequest,
+    connection: Request,
+    station: StationDep,
+    recorder: RecorderDep,
+) -> SwitchResult:
     """Start and stop controllers, all of them in one cycle.
 
     The answer says what was started and stopped, and by how much the command of each
@@ -80,6 +85,8 @@ def switch_controllers(request: SwitchRequest, station: StationDep) -> SwitchRes
             dry_run=request.dry_run,
         )
     )
+    if not request.dry_run:
+        recorder.switch(connection, result)
     return answers.switch_result(result)
 
 

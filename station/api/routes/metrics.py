@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request, Response
 from prometheus_client import CONTENT_TYPE_LATEST
 
 from station.api import metrics
-from station.api.dependencies import StationDep, Viewer
+from station.api.dependencies import RecorderDep, StationDep, Viewer
 
 if TYPE_CHECKING:
     from station.api.streams import Broadcaster
@@ -15,9 +15,12 @@ router = APIRouter(include_in_schema=False, dependencies=[Viewer])
 
 
 @router.get("/metrics")
-def get_metrics(request: Request, station: StationDep) -> Response:
+def get_metrics(
+    request: Request, station: StationDep, recorder: RecorderDep
+) -> Response:
     """Return all figures in Prometheus' text format."""
     broadcaster: Broadcaster = request.app.state.broadcaster
     return Response(
-        metrics.render(station, broadcaster), media_type=CONTENT_TYPE_LATEST
+        metrics.render(station, broadcaster, recorder.log),
+        media_type=CONTENT_TYPE_LATEST,
     )

@@ -11,7 +11,7 @@ MEANINGS = {
     413: "The body is too large.",
     415: "The body is not JSON.",
     422: "Malformed; 'errors' names every field.",
-    423: "The station is stopped.",
+    423: "The station is stopped, or somebody else holds control.",
     426: "This is a WebSocket.",
     503: "The control loop does not run.",
     504: "The switch missed its deadline and was withdrawn.",

@@ -3,7 +3,7 @@
 from fastapi import APIRouter
 
 from station.api import answers
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import ControlDep, Operator, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -30,7 +30,7 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
     responses=problems(404, 409, 413, 422, 423),
 )
 def put_command(
-    name: str, request: CommandRequest, station: StationDep
+    name: str, request: CommandRequest, station: StationDep, control: ControlDep
 ) -> CommandAccepted:
     """Give a running controller a set-point; the newest wins.
 
@@ -40,6 +40,7 @@ def put_command(
     epoch = station.motion.set_command(
         name, request.command, request.epoch, request.timeout, request.rates, receipt
     )
+    control.note_command(name)
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 
 

@@ -8,7 +8,7 @@ from fastapi import APIRouter
 
 import station as package
 from station.api import answers
-from station.api.dependencies import StationDep, Viewer
+from station.api.dependencies import ControlDep, RecorderDep, StationDep, Viewer
 from station.api.routes.problems import problems
 from station.wire import Status
 
@@ -28,6 +28,8 @@ def versions() -> dict[str, str]:
 
 
 @router.get("/status", responses=problems())
-def status(station: StationDep) -> Status:
+def status(station: StationDep, recorder: RecorderDep, control: ControlDep) -> Status:
     """Return robot mode, epoch, stop state, loop summary and versions."""
-    return answers.status(station, versions())
+    lease = control.present()
+    owner = None if lease is None else lease.owner
+    return answers.status(station, versions(), recorder.log.state(), owner)

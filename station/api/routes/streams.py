@@ -4,18 +4,36 @@ from typing import TYPE_CHECKING, NoReturn
 
 from fastapi import APIRouter, WebSocket
 
-from station.api.auth import Access, Authenticator
+from station.api.audit import ACCESS, origin_of
+from station.api.auth import Access, Authenticator, Role
+from station.api.control import HEADER as LEASE_HEADER
+from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
 from station.api.routes.problems import problems
 from station.api.streams import StreamRequestError
+from station.api.streams.command_stream import CommandStream, parse_command_request
 from station.api.streams.request import parse_request
-from station.wire import CLOSE_UNAUTHORIZED
+from station.core.errors import ControllerNotFoundError, StationError
+from station.events import EventKind
+from station.wire import (
+    CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD,
+    CLOSE_FORBIDDEN,
+    CLOSE_TRY_LATER,
+    CLOSE_UNAUTHORIZED,
+    CLOSE_UNKNOWN_TOPIC,
+)
 
 if TYPE_CHECKING:
+    from station.api.audit import Recorder
     from station.api.streams import Broadcaster
     from station.core.facade.station import Station
+    from station.events import EventLog
     from station.web.failed_logins import FailedLogins
+
+MOST_COMMAND_STREAMS = 16
+"""Most streams of set-points at a time."""
 
 router = APIRouter(tags=["streams"])
 
@@ -29,22 +47,101 @@ def access_of(websocket: WebSocket) -> Access | None:
     return authenticator.access_of_headers(websocket.headers)
 
 
+@router.websocket("/streams/command/{controller}")
+async def command_stream(websocket: WebSocket, controller: str) -> None:
+    """Take a stream of set-points; refusals are close codes.
+
+    Raises:
+        StreamRequestError: Never: it becomes a close code.
+    """
+    access = await accepted_access(websocket)
+    if access is None:
+        return
+    state = websocket.app.state
+    try:
+        if not access.role.includes(Role.OPERATOR):
+            raise StreamRequestError("Only operators command.", CLOSE_FORBIDDEN)
+        lease = websocket.headers.get(LEASE_HEADER)
+        state.control.check(access, lease)
+        state.station.motion.set_point(controller)
+        request = parse_command_request(controller, websocket.query_params, lease)
+        if state.command_streams >= MOST_COMMAND_STREAMS:
+            reason = f"there are {MOST_COMMAND_STREAMS} command streams already"
+            raise StreamRequestError(reason, CLOSE_TRY_LATER)
+    except StreamRequestError as error:
+        await websocket.close(error.close_code, error.reason)
+        return
+    except StationError as error:
+        await websocket.close(_close_code(error), _short(error.message))
+        return
+    stream = CommandStream(state.station, state.control, access, request)
+    state.command_streams += 1
+    origin = origin_of(websocket)
+    log: EventLog = state.recorder.log
+    text = f"{access.name} sends set-points to '{controller}'."
+    log.record(
+        EventKind.COMMAND_STREAM, text, what=controller, result="open", origin=origin
+    )
+    code, reason = 0, ""
+    try:
+        code, reason = await stream.serve(websocket, state.broadcaster.wait_closing)
+    finally:
+        state.command_streams -= 1
+        log.record(
+            EventKind.COMMAND_STREAM,
+            f"{access.name} sends no more set-points to '{controller}'.",
+            what=controller,
+            result=str(code or "closed"),
+            details=stream.counts(),
+            origin=origin,
+        )
+    if code:
+        await websocket.close(code, _short(reason))
+
+
+def _close_code(error: StationError) -> int:
+    if isinstance(error, ControlHeldError):
+        return CLOSE_CONTROL_HELD
+    if isinstance(error, ControllerNotFoundError):
+        return CLOSE_UNKNOWN_TOPIC
+    return CLOSE_BAD_REQUEST
+
+
+def _short(reason: str) -> str:
+    """Return a reason that fits into a close frame."""
+    return reason.encode()[:120].decode(errors="ignore")
+
+
+async def accepted_access(websocket: WebSocket) -> Access | None:
+    """Accept a WebSocket and return what it may do; close it when it proves nothing."""
+    failed_logins: FailedLogins = websocket.app.state.failed_logins
+    recorder: Recorder = websocket.app.state.recorder
+    await websocket.accept()
+    access = access_of(websocket)
+    if access is None:
+        if "authorization" in websocket.headers:
+            recorder.failed_login(websocket)
+            await failed_logins.slow_down(websocket)
+        reason = "The token, session or ticket is missing, unknown or too old."
+        await websocket.close(CLOSE_UNAUTHORIZED, reason)
+        return None
+    websocket.scope["state"][ACCESS] = access
+    return access
+
+
 @router.websocket("/streams/{topic:path}")
 async def stream(websocket: WebSocket, topic: str) -> None:
     """Stream a topic; refusals are close codes, which browsers only see once open."""
     station: Station = websocket.app.state.station
     broadcaster: Broadcaster = websocket.app.state.broadcaster
-    failed_logins: FailedLogins = websocket.app.state.failed_logins
-    await websocket.accept()
-    access = access_of(websocket)
+    recorder: Recorder = websocket.app.state.recorder
+    access = await accepted_access(websocket)
     if access is None:
-        if "authorization" in websocket.headers:
-            await failed_logins.slow_down(websocket)
-        reason = "The token, session or ticket is missing, unknown or too old."
-        await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return
     try:
-        request, source = parse_request(station, topic, websocket.query_params)
+        request, source = parse_request(
+            station, topic, websocket.query_params, recorder.log
+        )
     except StreamRequestError as error:
         await websocket.close(error.close_code, error.reason)
         return
@@ -60,11 +157,12 @@ async def stream(websocket: WebSocket, topic: str) -> None:
 async def stream_needs_websocket(topic: str) -> NoReturn:
     """Open `ws://…/api/v1/streams/{topic}?rate=HZ&fields=a,b&format=json|msgpack`.
 
-    Topics: `joint_states`, `controllers`, `loop`, `scene`, `controller_state/{name}`,
-    `robot_state/{arm_id}`. The first frame is `{"topic": "hello", "boot_id", "epoch",
-    "data": {…}}` with a snapshot of everything; every frame has `topic`, `seq`,
-    `epoch`, `cycle`, `stamp`, `data`. A client that is slow misses frames, which gaps
-    in `seq` show. `rate=full` sends every cycle in batches: `data.samples`, each with
+    Topics: `joint_states`, `controllers`, `loop`, `scene`, `events`,
+    `controller_state/{name}`, `robot_state/{arm_id}`. The first frame is
+    `{"topic": "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of everything;
+    every frame has `topic`, `seq`, `epoch`, `cycle`, `stamp`, `data`. A client that is
+    slow misses frames, which gaps in `seq` show. `rate=full` sends every cycle in
+    batches: `data.samples`, each with
     its `cycle`; in `data.lost` how many cycles were overwritten before they were sent,
     and in `data.skipped` how many deadlines the loop missed, so that there was no
     cycle.

@@ -136,7 +136,7 @@ class Broadcaster:
         ends: list[tuple[Coroutine[object, object, None], int, str]] = [
             (_drain(websocket), 0, ""),
             (self._feed(channel, client), CLOSE_TOO_SLOW, "took no frame in time"),
-            (self._wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
+            (self.wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
             (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the session has ended"),
         ]
         tasks = [asyncio.create_task(end) for end, _, _ in ends]
@@ -156,7 +156,8 @@ class Broadcaster:
                 return CLOSE_INTERNAL_ERROR, "the stream failed; see the station's log"
         return 0, ""
 
-    async def _wait_closing(self) -> None:
+    async def wait_closing(self) -> None:
+        """Return when all streams are to end, because the station does."""
         await self._closing.wait()
 
     async def _feed(self, channel: Channel, client: StreamClient) -> None:

@@ -12,7 +12,8 @@ from typing_extensions import override
 
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
-from station.api.streams.topics import Topic
+from station.api.streams.topics import EventsTopic, Topic
+from station.events import Event
 
 BATCH_PERIOD = 0.02
 """How often clients of every cycle get a batch [s]."""
@@ -223,8 +224,78 @@ class FullChannel(Channel):
         return frame
 
 
+class FramesLostError(Exception):
+    """A client is so far behind that frames it must not miss are gone."""
+
+
+class EventChannel(Channel):
+    """Every event, one a frame; a frame's number is that of its event.
+
+    Args:
+        request: What its clients ask for.
+        topic: Where the events come from.
+        rate: How often it looks for events [Hz].
+    """
+
+    def __init__(self, request: StreamRequest, topic: EventsTopic, rate: float) -> None:
+        super().__init__(request, 1.0 / rate)
+        self._topic = topic
+        self._newest = topic.log.newest_id
+        self._frames: dict[int, Frame] = {}
+
+    @property
+    @override
+    def newest(self) -> int:
+        return self._newest
+
+    @property
+    @override
+    def beginning(self) -> int:
+        return self._topic.log.newest_id
+
+    @override
+    def take(self, after: int) -> Frame | None:
+        """Return the frame of the next event.
+
+        Raises:
+            FramesLostError: The memory of the event log does not go back so far.
+        """
+        if after >= self._newest:
+            return None
+        frame = self._frames.get(after + 1)
+        if frame is not None:
+            return frame
+        if not self._topic.log.is_in_memory(after):
+            raise FramesLostError
+        found = self._topic.log.recent(after)
+        return self._frame(found[0]) if found else None
+
+    @override
+    async def tick(self) -> None:
+        # Clients that keep up ask for the frames of the events since the last tick.
+        self._frames.clear()
+        log, before = self._topic.log, self._newest
+        if log.newest_id > before:
+            for event in log.recent(before):
+                self._frame(event)
+                self._newest = event.id
+
+    def _frame(self, event: Event) -> Frame:
+        frame = encode(
+            self._topic.name,
+            self._topic.payload(event),
+            seq=event.id,
+            format=self.request.format,
+            fields=self.request.fields,
+        )
+        self._frames[event.id] = frame
+        return frame
+
+
 def open_channel(request: StreamRequest, topic: Topic) -> Channel:
     """Return a channel for what a client asks for."""
+    if isinstance(topic, EventsTopic):
+        return EventChannel(request, topic, request.rate or topic.default_rate)
     if request.rate is not None:
         return StateChannel(request, topic, request.rate)
     return FullChannel(request, topic)

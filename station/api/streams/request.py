@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from station.api.streams.topics import Topic, find_topic, topic_names
 from station.core.errors import suggest
 from station.core.facade.station import Station
+from station.events import EventLog
 from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_UNKNOWN_TOPIC,
@@ -51,7 +52,10 @@ class StreamRequest:
 
 
 def parse_request(
-    station: Station, name: str, query: Mapping[str, str]
+    station: Station,
+    name: str,
+    query: Mapping[str, str],
+    log: EventLog | None = None,
 ) -> tuple[StreamRequest, Topic]:
     """Return the request and its topic.
 
@@ -59,11 +63,12 @@ def parse_request(
         station: The station.
         name: The topic's name in the URL.
         query: The URL's query.
+        log: The station's event log; without one there is no topic `events`.
 
     Raises:
         StreamRequestError: There is no such topic, or a parameter is wrong.
     """
-    topic = find_topic(station, name)
+    topic = find_topic(station, name, log)
     if topic is None:
         raise StreamRequestError(
             f"No topic '{name:.24}'. {suggest(name, topic_names(station))}",
@@ -77,7 +82,7 @@ def parse_request(
     rate = _rate(topic, query)
     known_fields = topic.sample_fields if rate is None else topic.fields
     request = StreamRequest(
-        topic.name, rate, _fields(known_fields, query), _format(query)
+        topic.name, rate, _fields(known_fields, query), read_format(query)
     )
     return request, topic
 
@@ -86,6 +91,8 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
     text = query.get("rate")
     if text is None:
         return topic.default_rate
+    if text == FULL and not topic.sample_fields:
+        raise StreamRequestError(f"Every frame of {topic.name} comes at any rate.")
     if text == FULL:
         return None
     try:
@@ -108,7 +115,12 @@ def _fields(known: Sequence[str], query: Mapping[str, str]) -> frozenset[str]:
     return fields
 
 
-def _format(query: Mapping[str, str]) -> StreamFormat:
+def read_format(query: Mapping[str, str]) -> StreamFormat:
+    """Return how messages are to be written.
+
+    Raises:
+        StreamRequestError: There is no such format.
+    """
     chosen = _FORMATS.get(query.get("format", "json"))
     if chosen is None:
         raise StreamRequestError(

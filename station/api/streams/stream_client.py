@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Protocol
 
-from station.api.streams.channel import Channel
+from station.api.streams.channel import Channel, FramesLostError
 from station.api.streams.frames import Frame
 
 
@@ -69,7 +69,11 @@ class StreamClient:
         """Write the next frame, if there is one and the connection takes it."""
         if self._seq is None or self._blocked is not None or self._end.done():
             return
-        frame = self._channel.take(self._seq)
+        try:
+            frame = self._channel.take(self._seq)
+        except FramesLostError:
+            self._too_slow()
+            return
         if frame is None:
             return
         self._write(frame)

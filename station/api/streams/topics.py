@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import anyio.to_thread
 from typing_extensions import override
 
+from station import events
 from station.api import answers
 from station.api.streams.cycle_samples import (
     CycleSamples,
@@ -26,7 +27,8 @@ from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.snapshot import Snapshot
-from station.wire import FrankaState, LoopReport, Scene
+from station.events import EventLog
+from station.wire import Event, FrankaState, LoopReport, Scene
 
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"
@@ -274,6 +276,46 @@ class SceneTopic(ReportTopic):
         return TapSamples(self._station, read, _scene_sample)
 
 
+class EventsTopic(Topic):
+    """What happens: every event is a frame of its own, and none is left out.
+
+    Args:
+        station: The station.
+        log: Its event log.
+
+    Attributes:
+        log: The same.
+    """
+
+    name = "events"
+    fields = tuple(Event.model_fields)
+    sample_fields = ()
+    default_rate = 20.0
+
+    def __init__(self, station: Station, log: EventLog) -> None:
+        self._station = station
+        self.log = log
+
+    @override
+    async def latest(self) -> Payload | None:
+        found = self.log.recent(self.log.newest_id - 1)
+        return self.payload(found[-1]) if found else None
+
+    def payload(self, event: events.Event) -> Payload:
+        """Return an event as the payload of a frame."""
+        data = answers.event(event).model_dump()
+        return Payload(event.cycle, self._station.epoch, event.stamp, data)
+
+    @override
+    def every_cycle(self) -> CycleSamples:
+        """Refuse: events do not come once in a cycle; requests say so before.
+
+        Raises:
+            LookupError: Always.
+        """
+        raise LookupError("The topic 'events' has no samples of cycles.")
+
+
 def _scene_sample(objects: Sequence[SceneObjectReport]) -> Data:
     return Scene.model_validate({"objects": objects}).model_dump()
 
@@ -305,11 +347,20 @@ _FIXED: tuple[
 )
 
 
-def find_topic(station: Station, name: str) -> Topic | None:
+def find_topic(
+    station: Station, name: str, log: EventLog | None = None
+) -> Topic | None:
     """Return the topic of that name, or None.
 
     `robot_state` alone is that of the only arm.
+
+    Args:
+        station: The station.
+        name: Name of the topic.
+        log: The station's event log; without one there is no topic `events`.
     """
+    if name == EventsTopic.name and log is not None:
+        return EventsTopic(station, log)
     for kind in _FIXED:
         if kind.name == name:
             return kind(station)
@@ -329,7 +380,7 @@ def find_topic(station: Station, name: str) -> Topic | None:
 
 def topic_names(station: Station) -> list[str]:
     """Return the names of all topics there are now."""
-    fixed = [kind.name for kind in _FIXED]
+    fixed = [*(kind.name for kind in _FIXED), EventsTopic.name]
     arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in Arms(station.robots).names()]
     loaded = [CONTROLLER_STATE + status.name for status in station.controllers()]
     return fixed + arms + loaded

@@ -60,6 +60,36 @@ async def start_move(
     )
 
 
+async def move_to(
+    client: "AsyncStationClient",
+    target: Target | Pose,
+    duration: float | None,
+    timeout: float | None,
+) -> None:
+    """Move the arm and wait until it is there.
+
+    Args:
+        client: The client.
+        target: Name of a pose, positions of joints, or a `Pose` of the end effector.
+        duration: How long a motion of joints takes [s]; a calm one when None.
+        timeout: Longest wait [s]; None waits for ever.
+
+    Raises:
+        MotionError: The arm did not arrive, and why.
+        ValueError: A motion to a `Pose` was given a duration.
+    """
+    if not isinstance(target, Pose):
+        goal = await start_move(client, target, duration=duration, controller="")
+        await goal.wait(timeout)
+        return
+    if duration is not None:
+        raise ValueError(
+            "A motion to a Pose takes no duration; the limits of its controller "
+            "say how fast it is."
+        )
+    await move_to_pose(client, target, timeout)
+
+
 async def move_to_pose(
     client: "AsyncStationClient", pose: Pose, timeout: float | None = None
 ) -> None:

@@ -11,11 +11,14 @@ from pydantic import JsonValue
 from station import wire
 from station.client._async.collecting import collect
 from station.client._async.connection import AsyncConnection
+from station.client._async.control_lease import AsyncControlLease
 from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.goal_handle import AsyncGoalHandle
-from station.client._async.motion import move_to_pose, start_move
+from station.client._async.motion import move_to, start_move
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
+from station.client._async.tokens_client import AsyncTokensClient
+from station.client.async_command_stream import AsyncCommandStream
 from station.client.async_stream import AsyncStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
@@ -23,11 +26,13 @@ from station.client.routes import (
     Restart,
     Strictness,
     controller_path,
+    event_query,
     goal_path,
+    load_request,
     segment,
 )
 from station.client.samples import Samples
-from station.client.stream_options import Rate, StreamOptions
+from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
@@ -60,6 +65,7 @@ class AsyncStationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        tokens: Named tokens of people and programs.
     """
 
     def __init__(
@@ -74,6 +80,7 @@ class AsyncStationClient:
         self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
         self.gain_sets = AsyncGainSetsClient(self._connection)
+        self.tokens = AsyncTokensClient(self._connection)
 
     async def __aenter__(self) -> Self:
         return self
@@ -141,9 +148,8 @@ class AsyncStationClient:
 
     async def controllers(self) -> list[wire.ControllerState]:
         """Return all loaded controllers."""
-        return (
-            await self._connection.get("/controllers", wire.Controllers)
-        ).controllers
+        found = await self._connection.get("/controllers", wire.Controllers)
+        return found.controllers
 
     async def controller(self, name: str) -> wire.ControllerState:
         """Return one controller."""
@@ -166,15 +172,7 @@ class AsyncStationClient:
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
         """
-        given: dict[str, object] = {
-            "name": name,
-            "type": type,
-            "params": params,
-            "timeout": timeout,
-        }
-        request = wire.LoadRequest.model_validate({
-            key: value for key, value in given.items() if value is not None
-        })
+        request = load_request(name, type, params, timeout)
         patience = LOAD_TIMEOUT if timeout is None else timeout
         return await self._connection.send(
             "POST", "/controllers", wire.ControllerState, request, patience=patience
@@ -237,10 +235,8 @@ class AsyncStationClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        path, request = (
-            controller_path(name, "gains"),
-            wire.GainsPatch(values=dict(values)),
-        )
+        path = controller_path(name, "gains")
+        request = wire.GainsPatch(values=dict(values))
         headers = {} if etag is None else {"If-Match": etag}
         return await self._connection.send(
             "PATCH", path, wire.GainsChange, request, headers=headers
@@ -286,6 +282,18 @@ class AsyncStationClient:
             controller_path(name, "state"), wire.ControllerSample
         )
 
+    def command_stream(
+        self, controller: str, *, timeout: float = 0.2
+    ) -> AsyncCommandStream:
+        """Return a stream of set-points for a `with` block (`async with`).
+
+        Args:
+            controller: The controller; it must run.
+            timeout: Silence after which the last set-point expires [s], up to 60.
+        """
+        options = self._connection.command_options(controller, timeout)
+        return AsyncCommandStream(options)
+
     async def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
     ) -> wire.Goal:
@@ -296,17 +304,14 @@ class AsyncStationClient:
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        path, request = (
-            controller_path(name, "goals"),
-            wire.GoalRequest(goal=dict(goal), epoch=epoch),
-        )
+        path = controller_path(name, "goals")
+        request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
         return await self._connection.send("POST", path, wire.Goal, request)
 
     async def goals(self, name: str) -> list[wire.Goal]:
         """Return a controller's latest goals, oldest first."""
-        return (
-            await self._connection.get(controller_path(name, "goals"), wire.Goals)
-        ).goals
+        path = controller_path(name, "goals")
+        return (await self._connection.get(path, wire.Goals)).goals
 
     async def goal(self, name: str, goal_id: str) -> wire.Goal:
         """Return a goal: its progress, or how and why it ended."""
@@ -319,10 +324,7 @@ class AsyncStationClient:
         )
 
     async def follow_trajectory(
-        self,
-        name: str,
-        trajectory: Mapping[str, JsonValue],
-        epoch: int | None = None,
+        self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
     ) -> wire.CommandAccepted:
         """Let a running controller follow a trajectory without a goal.
 
@@ -397,15 +399,7 @@ class AsyncStationClient:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        if not isinstance(target, Pose):
-            await (await self.start_move(target, duration=duration)).wait(timeout)
-            return
-        if duration is not None:
-            raise ValueError(
-                "A motion to a Pose takes no duration; the limits of its controller "
-                "say how fast it is."
-            )
-        await move_to_pose(self, target, timeout)
+        await move_to(self, target, duration, timeout)
 
     async def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
@@ -524,6 +518,59 @@ class AsyncStationClient:
             "POST", "/stop/release", wire.StopState, request
         )
 
+    def act_under(self, lease: str | None) -> None:
+        """Let the requests from now on act under a lease of control.
+
+        Args:
+            lease: The `lease` that whoever took control was told; None for none.
+        """
+        self._connection.lease = lease
+
+    async def release_control(self) -> wire.ControlState:
+        """Give control back, which this client, or its named token, holds."""
+        return await self._connection.send("DELETE", "/control", wire.ControlState)
+
+    async def control_state(self) -> wire.ControlState:
+        """Return who holds control."""
+        return await self._connection.get("/control", wire.ControlState)
+
+    def control(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> AsyncControlLease:
+        """Return control of the station for a `with` block (`async with`).
+
+        While it lasts, the changes of other operators are refused; stopping is always
+        possible.
+
+        Args:
+            owner: Name that others are told; that of the token when None.
+            ttl: How long control lasts when this program falls silent [s], 0.5 to 3600.
+            force: Take control from whoever holds it.
+        """
+        return AsyncControlLease(self._connection, owner, ttl, force=force)
+
+    async def events(
+        self,
+        since: int | None = None,
+        *,
+        kinds: Sequence[wire.EventKindName] = (),
+        severity: wire.SeverityName = "info",
+        limit: int = 100,
+    ) -> list[wire.Event]:
+        """Return what happened at the station, oldest first.
+
+        To follow events as they happen, iterate over `stream("events")`; the `data` of
+        each frame is an event.
+
+        Args:
+            since: Number of the last event that is known; the newest events when None.
+            kinds: Only events of these kinds; all when empty.
+            severity: Only events of at least this severity.
+            limit: Most events, 1 to 1000.
+        """
+        query = event_query(since, kinds, severity, limit)
+        return (await self._connection.get("/events", wire.Events, query)).events
+
     async def stream_ticket(self) -> wire.StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
         return await self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
@@ -541,23 +588,16 @@ class AsyncStationClient:
         `with` (`async with`) connects at once, within `timeout`, or raises.
 
         Args:
-            topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
-                `robot_state/<arm_id>`.
+            topic: `joint_states`, `controllers`, `loop`, `events`,
+                `controller_state/<name>`, `robot_state/<arm_id>`.
             rate: Frames per second [Hz], or "full" for every cycle, in batches.
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
         """
-        return AsyncStream(
-            StreamOptions(
-                self.url,
-                self._connection.token,
-                topic,
-                rate,
-                tuple(fields),
-                reconnect,
-                self.timeout,
-            )
+        options = self._connection.stream_options(
+            topic, rate, fields, reconnect=reconnect
         )
+        return AsyncStream(options)
 
 
 def _parameter(path: str) -> str:

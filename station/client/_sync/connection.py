@@ -3,17 +3,19 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 import httpx
 from pydantic import BaseModel, JsonValue
 
+from station.client.command_options import CommandOptions
 from station.client.errors import ApiError, StationUnreachableError
-from station.client.routes import PREFIX
-from station.client.stream_options import bearer
+from station.client.routes import LEASE_HEADER, PREFIX
+from station.client.stream_options import Rate, StreamOptions, bearer
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+Query = Mapping[str, str | list[str]]
 
 
 class Connection:
@@ -29,6 +31,7 @@ class Connection:
         url: The station.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s]; may be changed.
+        lease: The lease of control that requests act under; None without one.
     """
 
     def __init__(
@@ -41,6 +44,7 @@ class Connection:
         self.url = url
         self.token = token
         self.timeout = timeout
+        self.lease: str | None = None
         self._http = httpx.Client(
             base_url=url,
             headers=bearer(token),
@@ -60,20 +64,46 @@ class Connection:
             url: The station, without a slash at its end.
             token: Operator or viewer token.
         """
-        self.url, self.token = url, token
+        self.url, self.token, self.lease = url, token, None
         self._http.base_url = httpx.URL(url)
         self._http.headers.pop("Authorization", None)
         self._http.headers.update(bearer(token))
 
+    def stream_options(
+        self, topic: str, rate: Rate | None, fields: Sequence[str], *, reconnect: bool
+    ) -> StreamOptions:
+        """Return address and options of a stream.
+
+        Args:
+            topic: What to stream.
+            rate: Frames per second [Hz], or "full"; None means the station's default.
+            fields: Only these keys of `data`; all when empty.
+            reconnect: Connect again when the link breaks.
+        """
+        return StreamOptions(
+            self.url, self.token, topic, rate, tuple(fields), reconnect, self.timeout
+        )
+
+    def command_options(self, controller: str, timeout: float) -> CommandOptions:
+        """Return address and options of a stream of set-points.
+
+        Args:
+            controller: The controller.
+            timeout: Silence after which the last set-point expires [s], > 0.
+        """
+        return CommandOptions(
+            self.url, self.token, self.lease, controller, timeout, self.timeout
+        )
+
     def get(
-        self, path: str, answer: type[ModelT], query: Mapping[str, str] | None = None
+        self, path: str, answer: type[ModelT], query: Query | None = None
     ) -> ModelT:
         """Send a GET request and return the answer.
 
         Args:
             path: Path below the prefix of the API.
             answer: Wire model of the answer.
-            query: Query parameters.
+            query: Query parameters; a list repeats its parameter.
 
         Raises:
             ApiError: The station refuses.
@@ -108,6 +138,8 @@ class Connection:
             ValueError: A number of the body is not finite.
         """
         sent = dict(headers or {})
+        if self.lease is not None:
+            sent[LEASE_HEADER] = self.lease
         content = None
         if body is not None:
             sent["Content-Type"] = "application/json"
@@ -122,7 +154,7 @@ class Connection:
         path: str,
         answer: type[ModelT],
         *,
-        query: Mapping[str, str] | None = None,
+        query: Query | None = None,
         content: bytes | None = None,
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,

@@ -58,6 +58,36 @@ def start_move(
     return GoalHandle(client, controller, client.submit_goal(controller, goal))
 
 
+def move_to(
+    client: "StationClient",
+    target: Target | Pose,
+    duration: float | None,
+    timeout: float | None,
+) -> None:
+    """Move the arm and wait until it is there.
+
+    Args:
+        client: The client.
+        target: Name of a pose, positions of joints, or a `Pose` of the end effector.
+        duration: How long a motion of joints takes [s]; a calm one when None.
+        timeout: Longest wait [s]; None waits for ever.
+
+    Raises:
+        MotionError: The arm did not arrive, and why.
+        ValueError: A motion to a `Pose` was given a duration.
+    """
+    if not isinstance(target, Pose):
+        goal = start_move(client, target, duration=duration, controller="")
+        goal.wait(timeout)
+        return
+    if duration is not None:
+        raise ValueError(
+            "A motion to a Pose takes no duration; the limits of its controller "
+            "say how fast it is."
+        )
+    move_to_pose(client, target, timeout)
+
+
 def move_to_pose(
     client: "StationClient", pose: Pose, timeout: float | None = None
 ) -> None:

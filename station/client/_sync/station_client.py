@@ -12,23 +12,28 @@ from pydantic import JsonValue
 from station import wire
 from station.client._sync.collecting import collect
 from station.client._sync.connection import Connection
+from station.client._sync.control_lease import ControlLease
 from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.goal_handle import GoalHandle
-from station.client._sync.motion import move_to_pose, start_move
+from station.client._sync.motion import move_to, start_move
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
+from station.client._sync.tokens_client import TokensClient
+from station.client.command_stream import CommandStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
 from station.client.routes import (
     Restart,
     Strictness,
     controller_path,
+    event_query,
     goal_path,
+    load_request,
     segment,
 )
 from station.client.samples import Samples
 from station.client.stream import Stream
-from station.client.stream_options import Rate, StreamOptions
+from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
@@ -61,6 +66,7 @@ class StationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        tokens: Named tokens of people and programs.
     """
 
     def __init__(
@@ -75,6 +81,7 @@ class StationClient:
         self._connection = Connection(url.rstrip("/"), token, timeout, transport)
         self.simulation = SimulationClient(self._connection)
         self.gain_sets = GainSetsClient(self._connection)
+        self.tokens = TokensClient(self._connection)
 
     def __enter__(self) -> Self:
         return self
@@ -142,7 +149,8 @@ class StationClient:
 
     def controllers(self) -> list[wire.ControllerState]:
         """Return all loaded controllers."""
-        return (self._connection.get("/controllers", wire.Controllers)).controllers
+        found = self._connection.get("/controllers", wire.Controllers)
+        return found.controllers
 
     def controller(self, name: str) -> wire.ControllerState:
         """Return one controller."""
@@ -165,15 +173,7 @@ class StationClient:
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
         """
-        given: dict[str, object] = {
-            "name": name,
-            "type": type,
-            "params": params,
-            "timeout": timeout,
-        }
-        request = wire.LoadRequest.model_validate({
-            key: value for key, value in given.items() if value is not None
-        })
+        request = load_request(name, type, params, timeout)
         patience = LOAD_TIMEOUT if timeout is None else timeout
         return self._connection.send(
             "POST", "/controllers", wire.ControllerState, request, patience=patience
@@ -236,10 +236,8 @@ class StationClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        path, request = (
-            controller_path(name, "gains"),
-            wire.GainsPatch(values=dict(values)),
-        )
+        path = controller_path(name, "gains")
+        request = wire.GainsPatch(values=dict(values))
         headers = {} if etag is None else {"If-Match": etag}
         return self._connection.send(
             "PATCH", path, wire.GainsChange, request, headers=headers
@@ -283,6 +281,16 @@ class StationClient:
             controller_path(name, "state"), wire.ControllerSample
         )
 
+    def command_stream(self, controller: str, *, timeout: float = 0.2) -> CommandStream:
+        """Return a stream of set-points for a `with` block (`async with`).
+
+        Args:
+            controller: The controller; it must run.
+            timeout: Silence after which the last set-point expires [s], up to 60.
+        """
+        options = self._connection.command_options(controller, timeout)
+        return CommandStream(options)
+
     def submit_goal(
         self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
     ) -> wire.Goal:
@@ -293,15 +301,14 @@ class StationClient:
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
         """
-        path, request = (
-            controller_path(name, "goals"),
-            wire.GoalRequest(goal=dict(goal), epoch=epoch),
-        )
+        path = controller_path(name, "goals")
+        request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
         return self._connection.send("POST", path, wire.Goal, request)
 
     def goals(self, name: str) -> list[wire.Goal]:
         """Return a controller's latest goals, oldest first."""
-        return (self._connection.get(controller_path(name, "goals"), wire.Goals)).goals
+        path = controller_path(name, "goals")
+        return (self._connection.get(path, wire.Goals)).goals
 
     def goal(self, name: str, goal_id: str) -> wire.Goal:
         """Return a goal: its progress, or how and why it ended."""
@@ -312,10 +319,7 @@ class StationClient:
         return self._connection.send("DELETE", goal_path(name, goal_id), wire.Goal)
 
     def follow_trajectory(
-        self,
-        name: str,
-        trajectory: Mapping[str, JsonValue],
-        epoch: int | None = None,
+        self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
     ) -> wire.CommandAccepted:
         """Let a running controller follow a trajectory without a goal.
 
@@ -388,15 +392,7 @@ class StationClient:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        if not isinstance(target, Pose):
-            (self.start_move(target, duration=duration)).wait(timeout)
-            return
-        if duration is not None:
-            raise ValueError(
-                "A motion to a Pose takes no duration; the limits of its controller "
-                "say how fast it is."
-            )
-        move_to_pose(self, target, timeout)
+        move_to(self, target, duration, timeout)
 
     def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
@@ -511,6 +507,59 @@ class StationClient:
         request = wire.ReleaseRequest(arm=arm)
         return self._connection.send("POST", "/stop/release", wire.StopState, request)
 
+    def act_under(self, lease: str | None) -> None:
+        """Let the requests from now on act under a lease of control.
+
+        Args:
+            lease: The `lease` that whoever took control was told; None for none.
+        """
+        self._connection.lease = lease
+
+    def release_control(self) -> wire.ControlState:
+        """Give control back, which this client, or its named token, holds."""
+        return self._connection.send("DELETE", "/control", wire.ControlState)
+
+    def control_state(self) -> wire.ControlState:
+        """Return who holds control."""
+        return self._connection.get("/control", wire.ControlState)
+
+    def control(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> ControlLease:
+        """Return control of the station for a `with` block (`async with`).
+
+        While it lasts, the changes of other operators are refused; stopping is always
+        possible.
+
+        Args:
+            owner: Name that others are told; that of the token when None.
+            ttl: How long control lasts when this program falls silent [s], 0.5 to 3600.
+            force: Take control from whoever holds it.
+        """
+        return ControlLease(self._connection, owner, ttl, force=force)
+
+    def events(
+        self,
+        since: int | None = None,
+        *,
+        kinds: Sequence[wire.EventKindName] = (),
+        severity: wire.SeverityName = "info",
+        limit: int = 100,
+    ) -> list[wire.Event]:
+        """Return what happened at the station, oldest first.
+
+        To follow events as they happen, iterate over `stream("events")`; the `data` of
+        each frame is an event.
+
+        Args:
+            since: Number of the last event that is known; the newest events when None.
+            kinds: Only events of these kinds; all when empty.
+            severity: Only events of at least this severity.
+            limit: Most events, 1 to 1000.
+        """
+        query = event_query(since, kinds, severity, limit)
+        return (self._connection.get("/events", wire.Events, query)).events
+
     def stream_ticket(self) -> wire.StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
         return self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
@@ -528,23 +577,16 @@ class StationClient:
         `with` (`async with`) connects at once, within `timeout`, or raises.
 
         Args:
-            topic: `joint_states`, `controllers`, `loop`, `controller_state/<name>`,
-                `robot_state/<arm_id>`.
+            topic: `joint_states`, `controllers`, `loop`, `events`,
+                `controller_state/<name>`, `robot_state/<arm_id>`.
             rate: Frames per second [Hz], or "full" for every cycle, in batches.
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks, for ever.
         """
-        return Stream(
-            StreamOptions(
-                self.url,
-                self._connection.token,
-                topic,
-                rate,
-                tuple(fields),
-                reconnect,
-                self.timeout,
-            )
+        options = self._connection.stream_options(
+            topic, rate, fields, reconnect=reconnect
         )
+        return Stream(options)
 
 
 def _parameter(path: str) -> str:

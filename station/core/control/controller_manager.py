@@ -19,6 +19,7 @@ from station.core.control.controller_factory import ControllerFactory
 from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_runner import ControllerRunner
 from station.core.control.controller_status import (
+    ControllerCondition,
     ControllerStatistics,
     ControllerStatus,
 )
@@ -242,6 +243,14 @@ class ControllerManager:
         """Return the loaded controllers in load order (CM-81), then those loading."""
         loaded = [one.status() for one in self._runner.loaded]
         return [*loaded, *(one.status() for one in list(self._loading.values()))]
+
+    def conditions(self) -> list[ControllerCondition]:
+        """Return state and fault of each loaded controller, without statistics.
+
+        Computing the statistics of `list_controllers` holds the interpreter too long
+        for a reader that looks many times a second.
+        """
+        return [one.condition() for one in self._runner.loaded]
 
     def running(self) -> list[ControllerInfo]:
         """Return the controllers that run, with what they claim, in load order."""

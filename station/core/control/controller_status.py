@@ -33,6 +33,25 @@ class ControllerStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class ControllerCondition:
+    """What changes about a loaded controller; cheap, for who looks often.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Its type as the parameters have it.
+        state: Where it is in its life.
+        fault: Why it was stopped by the manager; None if it was not.
+        traceback: Traceback that belongs to `fault`; None if there is none.
+    """
+
+    name: str
+    type: str
+    state: ControllerState
+    fault: str | None
+    traceback: str | None
+
+
+@dataclass(frozen=True, slots=True)
 class ControllerStatistics:
     """A controller as `controller_manager_msgs/ControllerStatistics` has it.
 

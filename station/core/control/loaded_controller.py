@@ -6,6 +6,7 @@ from station.core.control.command_guard import CommandGuard
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_commands import ControllerCommands
 from station.core.control.controller_status import (
+    ControllerCondition,
     ControllerStatistics,
     ControllerStatus,
 )
@@ -114,6 +115,16 @@ class LoadedController:
             self.traceback,
             self.fallback,
             self.durations.percentiles(),
+        )
+
+    def condition(self) -> ControllerCondition:
+        """Return its state and fault, without statistics. Any thread."""
+        return ControllerCondition(
+            self.info.name,
+            self.info.type,
+            self.controller.state,
+            self.fault,
+            self.traceback,
         )
 
     def statistics(self, time: float) -> ControllerStatistics:

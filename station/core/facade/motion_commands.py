@@ -4,10 +4,11 @@ Every command is checked alike first: the station must be armed, the controller 
 run, and the epoch, if the caller names one, must be the present one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import (
+    ControllerNotFoundError,
     ControllerStateError,
     InvalidCommandError,
     InvalidTrajectoryError,
@@ -24,6 +25,8 @@ from station.core.trajectory.trajectory_port import TrajectoryPort
 
 _PICK_UP = 0.02
 """How long a running loop may take to pick a command up [s]."""
+_AT_ONCE = 1e-9
+"""How long a set-point is valid that is to expire in the next cycle [s]."""
 _OVERTAKEN = "A stop, a reset or a recovery came before it began."
 
 
@@ -104,6 +107,23 @@ class MotionCommands:
         # A stop or a reset in between changes the generation and voids the set-point.
         port.post([*values, *(rates or [])], timeout, generation, receipt)
         return present
+
+    def let_expire(self, names: Iterable[str]) -> None:
+        """Let the set-points of controllers expire now, as if nobody had renewed them.
+
+        What a controller then does is what its `command_timeout` parameters say: it
+        holds, or it stops. Controllers without a set-point are left alone.
+
+        Args:
+            names: The controllers; those that are no longer loaded are left out.
+        """
+        for name in names:
+            try:
+                port = self._set_point_port(name)
+            except (ControllerNotFoundError, InvalidCommandError):
+                continue
+            if port.last is not None:
+                port.post(port.last, _AT_ONCE)
 
     def submit_goal(
         self, name: str, request: Mapping[str, object], epoch: int | None = None

@@ -13,12 +13,12 @@ from tests.api.test_errors import problem_of
 def test_a_token_is_exchanged_for_a_cookie(http, token, role):
     answer = http.post("/api/v1/login", json={"token": token})
 
-    assert answer.json() == {"role": role}
+    assert answer.json() == {"role": role, "name": role}
     cookie = answer.headers["set-cookie"].lower()
     assert "httponly" in cookie
     assert "samesite=strict" in cookie
     assert token not in cookie
-    assert http.get("/api/v1/session").json() == {"role": role}
+    assert http.get("/api/v1/session").json() == {"role": role, "name": role}
 
 
 def test_logging_out_makes_the_cookie_worthless(http):
@@ -43,7 +43,10 @@ def test_the_printed_link_logs_in_and_leads_on(http):
 
     assert answer.status_code == 303
     assert answer.headers["location"] == "/docs"
-    assert http.get("/api/v1/session").json() == {"role": "operator"}
+    assert http.get("/api/v1/session").json() == {
+        "role": "operator",
+        "name": "operator",
+    }
 
 
 @pytest.mark.parametrize(

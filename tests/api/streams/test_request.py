@@ -5,6 +5,7 @@ import pytest
 from station.api.streams import StreamRequest, StreamRequestError
 from station.api.streams.request import parse_request
 from station.api.streams.topics import topic_names
+from station.events import EventLog
 from station.wire import CLOSE_BAD_REQUEST, CLOSE_UNKNOWN_TOPIC
 from tests.api.spring import make_station
 
@@ -39,10 +40,16 @@ def test_everything_can_be_chosen(station):
 
 
 def test_every_cycle_of_every_topic_can_be_asked_for(station):
-    for name in topic_names(station):
+    for name in set(topic_names(station)) - {"events"}:
         request, _ = parse_request(station, name, {"rate": "full"})
 
         assert request.rate is None
+
+
+def test_events_have_no_cycles(station):
+    assert parse_request(station, "events", {}, EventLog())[0].rate == 20.0
+    with pytest.raises(StreamRequestError):
+        parse_request(station, "events", {"rate": "full"}, EventLog())
 
 
 def test_fields_of_a_sample_can_be_chosen(station):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
     ControllerStateError,
@@ -13,6 +14,7 @@ from station.core.errors import (
 )
 from station.core.facade.station import Station
 from station.core.ports.goal import GoalStatus
+from tests.api.spring import make_station as make_spring_station
 from tests.patient_clock import PatientClock
 from tests.two_joint_station import TRAJECTORY, make_station
 
@@ -255,3 +257,22 @@ def test_a_set_point_that_is_overtaken_by_a_new_epoch_is_void(station, monkeypat
     station.motion.set_command("group", [0.3, 0.3])
     station.loop.step(3)
     assert positions(station) == [0.3, 0.3]
+
+
+def test_set_points_are_let_expire_and_unknown_controllers_left_out():
+    station = make_spring_station()
+    station.loop.step()
+    station.load_controller("spring", "test/Spring", {"joint": "j"})
+    port = station.manager.get_controller("spring").set_points
+    station.motion.let_expire(["spring", "unknown"])
+    assert not port.has_news()  # nobody has commanded anything yet
+
+    station.switch_controllers(SwitchRequest(start=("spring",)))
+    station.motion.set_command("spring", [0.5])
+    station.loop.step()
+    port.clock = ManualClock()
+    station.motion.let_expire(["spring"])
+    port.clock.advance(0.001)
+    station.loop.step()
+
+    assert port.take_expiry()

@@ -1,0 +1,168 @@
+"""The audit: who asked for which change, from where, when, and with what result."""
+
+import time
+from collections.abc import Callable
+
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from station.api.auth import Access
+from station.api.errors import PROBLEM_CODE
+from station.core.control.switching import SwitchResult
+from station.events import EventKind, EventLog, Origin, Severity
+from station.events.repeats import Repeats
+from station.web.request_id import present_request_id
+
+ACCESS = "access"
+"""Key in the scope's state of what a request has proved, an `Access`."""
+_READS = frozenset({"GET", "HEAD", "OPTIONS"})
+_PREFIX = "/api/v1"
+# They change nothing of the station; logins have events of their own.
+_UNREMARKABLE = frozenset({"/login", "/logout", "/stream-tickets"})
+
+
+def origin_of(connection: HTTPConnection) -> Origin:
+    """Return who is behind a request or a WebSocket, as far as it has proved that."""
+    access = connection.scope.get("state", {}).get(ACCESS)
+    client = connection.client
+    return Origin(
+        who=access.name if isinstance(access, Access) else "",
+        where="" if client is None else client.host,
+        request_id=present_request_id() or "",
+    )
+
+
+class Audit:
+    """Records every request that changes something, carried out or refused.
+
+    It comes before the guard, so that requests from wrong places are recorded, too. A
+    set-point that repeats is counted, see `Repeats`.
+
+    Args:
+        app: The application.
+        repeats: Takes the events.
+    """
+
+    def __init__(self, app: ASGIApp, repeats: Repeats) -> None:
+        self._app = app
+        self._repeats = repeats
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, and record how it ended."""
+        if scope["type"] != "http" or scope["method"] in _READS:
+            await self._app(scope, receive, send)
+            return
+        scope.setdefault("state", {})
+        status = 0
+
+        async def send_and_note(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+            await send(message)
+
+        try:
+            await self._app(scope, receive, send_and_note)
+        finally:
+            self._record(scope, status)
+
+    def _record(self, scope: Scope, status: int) -> None:
+        path = scope["path"].removeprefix(_PREFIX)
+        is_done = 200 <= status < 400
+        if is_done and path in _UNREMARKABLE:
+            return
+        origin = origin_of(HTTPConnection(scope))
+        what = f"{scope['method']} {path}"
+        code = scope["state"].get(PROBLEM_CODE, "")
+        result = f"{status} {code}".strip() if status else "no answer"
+        if not is_done and not origin.who:
+            # Whoever guesses tokens chooses paths at will: they are not told apart.
+            what = scope["method"]
+        ended = "was carried out" if is_done else f"was refused: {result}"
+        self._repeats.record(
+            EventKind.REQUEST,
+            f"{scope['method']} {path} of {origin.who or 'a stranger'} {ended}.",
+            severity=Severity.INFO if is_done else _severity(status),
+            what=what,
+            result=result,
+            origin=origin,
+            free=1 if is_done and path.endswith("/command") else 10,
+        )
+
+
+def _severity(status: int) -> Severity:
+    return Severity.ERROR if status >= 500 or not status else Severity.WARNING
+
+
+class Recorder:
+    """What the API records events with: the log, and the counter of repeats.
+
+    Args:
+        log: The event log.
+        now: Monotonic clock [s].
+
+    Attributes:
+        log: The same.
+        repeats: Counts what repeats.
+    """
+
+    def __init__(
+        self, log: EventLog, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.log = log
+        self.repeats = Repeats(log, now)
+
+    def failed_login(self, connection: HTTPConnection) -> None:
+        """Record that a request or a WebSocket showed a wrong token."""
+        self.repeats.record(
+            EventKind.LOGIN_FAILED,
+            "Somebody showed a token that this station does not know.",
+            severity=Severity.WARNING,
+            what=connection.scope["type"],
+            result="401 unauthorized",
+            origin=origin_of(connection),
+            free=3,
+        )
+
+    def login(self, connection: HTTPConnection, access: Access, what: str) -> None:
+        """Record that a browser has logged in or out.
+
+        Args:
+            connection: Its request.
+            access: What it may do.
+            what: `login` or `logout`.
+        """
+        found = origin_of(connection)
+        self.log.record(
+            EventKind.LOGIN,
+            f"A browser of {access.name} has made a {what}.",
+            what=what,
+            result=access.role.value,
+            origin=Origin(access.name, found.where, found.request_id),
+        )
+
+    def switch(self, connection: HTTPConnection, result: SwitchResult) -> None:
+        """Record how a switch ended.
+
+        Args:
+            connection: The request for it.
+            result: What the switch did.
+        """
+        names = [f"started {name}" for name in result.started]
+        names += [f"stopped {name}" for name in result.stopped]
+        names += [f"{name} failed: {why}" for name, why in result.failed.items()]
+        self.log.record(
+            EventKind.SWITCH,
+            f"Switch {result.outcome.name.lower()}: {', '.join(names) or 'nothing'}.",
+            severity=Severity.INFO if result.ok else Severity.WARNING,
+            what="controllers",
+            result=result.outcome.name.lower(),
+            details={
+                "started": result.started,
+                "stopped": result.stopped,
+                "failed": result.failed,
+                "jump": result.jump,
+                "cycle": result.cycle,
+            },
+            origin=origin_of(connection),
+        )

@@ -1,0 +1,310 @@
+"""Who holds control: a lease of one operator, which others respect.
+
+A lease is no protection against an operator who means harm: every operator may take it
+by force. It keeps two people from moving the same robot without knowing of each other.
+"""
+
+import hmac
+import secrets
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+
+from station.api.auth import Access
+from station.core.errors import StationError
+from station.events import EventKind, EventLog, Origin, Severity
+
+HEADER = "X-Control-Lease"
+"""Header in which a request names the lease that it acts under."""
+DEFAULT_TTL = 10.0
+"""How long a lease lasts without a heartbeat unless told otherwise [s]."""
+
+
+class ControlHeldError(StationError, PermissionError):
+    """Somebody else holds control."""
+
+    code = "control_held"
+
+
+class ControlNotHeldError(StationError, RuntimeError):
+    """The caller does not hold control."""
+
+    code = "control_not_held"
+
+
+@dataclass(frozen=True, slots=True)
+class Lease:
+    """The control of the station in somebody's hands.
+
+    Attributes:
+        owner: Name of the person or program.
+        key: Proves the lease; only its holder is told.
+        access: What the holder may do, and what proves it.
+        since: Wall time when the lease began [s since 1970].
+        ttl: How long it lasts after a heartbeat [s], > 0.
+        deadline: When it ends without a heartbeat [s, monotonic].
+        heir: Who may take the lease over without force; None without one.
+        commanded: Names of the controllers that were commanded under the lease.
+    """
+
+    owner: str
+    key: str
+    access: Access
+    since: float
+    ttl: float
+    deadline: float
+    heir: str | None = None
+    commanded: set[str] = field(default_factory=set)
+
+    def is_held_by(self, access: Access, key: str | None) -> bool:
+        """Return whether a request comes from the holder.
+
+        A named token and a browser's session are one person's; the station's own tokens
+        may be shared, so that with them the key alone tells.
+        """
+        mine = self.access
+        if key is not None and hmac.compare_digest(key.encode(), self.key.encode()):
+            return access.role is mine.role
+        if access.session is not None:
+            return access.session is mine.session
+        return access.token is not None and access.token is mine.token
+
+
+class Control:
+    """The lease of control, if anybody holds it. Any thread.
+
+    Args:
+        log: Takes what happens with the lease.
+        let_go: Called with the names of the controllers that a former owner commanded,
+            when the lease was taken by force or has expired: what they do is held.
+        now: Monotonic clock [s].
+    """
+
+    def __init__(
+        self,
+        log: EventLog,
+        let_go: Callable[[set[str]], None],
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._log = log
+        self._let_go = let_go
+        self._now = now
+        self._lock = threading.RLock()
+        self._lease: Lease | None = None
+        self._listeners: dict[object, Callable[[], None]] = {}
+
+    def present(self) -> Lease | None:
+        """Return the lease; None when nobody holds control."""
+        self.look()
+        return self._lease
+
+    def look(self) -> None:
+        """End the lease when its time is over, or its owner's token was revoked."""
+        with self._lock:
+            lease = self._lease
+            if lease is None:
+                return
+            if lease.access.has_ended():
+                why = "the owner's token or session has ended"
+            elif self._now() >= lease.deadline:
+                why = f"no heartbeat came for {lease.ttl:g} s"
+            else:
+                return
+            self._lease = None
+            self._record(
+                f"{lease.owner} has lost control: {why}.", "expired", lease.owner
+            )
+            self._let_go(lease.commanded)
+        self._tell()
+
+    def check(self, access: Access, key: str | None) -> None:
+        """Refuse a change by anybody but the owner, while there is one.
+
+        Args:
+            access: What the caller may do.
+            key: The lease that the request names; None without one.
+
+        Raises:
+            ControlHeldError: Somebody else holds control.
+        """
+        lease = self.present()
+        if lease is not None and not lease.is_held_by(access, key):
+            error = _held(lease)
+            raise error
+
+    def is_lost(self, access: Access, key: str | None) -> bool:
+        """Return whether somebody else holds control."""
+        lease = self.present()
+        return lease is not None and not lease.is_held_by(access, key)
+
+    def take(
+        self,
+        access: Access,
+        key: str | None,
+        owner: str,
+        ttl: float,
+        *,
+        force: bool = False,
+        origin: Origin,
+    ) -> Lease:
+        """Take control, or keep it: the owner's call is a heartbeat.
+
+        Args:
+            access: What the caller may do.
+            key: The lease that the request names; None without one.
+            owner: Name of the person or program.
+            ttl: How long the lease lasts without a heartbeat [s], > 0.
+            force: Take the lease from whoever holds it.
+            origin: Who asks, and from where.
+
+        Raises:
+            ControlHeldError: Somebody else holds control and `force` is false.
+        """
+        with self._lock:
+            before = self.present()
+            deadline = self._now() + ttl
+            if before is not None and before.is_held_by(access, key):
+                self._lease = replace(before, owner=owner, ttl=ttl, deadline=deadline)
+                return self._lease
+            is_heir = before is not None and before.heir in {owner, access.name}
+            if before is not None and not is_heir and not force:
+                error = _held(before)
+                raise error
+            self._lease = Lease(
+                owner, secrets.token_urlsafe(24), access, time.time(), ttl, deadline
+            )
+            if before is None:
+                text, result = f"{owner} has taken control.", "taken"
+            elif is_heir:
+                text, result = f"{before.owner} handed over to {owner}.", "handed over"
+            else:
+                text = f"{owner} has taken control from {before.owner} by force."
+                result = "forced"
+            self._record(text, result, owner, origin, forced=result == "forced")
+            if before is not None and result == "forced":
+                self._let_go(before.commanded)
+            taken = self._lease
+        self._tell()
+        return taken
+
+    def renew(
+        self,
+        access: Access,
+        key: str | None,
+        ttl: float | None,
+        heir: str | None,
+        origin: Origin,
+    ) -> Lease:
+        """Send a heartbeat; with `heir` name who may take over without force.
+
+        Args:
+            access: What the caller may do.
+            key: The lease that the request names; None without one.
+            ttl: How long the lease lasts from now on without a heartbeat [s]; as before
+                when None.
+            heir: Name of the person or of the named token; as before when None.
+            origin: Who asks, and from where.
+
+        Raises:
+            ControlHeldError: Somebody else holds control.
+            ControlNotHeldError: Nobody holds control.
+        """
+        with self._lock:
+            lease = self._owned(access, key)
+            wanted = lease.ttl if ttl is None else ttl
+            self._lease = replace(
+                lease,
+                ttl=wanted,
+                deadline=self._now() + wanted,
+                heir=lease.heir if heir is None else heir,
+            )
+            if heir is not None and heir != lease.heir:
+                text = f"{lease.owner} offers control to {heir}."
+                self._record(text, "offered", lease.owner, origin)
+            return self._lease
+
+    def release(self, access: Access, key: str | None, origin: Origin) -> None:
+        """Give control back; what moves goes on.
+
+        Raises:
+            ControlHeldError: Somebody else holds control.
+            ControlNotHeldError: Nobody holds control.
+        """
+        with self._lock:
+            lease = self._owned(access, key)
+            self._lease = None
+            text = f"{lease.owner} has given control back."
+            self._record(text, "released", lease.owner, origin)
+        self._tell()
+
+    def note_command(self, controller: str) -> None:
+        """Note that the owner commands a controller, to hold it if control is lost."""
+        lease = self._lease
+        if lease is not None:
+            lease.commanded.add(controller)
+
+    def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
+        """Call `changed` whenever control changes hands; return what ends it.
+
+        It may be called in any thread and must return at once.
+        """
+        key = object()
+        with self._lock:
+            self._listeners[key] = changed
+
+        def end() -> None:
+            with self._lock:
+                self._listeners.pop(key, None)
+
+        return end
+
+    def _owned(self, access: Access, key: str | None) -> Lease:
+        lease = self.present()
+        if lease is None:
+            raise ControlNotHeldError(
+                "Nobody holds control.",
+                remedy="Take control first: POST /api/v1/control.",
+            )
+        if not lease.is_held_by(access, key):
+            error = _held(lease)
+            raise error
+        return lease
+
+    def _tell(self) -> None:
+        with self._lock:
+            listeners = list(self._listeners.values())
+        for changed in listeners:
+            changed()
+
+    def _record(
+        self,
+        text: str,
+        result: str,
+        owner: str,
+        origin: Origin | None = None,
+        *,
+        forced: bool = False,
+    ) -> None:
+        lost = forced or result == "expired"
+        self._log.record(
+            EventKind.CONTROL,
+            text,
+            severity=Severity.WARNING if lost else Severity.INFO,
+            what=owner,
+            result=result,
+            origin=Origin() if origin is None else origin,
+        )
+
+
+def _held(lease: Lease) -> ControlHeldError:
+    since = datetime.fromtimestamp(lease.since, UTC)
+    return ControlHeldError(
+        f"{lease.owner} holds control since {since:%Y-%m-%d %H:%M:%S} UTC; nobody else "
+        "may change anything.",
+        remedy="Wait, ask for a hand-over, or take control by force: POST "
+        '/api/v1/control with {"owner": "…", "force": true}. Stopping is always '
+        "possible.",
+        details={"owner": lease.owner, "since": lease.since},
+    )

@@ -1,0 +1,230 @@
+"""Tokens of people and programs: named, revocable, and valid for a time.
+
+Disk and memory have the SHA-256 of each token alone. A token is 256 random bits, so its
+hash can be neither guessed nor turned back, and needs no salt.
+"""
+
+import asyncio
+import contextlib
+import hashlib
+import json
+import os
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from station.core.errors import StationError, suggest
+
+MOST_TOKENS = 256
+"""Most named tokens of a station."""
+LOOK_PERIOD = 1.0
+"""Longest time between two looks whether a token has expired [s]."""
+RESERVED = frozenset({"operator", "viewer"})
+"""Names of the tokens that the station makes itself."""
+
+
+class TokenExistsError(StationError, ValueError):
+    """There is a token of that name, or there are too many."""
+
+    code = "token_exists"
+
+
+class TokenNotFoundError(StationError, KeyError):
+    """There is no token of that name."""
+
+    code = "token_not_found"
+
+
+class TokensNotKeptError(StationError, OSError):
+    """The named tokens cannot be written to disk."""
+
+    code = "tokens_not_kept"
+
+
+@dataclass(eq=False, slots=True)
+class NamedToken:
+    """A token as the station knows it. For one event loop.
+
+    Attributes:
+        name: Whose token it is.
+        role: `operator` or `viewer`.
+        digest: SHA-256 of the token, hexadecimal.
+        created: Wall time when it was made [s since 1970].
+        expires: Wall time when it ends [s since 1970]; None when it does not.
+    """
+
+    name: str
+    role: str
+    digest: str
+    created: float
+    expires: float | None = None
+    _revoked: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def has_ended(self) -> bool:
+        """Return whether the token was revoked or has expired."""
+        expired = self.expires is not None and time.time() >= self.expires
+        return expired or self._revoked.is_set()
+
+    def revoke(self) -> None:
+        """End the token, and what was opened with it."""
+        self._revoked.set()
+
+    async def wait_for_end(self) -> None:
+        """Return when the token was revoked or has expired."""
+        while not self.has_ended():
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._revoked.wait(), LOOK_PERIOD)
+
+
+class NamedTokens:
+    """The named tokens of a station. For one event loop.
+
+    Args:
+        path: Where they are kept, readable by the station's user alone; None keeps them
+            until the station ends.
+        now: Wall time [s since 1970].
+
+    Raises:
+        TokensNotKeptError: The file is there and cannot be read.
+    """
+
+    def __init__(
+        self, path: Path | None = None, now: Callable[[], float] = time.time
+    ) -> None:
+        self._path = path
+        self._now = now
+        self._tokens: dict[str, NamedToken] = {}
+        if path is not None and path.exists():
+            self._load(path)
+
+    def all(self) -> list[NamedToken]:
+        """Return the tokens that are valid, oldest first."""
+        self._forget_ended()
+        return list(self._tokens.values())
+
+    def find(self, secret: str) -> NamedToken | None:
+        """Return the valid token that somebody shows; None when there is none."""
+        # Comparing hashes of secrets takes no time that tells anything of a secret.
+        digest = hashlib.sha256(secret.encode()).hexdigest()
+        for token in self._tokens.values():
+            if token.digest == digest:
+                return None if token.has_ended() else token
+        return None
+
+    def create(self, name: str, role: str, lifetime: float | None) -> str:
+        """Make a token and return it; nobody can learn it afterwards.
+
+        Args:
+            name: Whose token it is.
+            role: `operator` or `viewer`.
+            lifetime: How long it is valid [s], > 0; None until it is revoked.
+
+        Raises:
+            TokenExistsError: The name is taken, or there are too many tokens.
+            TokensNotKeptError: It cannot be kept on disk; there is no new token.
+        """
+        self._forget_ended()
+        if name in self._tokens or name in RESERVED:
+            raise TokenExistsError(
+                f"There is a token named '{name}' already.",
+                remedy="Revoke it first, or choose another name.",
+                details={"name": name},
+            )
+        if len(self._tokens) >= MOST_TOKENS:
+            raise TokenExistsError(
+                f"There are {MOST_TOKENS} named tokens, which is the most allowed.",
+                remedy="Revoke those that nobody needs.",
+            )
+        secret = secrets.token_urlsafe(32)
+        created = self._now()
+        token = NamedToken(
+            name,
+            role,
+            hashlib.sha256(secret.encode()).hexdigest(),
+            created,
+            None if lifetime is None else created + lifetime,
+        )
+        self._keep({**self._tokens, name: token})
+        return secret
+
+    def get(self, name: str) -> NamedToken:
+        """Return a valid token.
+
+        Raises:
+            TokenNotFoundError: There is none of that name.
+        """
+        self._forget_ended()
+        if name not in self._tokens:
+            raise TokenNotFoundError(
+                f"There is no named token '{name}'. {suggest(name, self._tokens)}",
+                remedy="List the tokens.",
+                details={"name": name},
+            )
+        return self._tokens[name]
+
+    def revoke(self, name: str) -> NamedToken:
+        """End a token and what was opened with it; return what it was.
+
+        The token ends even if the disk fails, but then comes back at the next start.
+
+        Raises:
+            TokenNotFoundError: There is none of that name.
+            TokensNotKeptError: The file still has it.
+        """
+        token = self.get(name)
+        token.revoke()
+        self._keep({key: t for key, t in self._tokens.items() if key != name})
+        return token
+
+    def _forget_ended(self) -> None:
+        for name, token in list(self._tokens.items()):
+            if token.has_ended():
+                del self._tokens[name]
+
+    def _keep(self, tokens: dict[str, NamedToken]) -> None:
+        if self._path is not None:
+            listed = [
+                {
+                    "name": token.name,
+                    "role": token.role,
+                    "digest": token.digest,
+                    "created": token.created,
+                    "expires": token.expires,
+                }
+                for token in tokens.values()
+            ]
+            try:
+                _write_whole(self._path, json.dumps(listed))
+            except OSError as error:
+                raise TokensNotKeptError(
+                    f"{self._path} cannot be written: {error.strerror}.",
+                    remedy="Make room on the disk, or set XDG_STATE_HOME to a "
+                    "directory that is yours, and try again.",
+                ) from error
+        self._tokens = tokens
+
+    def _load(self, path: Path) -> None:
+        try:
+            listed = json.loads(path.read_text(encoding="utf-8"))
+            found = [NamedToken(**values) for values in listed]
+        except (OSError, ValueError, TypeError) as error:
+            raise TokensNotKeptError(
+                f"{path} cannot be read: {error}.",
+                remedy="Delete the file; the named tokens in it are lost.",
+            ) from error
+        self._tokens = {token.name: token for token in found}
+        self._forget_ended()
+
+
+def _write_whole(path: Path, text: str) -> None:
+    """Write a private file so that at any moment the old or the new one is there."""
+    beside = path.with_name(f"{path.name}.new")
+    beside.unlink(missing_ok=True)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+    with os.fdopen(os.open(beside, flags, 0o600), "w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    beside.replace(path)

@@ -1,0 +1,110 @@
+"""Who holds control: taken, kept by heartbeats, handed over, given back."""
+
+import time
+
+from fastapi import APIRouter, Request
+
+from station.api.audit import origin_of
+from station.api.auth import Access
+from station.api.control import Control
+from station.api.dependencies import (
+    AccessDep,
+    ControlDep,
+    LeaseKey,
+    OperatorAnyway,
+    Viewer,
+)
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.wire import ControlPatch, ControlRequest, ControlState
+
+router = APIRouter(tags=["control"], dependencies=[Viewer], route_class=JsonRoute)
+
+
+@router.get("/control", responses=problems())
+def get_control(
+    access: AccessDep, control: ControlDep, key: LeaseKey = None
+) -> ControlState:
+    """Return who holds control."""
+    return control_state(control, access, key)
+
+
+@router.post(
+    "/control", dependencies=[OperatorAnyway], responses=problems(413, 422, 423)
+)
+def take_control(
+    connection: Request,
+    access: AccessDep,
+    control: ControlDep,
+    request: ControlRequest | None = None,
+    key: LeaseKey = None,
+) -> ControlState:
+    """Take control, or keep it: the owner's call is a heartbeat.
+
+    While somebody holds control, the changes of all other operators are refused (423)
+    with the owner's name. The stop is never refused. The answer has the `lease`, which
+    the owner's requests carry in the header `X-Control-Lease`; those with a named token
+    or a browser's session of the owner need none.
+    """
+    asked = request or ControlRequest()
+    lease = control.take(
+        access,
+        key,
+        asked.owner or access.name,
+        asked.ttl,
+        force=asked.force,
+        origin=origin_of(connection),
+    )
+    return control_state(control, access, lease.key)
+
+
+@router.patch(
+    "/control", dependencies=[OperatorAnyway], responses=problems(409, 413, 422, 423)
+)
+def renew_control(
+    connection: Request,
+    request: ControlPatch,
+    access: AccessDep,
+    control: ControlDep,
+    key: LeaseKey = None,
+) -> ControlState:
+    """Send a heartbeat, or offer control to somebody who may then take it."""
+    lease = control.renew(
+        access, key, request.ttl, request.hand_over_to, origin_of(connection)
+    )
+    return control_state(control, access, lease.key)
+
+
+@router.delete("/control", dependencies=[OperatorAnyway], responses=problems(409, 423))
+def release_control(
+    connection: Request, access: AccessDep, control: ControlDep, key: LeaseKey = None
+) -> ControlState:
+    """Give control back; what moves goes on."""
+    control.release(access, key, origin_of(connection))
+    return control_state(control, access, None)
+
+
+def control_state(
+    control: Control, access: Access | None, key: str | None
+) -> ControlState:
+    """Return who holds control, as a caller may know it.
+
+    Args:
+        control: The lease.
+        access: What the caller may do; None for nobody in particular.
+        key: The lease that the caller names.
+    """
+    lease = control.present()
+    if lease is None:
+        return ControlState()
+    mine = access is not None and lease.is_held_by(access, key)
+    return ControlState(
+        owner=lease.owner,
+        token=lease.access.name,
+        since=lease.since,
+        ttl=lease.ttl,
+        expires_in=max(lease.deadline - time.monotonic(), 0.0),
+        hand_over_to=lease.heir,
+        mine=mine,
+        lease=lease.key if mine else None,
+    )

@@ -1,0 +1,109 @@
+"""What happened: who did what, when, from where, with what result."""
+
+import asyncio
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import APIRouter, Header, Query, Request
+from fastapi.responses import StreamingResponse
+
+from station.api import answers
+from station.api.dependencies import AccessDep, RecorderDep, Viewer
+from station.api.event_feed import MEDIA_TYPE, EventFeed
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.events import EventKind, Severity
+from station.wire import EventKindName, Events, SeverityName
+
+if TYPE_CHECKING:
+    from station.api.auth import Access
+    from station.api.streams import Broadcaster
+
+MAX_PAGE = 1000
+"""Most events of one answer."""
+
+router = APIRouter(tags=["events"], dependencies=[Viewer], route_class=JsonRoute)
+
+Since = Annotated[
+    int | None,
+    Query(
+        ge=0,
+        le=2**53,
+        description="Number of the last event that the caller has; the newest events "
+        "when left out.",
+        examples=[17],
+    ),
+]
+Kinds = Annotated[
+    list[EventKindName] | None,
+    Query(description="Only events of this kind; may be repeated.", examples=["stop"]),
+]
+LeastSeverity = Annotated[
+    SeverityName,
+    Query(description="Only events of at least this severity.", examples=["warning"]),
+]
+Limit = Annotated[
+    int,
+    Query(ge=1, le=MAX_PAGE, description="Most events, 1 to 1000.", examples=[100]),
+]
+LastEventId = Annotated[
+    str | None,
+    Header(
+        pattern=r"^\d{1,15}$",
+        description="With server-sent events: number of the last event received.",
+        examples=["17"],
+    ),
+]
+
+
+@router.get(
+    "/events",
+    response_model=Events,
+    responses={
+        200: {"content": {MEDIA_TYPE: {"schema": {"type": "string"}}}},
+        **problems(422, 503),
+    },
+)
+async def get_events(
+    request: Request,
+    access: AccessDep,
+    recorder: RecorderDep,
+    since: Since = None,
+    kind: Kinds = None,
+    severity: LeastSeverity = "info",
+    limit: Limit = 100,
+    last_event_id: LastEventId = None,
+) -> Events | StreamingResponse:
+    """Return events, oldest first: the newest ones, or those after `since`.
+
+    With `Accept: text/event-stream` the answer does not end: every event is sent as it
+    happens, as server-sent events with `id`, `event` (the kind) and `data`. A client
+    that connects again with `Last-Event-ID` misses none.
+    """
+    feed: EventFeed = request.app.state.event_feed
+    kinds = [EventKind(each) for each in kind or []]
+    least = Severity(severity)
+    if MEDIA_TYPE in request.headers.get("accept", ""):
+        after = since if last_event_id is None else int(last_event_id)
+        broadcaster: Broadcaster = request.app.state.broadcaster
+        lines = feed.follow(
+            after, kinds, least, lambda: _first_end(access, broadcaster)
+        )
+        return StreamingResponse(lines, media_type=MEDIA_TYPE)
+    found = await feed.page(since, limit, kinds, least)
+    return Events(
+        events=[answers.event(each) for each in found],
+        newest_id=recorder.log.newest_id,
+    )
+
+
+async def _first_end(access: "Access", broadcaster: "Broadcaster") -> None:
+    """Return when the caller's access ends or the station shuts down."""
+    ends = [
+        asyncio.ensure_future(access.wait_for_end()),
+        asyncio.ensure_future(broadcaster.wait_closing()),
+    ]
+    try:
+        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for each in ends:
+            each.cancel()

@@ -1,0 +1,320 @@
+"""Streams of set-points: a client sends, the newest wins, silence lets it expire.
+
+The set-points go the way of PUT `/controllers/{name}/command`, with its checks and
+limits. What comes faster than the event loop turns is not even parsed: of the messages
+that wait, the last one counts, and the others are told as superseded.
+"""
+
+import asyncio
+import json
+from collections.abc import Callable, Coroutine, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import msgspec.msgpack
+import orjson
+from pydantic import ValidationError
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from station.api.auth import Access
+from station.api.control import Control, ControlHeldError
+from station.api.streams.request import StreamRequestError, read_format
+from station.api.validation_words import explain
+from station.core.errors import StationError
+from station.core.facade.station import Station
+from station.wire import (
+    CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD,
+    CLOSE_GOING_AWAY,
+    CLOSE_UNAUTHORIZED,
+    CommandRequest,
+    StreamFormat,
+)
+
+if TYPE_CHECKING:
+    from station.core.ports.receipt import Receipt
+
+DEFAULT_TIMEOUT = 0.2
+"""Silence after which a set-point expires unless told otherwise [s]."""
+LONGEST_TIMEOUT = 60.0
+"""Longest silence that a client may ask for [s]."""
+REPORT_PERIOD = 0.5
+"""How often the sender is told its counts [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandStreamRequest:
+    """What the sender of set-points asks for.
+
+    Attributes:
+        controller: The controller.
+        timeout: Silence after which the last set-point expires [s], > 0.
+        format: How messages are written.
+        lease: The lease of control that it acts under; None without one.
+    """
+
+    controller: str
+    timeout: float
+    format: StreamFormat
+    lease: str | None
+
+
+def parse_command_request(
+    controller: str, query: Mapping[str, str], lease: str | None
+) -> CommandStreamRequest:
+    """Return what the sender of set-points asks for.
+
+    Args:
+        controller: The controller.
+        query: The URL's query.
+        lease: The lease of control that it acts under; None without one.
+
+    Raises:
+        StreamRequestError: A parameter is wrong.
+    """
+    unknown = set(query) - {"timeout", "format", "ticket"}
+    if unknown:
+        raise StreamRequestError(
+            f"There is no parameter {min(unknown)!r:.30}. Use timeout or format."
+        )
+    try:
+        timeout = float(query.get("timeout", DEFAULT_TIMEOUT))
+    except ValueError:
+        timeout = 0.0
+    if not 0.0 < timeout <= LONGEST_TIMEOUT:
+        raise StreamRequestError(
+            f"The timeout is {query['timeout']!r:.20}. Give a time up to "
+            f"{LONGEST_TIMEOUT:g} [s]."
+        )
+    return CommandStreamRequest(controller, timeout, read_format(query), lease)
+
+
+class CommandStream:
+    """Takes the set-points of one client. For one event loop.
+
+    Args:
+        station: The station.
+        control: The lease of control.
+        access: What the client may do.
+        request: What the client asks for.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        control: Control,
+        access: Access,
+        request: CommandStreamRequest,
+    ) -> None:
+        self._station = station
+        self._control = control
+        self._access = access
+        self._request = request
+        self._newest: bytes | str | None = None
+        self._news = asyncio.Event()
+        self._received = 0
+        self._applied = 0
+        self._refused = 0
+        self._waiting: Receipt | None = None
+        self._error: dict[str, object] | None = None
+
+    def counts(self) -> dict[str, object]:
+        """Return what the sender is told: how many set-points came, and counted."""
+        self._settle()
+        pending = int(self._waiting is not None) + int(self._newest is not None)
+        superseded = self._received - self._applied - self._refused - pending
+        return {
+            "received": self._received,
+            "applied": self._applied,
+            "superseded": superseded,
+            "refused": self._refused,
+            "pending": pending,
+            "cycle": self._station.loop.cycle,
+            "epoch": self._station.epoch,
+            "error": self._error,
+        }
+
+    async def serve(
+        self,
+        websocket: WebSocket,
+        closing: Callable[[], Coroutine[object, object, None]],
+    ) -> tuple[int, str]:
+        """Take set-points until either side ends; return how to close.
+
+        Args:
+            websocket: The accepted connection.
+            closing: Returns when the station shuts down.
+
+        Returns:
+            Close code and reason; code 0 when the client is gone already.
+        """
+        changed, loop = asyncio.Event(), asyncio.get_running_loop()
+        end_listening = self._control.listen(lambda: _set_from_anywhere(loop, changed))
+        ends = {
+            asyncio.create_task(self._receive(websocket)): (0, ""),
+            asyncio.create_task(self._report(websocket)): (0, ""),
+            asyncio.create_task(self._apply_newest()): (0, ""),
+            asyncio.create_task(self._wait_for_loss(changed)): (
+                CLOSE_CONTROL_HELD,
+                "somebody else holds control",
+            ),
+            asyncio.create_task(self._access.wait_for_end()): (
+                CLOSE_UNAUTHORIZED,
+                "the token or session has ended",
+            ),
+            asyncio.create_task(closing()): (
+                CLOSE_GOING_AWAY,
+                "the station shuts down",
+            ),
+        }
+        try:
+            done, _ = await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+            return self._how_to_close(ends[next(iter(done))], done)
+        finally:
+            end_listening()
+            for task in ends:
+                task.cancel()
+            await asyncio.gather(*ends, return_exceptions=True)
+
+    def _how_to_close(
+        self, usual: tuple[int, str], done: "set[asyncio.Task[None]]"
+    ) -> tuple[int, str]:
+        for task in done:
+            error = task.exception()
+            if isinstance(error, WebSocketDisconnect):
+                return 0, ""
+            if isinstance(error, ControlHeldError):
+                return CLOSE_CONTROL_HELD, error.message[:120]
+            if error is not None:
+                return CLOSE_BAD_REQUEST, str(error)[:120]
+        return usual
+
+    async def _receive(self, websocket: WebSocket) -> None:
+        while True:
+            message = await websocket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            self._newest = message.get("text") or message.get("bytes") or b""
+            self._received += 1
+            self._news.set()
+
+    async def _apply_newest(self) -> None:
+        """Hand the newest message on, again and again.
+
+        Raises:
+            ControlHeldError: Somebody else holds control.
+        """
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            message, self._newest = self._newest, None
+            if message is None:
+                continue
+            self._settle()
+            self._control.check(self._access, self._request.lease)
+            try:
+                self._apply(message)
+            except (StationError, ValueError) as error:
+                self._refused += 1
+                self._error = _told(error)
+            # More than one set-point in a cycle is of no use.
+            await asyncio.sleep(self._station.loop.period)
+
+    def _apply(self, message: bytes | str) -> None:
+        """Check a set-point and hand it on.
+
+        Raises:
+            ValueError: It is malformed, or asks to be valid for too long.
+        """
+        motion, request = self._station.motion, self._request
+        command = _read(message, request.format)
+        timeout = request.timeout if command.timeout is None else command.timeout
+        if not 0.0 < timeout <= request.timeout:
+            raise ValueError(
+                f"timeout: is {timeout} s; a set-point of this stream is valid for "
+                f"more than 0 and at most {request.timeout} s."
+            )
+        receipt = motion.receipt()
+        motion.set_command(
+            request.controller,
+            command.command,
+            command.epoch,
+            timeout,
+            command.rates,
+            receipt,
+        )
+        self._control.note_command(request.controller)
+        self._waiting = receipt
+
+    def _settle(self) -> None:
+        """Count the set-point handed on last, if a cycle has picked it up."""
+        if self._waiting is not None and self._waiting.cycle is not None:
+            self._applied += 1
+            self._waiting = None
+
+    async def _report(self, websocket: WebSocket) -> None:
+        told: dict[str, object] = {}
+        while True:
+            await asyncio.sleep(REPORT_PERIOD)
+            found = self.counts()
+            if {**found, "cycle": 0} != {**told, "cycle": 0}:
+                told = found
+                await _send(websocket, self._request.format, found)
+
+    async def _wait_for_loss(self, changed: asyncio.Event) -> None:
+        while not self._control.is_lost(self._access, self._request.lease):
+            changed.clear()
+            await changed.wait()
+
+
+def _set_from_anywhere(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
+    if not loop.is_closed():
+        loop.call_soon_threadsafe(event.set)
+
+
+async def _send(
+    websocket: WebSocket, form: StreamFormat, message: dict[str, object]
+) -> None:
+    if form == "json":
+        await websocket.send_text(orjson.dumps(message).decode())
+    else:
+        await websocket.send_bytes(msgspec.msgpack.encode(message))
+
+
+def _read(message: bytes | str, form: StreamFormat) -> CommandRequest:
+    """Return the set-point in a message.
+
+    Raises:
+        ValueError: It is none; pydantic's and both decoders' errors are ValueErrors.
+    """
+    if form == "json":
+        values = orjson.loads(message)
+    else:
+        raw = message if isinstance(message, bytes) else message.encode()
+        try:
+            values = msgspec.msgpack.decode(raw)
+        except msgspec.DecodeError as error:
+            raise ValueError(f"The message is no msgpack: {error}.") from error
+    if isinstance(values, list):
+        values = {"command": values}
+    return CommandRequest.model_validate(values)
+
+
+def _told(error: StationError | ValueError) -> dict[str, object]:
+    """Return an error as the sender is told it."""
+    if isinstance(error, StationError):
+        return {
+            "code": error.code,
+            "detail": error.message,
+            "remedy": error.remedy or "See the detail.",
+        }
+    if isinstance(error, json.JSONDecodeError):
+        detail = f"The message is no JSON: {error}."
+    elif isinstance(error, ValidationError):
+        first = error.errors()[0]
+        field = "/".join(str(part) for part in first["loc"])
+        detail = f"{field}: {explain(first['type'], first.get('ctx', {}))}."
+    else:
+        detail = str(error)
+    remedy = 'Send {"command": [one number per element]}.'
+    return {"code": "invalid_request", "detail": detail, "remedy": remedy}

@@ -1,0 +1,107 @@
+"""A running station's event log, with what watches the station for it."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from fastapi import FastAPI
+
+import station as package
+from station.api.named_tokens import NamedTokens
+from station.core.facade.station import Station
+from station.events import EventKind, EventLog
+from station.events.state_watcher import StateWatcher
+from station.local.state_directory import StateDirectory, StateDirectoryError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from station.api.audit import Recorder
+    from station.api.control import Control
+
+FILE = "events.sqlite"
+TOKENS = "tokens.json"
+
+
+class Journal:
+    """Opens the event log of a station, follows the station, and closes the log.
+
+    A station whose state directory cannot be used runs all the same, with its events in
+    memory alone, and says so.
+
+    Args:
+        station: The station.
+        warn: Takes a line about something that is not as it should be.
+
+    Attributes:
+        log: The event log.
+        directory: Where the station keeps what outlives it; None when it cannot.
+    """
+
+    def __init__(self, station: Station, warn: Callable[[str], None]) -> None:
+        self._station = station
+        self._stack = ExitStack()
+        self.directory: Path | None = None
+        try:
+            self.directory = self._stack.enter_context(StateDirectory()).path
+        except StateDirectoryError as error:
+            warn(f"Events are kept in memory alone: {error} {error.remedy}")
+        loop = station.loop
+        self.log = EventLog(
+            None if self.directory is None else self.directory / FILE,
+            boot_id=station.boot_id,
+            station_time=lambda: (loop.time, loop.cycle),
+        )
+        self._stack.callback(self.log.close)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stack.close()
+
+    def named_tokens(self) -> NamedTokens:
+        """Return the named tokens that the station keeps in its directory.
+
+        Raises:
+            TokensNotKeptError: Their file cannot be read.
+        """
+        directory = self.directory
+        return NamedTokens(None if directory is None else directory / TOKENS)
+
+    def start(self, app: FastAPI) -> None:
+        """Record the start and follow the station until the end.
+
+        Args:
+            app: The application, whose counts of repeated requests are recorded, too.
+        """
+        recorder: Recorder = app.state.recorder
+        robot = self._station.status().robot_type
+        self.log.record(
+            EventKind.STATION,
+            f"Station {package.__version__} with {robot} has started.",
+            result="started",
+            details={"version": package.__version__, "robot_type": robot},
+        )
+        self._stack.callback(
+            self.log.record,
+            EventKind.STATION,
+            "The station ends in order.",
+            result="ended",
+        )
+        self._stack.callback(recorder.repeats.finish)
+        control: Control = app.state.control
+
+        def look_also() -> None:
+            recorder.repeats.flush()
+            control.look()
+
+        watcher = StateWatcher(self._station, self.log, look_also)
+        watcher.start()
+        self._stack.callback(watcher.stop)

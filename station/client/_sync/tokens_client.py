@@ -1,0 +1,43 @@
+# Generated from _async/tokens_client.py by tools/generate_client.py.
+"""Named tokens of a station."""
+
+from station import wire
+from station.client._sync.connection import Connection
+from station.client.routes import segment
+
+
+class TokensClient:
+    """Makes, lists and revokes named tokens; the station's own operator token may.
+
+    Args:
+        connection: The client's connection.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+
+    def list(self) -> list[wire.Token]:
+        """Return the named tokens that are valid."""
+        return (self._connection.get("/tokens", wire.Tokens)).tokens
+
+    def create(
+        self,
+        name: str,
+        role: wire.RoleName = "operator",
+        *,
+        expires: float | None = None,
+    ) -> wire.NewToken:
+        """Make a token; the answer alone has it.
+
+        Args:
+            name: Whose token it is.
+            role: `operator` or `viewer`.
+            expires: How long it is valid [s]; None until it is revoked.
+        """
+        request = wire.TokenRequest(name=name, role=role, expires=expires)
+        return self._connection.send("POST", "/tokens", wire.NewToken, request)
+
+    def revoke(self, name: str) -> wire.Token:
+        """End a token, and the streams, sessions and the control it has."""
+        path = f"/tokens/{segment(name)}"
+        return self._connection.send("DELETE", path, wire.Token)

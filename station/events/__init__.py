@@ -1,0 +1,6 @@
+"""What happened at a station: kept on disk, told to whoever listens."""
+
+from station.events.event import Event, EventKind, Origin, Severity
+from station.events.event_log import EventLog, EventLogState
+
+__all__ = ["Event", "EventKind", "EventLog", "EventLogState", "Origin", "Severity"]

@@ -1,0 +1,197 @@
+"""Events in an SQLite file: appended in batches, bounded in number and age.
+
+The write-ahead log survives the death of the process at any moment: whatever was
+written before a `kill -9` is there afterwards.
+"""
+
+import json
+import sqlite3
+from collections.abc import Collection, Sequence
+from contextlib import closing
+from pathlib import Path
+
+from station.events.event import Event, EventKind, Severity, written_details
+
+_COLUMNS = (
+    "id, time, stamp, cycle, kind, severity, who, origin, what, result, text, details, "
+    "request_id, boot_id"
+)
+_TABLE = """
+CREATE TABLE IF NOT EXISTS events (
+    id INTEGER PRIMARY KEY, time REAL NOT NULL, stamp REAL NOT NULL,
+    cycle INTEGER NOT NULL, kind TEXT NOT NULL, severity INTEGER NOT NULL,
+    who TEXT NOT NULL, origin TEXT NOT NULL, what TEXT NOT NULL, result TEXT NOT NULL,
+    text TEXT NOT NULL, details TEXT NOT NULL, request_id TEXT NOT NULL,
+    boot_id TEXT NOT NULL
+)
+"""
+_INSERT = f"INSERT OR IGNORE INTO events ({_COLUMNS}) VALUES ({', '.join('?' * 14)})"
+BUSY_TIMEOUT = 2.0
+"""Longest wait for another connection to the file [s]."""
+_SEVERITIES = tuple(Severity)
+
+
+class EventFile:
+    """A file of events. One thread writes; any thread reads.
+
+    Args:
+        path: The file; made with its table when it is missing.
+
+    Raises:
+        sqlite3.Error: The file cannot be opened, or holds something else.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._connection = sqlite3.connect(
+            path, timeout=BUSY_TIMEOUT, check_same_thread=False
+        )
+        try:
+            self._connection.execute("PRAGMA journal_mode = WAL")
+            # The log is synchronised at its checkpoints: a power cut may cost the last
+            # events, the end of the process costs none.
+            self._connection.execute("PRAGMA synchronous = NORMAL")
+            with self._connection:
+                self._connection.execute(_TABLE)
+        except sqlite3.Error:
+            self._connection.close()
+            raise
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def newest_id(self) -> int:
+        """Return the largest number of an event; 0 when there is none.
+
+        Raises:
+            sqlite3.Error: The file cannot be read.
+        """
+        found = self._connection.execute("SELECT max(id) FROM events").fetchone()[0]
+        return int(found or 0)
+
+    def append(self, events: Sequence[Event]) -> None:
+        """Write events, all of them or none; those that are there already stay.
+
+        Raises:
+            sqlite3.Error: They cannot be written.
+        """
+        with self._connection:
+            self._connection.executemany(_INSERT, map(_row, events))
+
+    def prune(self, most: int, oldest: float) -> None:
+        """Delete events that are too many or too old.
+
+        Args:
+            most: How many of the newest are kept, >= 1.
+            oldest: Wall time before which events are deleted [s since 1970].
+
+        Raises:
+            sqlite3.Error: The file cannot be written.
+        """
+        with self._connection:
+            self._connection.execute(
+                "DELETE FROM events WHERE id <= (SELECT max(id) FROM events) - ?"
+                " OR time < ?",
+                (most, oldest),
+            )
+
+    def read(
+        self,
+        after: int,
+        limit: int,
+        kinds: Collection[EventKind] = (),
+        severity: Severity = Severity.INFO,
+    ) -> list[Event]:
+        """Return events after a number, oldest first. Any thread; reads the disk.
+
+        Args:
+            after: Number of the last event that the reader has, >= 0.
+            limit: Most events that are returned, >= 1.
+            kinds: Only these; all when empty.
+            severity: Only those of at least this severity.
+
+        Raises:
+            sqlite3.Error: The file cannot be read.
+        """
+        return self._select("id > ?", "ASC", (after, kinds, severity, limit))
+
+    def read_newest(
+        self,
+        before: int,
+        limit: int,
+        kinds: Collection[EventKind] = (),
+        severity: Severity = Severity.INFO,
+    ) -> list[Event]:
+        """Return the last events before a number, oldest first. Any thread.
+
+        Args:
+            before: Only events with smaller numbers, >= 1.
+            limit: Most events that are returned, >= 1.
+            kinds: Only these; all when empty.
+            severity: Only those of at least this severity.
+
+        Raises:
+            sqlite3.Error: The file cannot be read.
+        """
+        chosen = self._select("id < ?", "DESC", (before, kinds, severity, limit))
+        return chosen[::-1]
+
+    def _select(
+        self,
+        condition: str,
+        order: str,
+        values: tuple[int, Collection[EventKind], Severity, int],
+    ) -> list[Event]:
+        number, kinds, severity, limit = values
+        marks = ", ".join("?" * len(kinds))
+        of_kind = f" AND kind IN ({marks})" if kinds else ""
+        query = (
+            f"SELECT {_COLUMNS} FROM events WHERE {condition} AND severity >= ?"
+            f"{of_kind} ORDER BY id {order} LIMIT ?"
+        )
+        names = [kind.value for kind in kinds]
+        given = (number, severity.rank, *names, limit)
+        # A connection of its own: the writer's is in the middle of a batch.
+        with closing(sqlite3.connect(self.path, timeout=BUSY_TIMEOUT)) as connection:
+            return [_event(row) for row in connection.execute(query, given)]
+
+
+def _row(event: Event) -> tuple[object, ...]:
+    return (
+        event.id,
+        event.time,
+        event.stamp,
+        event.cycle,
+        event.kind.value,
+        event.severity.rank,
+        event.who,
+        event.where,
+        event.what,
+        event.result,
+        event.text,
+        written_details(event.details),
+        event.request_id,
+        event.boot_id,
+    )
+
+
+def _event(row: tuple[object, ...]) -> Event:
+    identifier, time, stamp, cycle, kind, severity, *texts = row
+    who, where, what, result, text, details, request_id, boot_id = map(str, texts)
+    return Event(
+        id=int(str(identifier)),
+        time=float(str(time)),
+        stamp=float(str(stamp)),
+        cycle=int(str(cycle)),
+        kind=EventKind(kind),
+        severity=_SEVERITIES[int(str(severity))],
+        who=who,
+        where=where,
+        what=what,
+        result=result,
+        text=text,
+        details=json.loads(details),
+        request_id=request_id,
+        boot_id=boot_id,
+    )

@@ -1,0 +1,208 @@
+"""Notices what changes in a station and records it; outside of the control thread."""
+
+import threading
+from collections.abc import Callable
+
+from station.core.control.controller_status import ControllerCondition
+from station.core.facade.station import Station
+from station.core.franka.arms import Arms
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.loop.loop_report import LoopState
+from station.core.loop.stop_latch import StopState
+from station.events.event import EventKind, Severity
+from station.events.event_log import EventLog
+
+LOOK_PERIOD = 0.05
+"""How often the thread looks [s]."""
+BURST = 5
+"""So many deadlines missed without a quiet second between are told as a burst."""
+QUIET = 1.0
+"""A burst is over when no deadline was missed for so long [s]."""
+
+
+class StateWatcher:
+    """Records changes of a station's state. One thread, or `look` called by hand.
+
+    It reads what any thread may read: the newest snapshot, the stop, the list of
+    controllers. A state that lasts less than `LOOK_PERIOD` is not seen.
+
+    Args:
+        station: The station.
+        log: Takes the events.
+        also: Called at every look, for what else has to be looked after.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        log: EventLog,
+        also: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._station = station
+        self._log = log
+        self._also = also
+        self._arms = Arms(station.robots)
+        self._stop = (StopState.ARMED, "")
+        self._loop = station.loop.state
+        self._mode = ""
+        self._controllers: dict[str, ControllerCondition] = {}
+        self._bursts = _Bursts(log, station.loop.skipped)
+        self._end = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Begin to look in a thread; what there is already is recorded as new."""
+        self._thread = threading.Thread(
+            target=self._run, name="state-watcher", daemon=True
+        )
+        self._thread.start()
+
+    def stop(self, timeout: float = 1.0) -> None:
+        """Look once more and end the thread.
+
+        Args:
+            timeout: Longest wait [s].
+        """
+        self._end.set()
+        if self._thread is not None:
+            self._thread.join(timeout)
+
+    def look(self) -> None:
+        """Record what has changed since the last look."""
+        self._look_at_loop()
+        self._look_at_stop()
+        self._look_at_mode()
+        self._look_at_controllers()
+        loop = self._station.loop
+        self._bursts.look(loop.skipped, loop.cycle, loop.clock.now())
+        self._also()
+
+    def _run(self) -> None:
+        while not self._end.wait(LOOK_PERIOD):
+            self.look()
+        self.look()
+
+    def _look_at_loop(self) -> None:
+        state = self._station.loop.state
+        if state is self._loop:
+            return
+        self._loop = state
+        failed = state is LoopState.FAILED
+        dead = self._station.dead()
+        self._log.record(
+            EventKind.LOOP,
+            dead or f"The control loop is {state.value}.",
+            severity=Severity.ERROR if failed else Severity.INFO,
+            result=state.value,
+        )
+
+    def _look_at_stop(self) -> None:
+        latch = self._station.loop.stop_latch
+        found = (latch.state, latch.reason)
+        if found == self._stop:
+            return
+        self._stop = found
+        state, reason = found
+        stopped = state is StopState.STOPPED
+        text = {
+            StopState.STOPPED: f"The station was stopped: {reason}",
+            StopState.RELEASED: "The stop was released; motion must still be armed.",
+            StopState.ARMED: "The station was armed; motion is possible.",
+        }[state]
+        self._log.record(
+            EventKind.STOP,
+            text,
+            severity=Severity.WARNING if stopped else Severity.INFO,
+            result=state.value,
+            details={"reason": reason, "epoch": self._station.epoch},
+        )
+
+    def _look_at_mode(self) -> None:
+        snapshot = self._station.snapshots.latest()
+        if snapshot is None or snapshot.mode == self._mode:
+            return
+        before, self._mode = self._mode, snapshot.mode
+        errors = [
+            f"{arm.arm_id}: {error.description}"
+            for arm in self._arms.reports()
+            if arm.robot_mode is RobotMode.REFLEX
+            for error in arm.errors
+        ]
+        self._log.record(
+            EventKind.ROBOT_MODE,
+            f"The robot's mode is {snapshot.mode}; it was {before or 'unknown'}.",
+            severity=Severity.ERROR if "reflex" in snapshot.mode else Severity.INFO,
+            result=snapshot.mode,
+            details={
+                "before": before,
+                "seen_in_cycle": snapshot.cycle,
+                "errors": errors,
+            },
+        )
+
+    def _look_at_controllers(self) -> None:
+        present = {status.name: status for status in self._station.manager.conditions()}
+        for name, status in present.items():
+            self._look_at_controller(self._controllers.get(name), status)
+        for name in self._controllers.keys() - present.keys():
+            text = f"Controller '{name}' was unloaded."
+            self._log.record(EventKind.CONTROLLER, text, what=name, result="unloaded")
+        self._controllers = present
+
+    def _look_at_controller(
+        self, before: ControllerCondition | None, status: ControllerCondition
+    ) -> None:
+        name, state = status.name, status.state.value
+        if before is None or before.state is not status.state:
+            was = "not loaded" if before is None else before.state.value
+            self._log.record(
+                EventKind.CONTROLLER,
+                f"Controller '{name}' is {state}; it was {was}.",
+                what=name,
+                result=state,
+                details={"type": status.type, "before": was},
+            )
+        if status.fault is not None and (before is None or before.fault is None):
+            self._log.record(
+                EventKind.FAULT,
+                f"Controller '{name}' was stopped: {status.fault}",
+                severity=Severity.ERROR,
+                what=name,
+                result=state,
+                details={"traceback": status.traceback},
+            )
+
+
+class _Bursts:
+    """Tells missed deadlines that come close to each other as one event."""
+
+    def __init__(self, log: EventLog, skipped: int) -> None:
+        self._log = log
+        self._seen = skipped
+        self._count = 0
+        self._first_cycle = 0
+        self._last = 0.0
+
+    def look(self, skipped: int, cycle: int, now: float) -> None:
+        """Count deadlines missed since the last look; tell a burst that is over."""
+        new, self._seen = skipped - self._seen, skipped
+        if new:
+            if not self._count:
+                self._first_cycle = cycle
+            self._count += new
+            self._last = now
+            return
+        if not self._count or now - self._last < QUIET:
+            return
+        if self._count >= BURST:
+            self._log.record(
+                EventKind.OVERRUN,
+                f"The control loop missed {self._count} deadlines in a burst.",
+                severity=Severity.WARNING,
+                result=str(self._count),
+                details={
+                    "missed": self._count,
+                    "seen_in_cycle": self._first_cycle,
+                },
+            )
+        self._count = 0

@@ -1,0 +1,117 @@
+"""What the watcher notices in a station."""
+
+import pytest
+
+from station.core.control.switching import SwitchRequest
+from station.events.event import EventKind, Severity
+from station.events.event_log import EventLog
+from station.events.state_watcher import QUIET, StateWatcher
+from tests.api.spring import make_station
+
+
+@pytest.fixture
+def station():
+    station = make_station()
+    station.loop.step()
+    return station
+
+
+@pytest.fixture
+def log():
+    return EventLog()
+
+
+@pytest.fixture
+def watcher(station, log):
+    watcher = StateWatcher(station, log)
+    watcher.look()
+    return watcher
+
+
+def told(log, kind):
+    return [(e.what, e.result) for e in log.since(kinds=[kind])]
+
+
+def test_a_look_at_a_station_that_stays_as_it_is_records_nothing(log, watcher):
+    before = log.newest_id
+    watcher.look()
+
+    assert log.newest_id == before
+
+
+def test_a_stop_and_its_release_are_recorded(station, log, watcher):
+    station.stop("Somebody is in the cell.")
+    station.loop.step()
+    watcher.look()
+    station.release_stop(arm=False)
+    watcher.look()
+    station.release_stop(arm=True)
+    watcher.look()
+
+    assert [result for _, result in told(log, EventKind.STOP)] == [
+        "stopped",
+        "released",
+        "armed",
+    ]
+    assert "Somebody is in the cell." in log.since(kinds=[EventKind.STOP])[0].text
+
+
+def test_controllers_are_followed_from_loading_to_unloading(station, log, watcher):
+    station.load_controller("spring", "test/Spring", {"joint": "j"})
+    watcher.look()
+    station.switch_controllers(SwitchRequest(start=("spring",)))
+    watcher.look()
+    station.switch_controllers(SwitchRequest(stop=("spring",)))
+    watcher.look()
+    station.unload_controller("spring")
+    watcher.look()
+
+    found = told(log, EventKind.CONTROLLER)
+    assert [name for name, _ in found] == ["spring"] * 4
+    assert found[1] == ("spring", "running")
+    assert found[3] == ("spring", "unloaded")
+
+
+def test_a_fault_is_recorded_with_its_traceback(station, log, watcher):
+    station.load_controller("spring", "test/Spring", {"joint": "j"})
+    controller = station.manager.get_controller("spring")
+
+    def fail(*_):
+        raise RuntimeError("a broken spring")
+
+    controller.update = fail
+    station.switch_controllers(SwitchRequest(start=("spring",)))
+    station.loop.step()
+    watcher.look()
+
+    (event,) = log.since(kinds=[EventKind.FAULT])
+    assert "a broken spring" in event.text
+    assert "RuntimeError" in event.details["traceback"]
+    assert event.severity is Severity.ERROR
+
+
+def test_missed_deadlines_close_to_each_other_are_one_event(station, log, watcher):
+    clock, meter = station.loop.clock, station.loop._meter
+    for missed in (3, 4):
+        meter.woke(0.0, missed)
+        watcher.look()
+        clock.advance(0.5 * QUIET)
+        watcher.look()
+    clock.advance(QUIET)
+    watcher.look()
+    meter.woke(0.0, 1)
+    watcher.look()
+    clock.advance(2.0 * QUIET)
+    watcher.look()
+
+    (event,) = log.since(kinds=[EventKind.OVERRUN])
+    assert event.details["missed"] == 7
+
+
+def test_the_thread_looks_and_ends(station, log):
+    watcher = StateWatcher(station, log)
+    watcher.start()
+    station.stop("now")
+    watcher.stop()
+
+    assert told(log, EventKind.STOP) == [("", "stopped")]
