@@ -219,7 +219,9 @@ class Layout:
             self._add(code)
 
     def _align(self, size: int) -> None:
-        self._add(b"\0" * (-self._at % size))
+        gap = -self._at % size
+        if gap:
+            self._add(b"\0" * gap)
 
     def _add(self, piece: bytes | str) -> None:
         self._at += len(piece) if isinstance(piece, bytes) else struct.calcsize(piece)

@@ -1,6 +1,7 @@
 """An MCAP file that is written by foxglove-sdk, lz4 in chunks of 64 KiB."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import foxglove
@@ -89,6 +90,7 @@ class McapFile:
         self._buffer = _Buffer()
         self._context = foxglove.Context()
         self._channels: dict[str, foxglove.Channel] = {}
+        self._loggers: dict[str, Callable[[bytes, int], None]] = {}
         self._writer = foxglove.open_mcap(
             self._buffer,
             context=self._context,
@@ -107,8 +109,8 @@ class McapFile:
             message: The message.
             stamp: When [ns since 1970].
         """
-        channel = self._channels.get(message.topic)
-        if channel is None:
+        log = self._loggers.get(message.topic)
+        if log is None:
             kind = message.kind
             schema = foxglove.Schema(
                 name=kind.name, encoding="ros2msg", data=kind.text.encode()
@@ -120,7 +122,9 @@ class McapFile:
                 context=self._context,
             )
             self._channels[message.topic] = channel
-        channel.log(message.data, log_time=stamp)
+            # Past `Channel.log`, which looks at the type of every message.
+            log = self._loggers[message.topic] = channel.base.log
+        log(message.data, stamp)
 
     def add_metadata(self, name: str, values: dict[str, str]) -> None:
         """Add facts about the whole file."""

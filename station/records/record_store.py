@@ -116,7 +116,8 @@ class RecordStore:
                 details={"name": name},
             )
         now = self._now()
-        stamp = time.strftime("%Y%m%dT%H%M%S", time.gmtime(now))
+        thousandths = int(now % 1.0 * 1000.0)
+        stamp = time.strftime("%Y%m%dT%H%M%S", time.gmtime(now)) + f"{thousandths:03d}"
         base = f"{stamp}-{name}" if name else stamp
         identifier, number = base, 1
         while self._description(identifier).exists():
@@ -149,7 +150,8 @@ class RecordStore:
 
     def infos(self) -> list[RecordingInfo]:
         """Return all recordings, the oldest first."""
-        found = (self._read(path) for path in sorted(self.folder.glob("*.json")))
+        paths = sorted(self.folder.glob("*.json"), key=lambda path: path.stem)
+        found = (self._read(path) for path in paths)
         return [info for info in found if info is not None]
 
     def info(self, identifier: str) -> RecordingInfo:

@@ -92,7 +92,8 @@ class Recorder:
         self._encoder = CycleMessages(wall_time() - round(loop.time * 1e9))
         self._packer = RowPacker(station.joint_names, self._elements)
         self._cycle = loop.cycle
-        rows = round((BEFORE + AFTER) / loop.period) + 1
+        # A second more, because the thread may come late.
+        rows = round((BEFORE + AFTER + 1.0) / loop.period)
         self._rows: deque[bytes] = deque(maxlen=rows)
         self._watch = IncidentWatch(station)
         self._causes: list[str] = []
@@ -236,7 +237,9 @@ class Recorder:
             self._note_causes(self._watch.look(row), row.time)
         if records:
             self._cycle = records[-1][0]
-            self._note_causes(self._watch.look_at_stop(), records[-1][2])
+            stop = self._station.loop.stop_latch.cycle
+            stopped_at = next((r[2] for r in records if r[0] >= stop), records[-1][2])
+            self._note_causes(self._watch.look_at_stop(), stopped_at)
         if recording is not None:
             recording.add_lost(lost)
             recording.add_samples()

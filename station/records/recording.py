@@ -41,7 +41,10 @@ class Recording:
         self._file = file
         self._encoder = encoder
         self._sources = list(sources)
-        self._begin = 0.0
+        self._first: Row | None = None
+        self._last: Row | None = None
+        self._count = 0
+        self._lost = 0
         # What other recordings occupy; asked once, because files are counted for it.
         self._others = store.usage()
 
@@ -85,16 +88,10 @@ class Recording:
         """Add a cycle."""
         for message in self._encoder.of_row(row):
             self._log(message, row.time)
-        info = self.info
-        if not info.cycles:
-            self._begin = row.time
-        self.info = replace(
-            info,
-            first_cycle=info.first_cycle or row.cycle,
-            last_cycle=row.cycle,
-            cycles=info.cycles + 1,
-            duration=row.time - self._begin,
-        )
+        if self._first is None:
+            self._first = row
+        self._last = row
+        self._count += 1
 
     def add_samples(self) -> None:
         """Add what the sources have sampled since the last call."""
@@ -103,8 +100,7 @@ class Recording:
 
     def add_lost(self, count: int) -> None:
         """Count cycles that were lost."""
-        if count:
-            self.info = replace(self.info, lost=self.info.lost + count)
+        self._lost += count
 
     def write_out(self, *, end_chunk: bool) -> str | None:
         """Write to the disk; return why the recording cannot go on, None if it can.
@@ -115,7 +111,7 @@ class Recording:
         if end_chunk:
             self._file.end_chunk()
         self._file.write_out()
-        self.info = replace(self.info, size=self._file.disk.size)
+        self._describe()
         if self._file.failure is not None:
             return f"The file cannot be written: {self._file.failure}."
         quota = self._store.quota.bytes
@@ -138,15 +134,28 @@ class Recording:
         if error is None and self._file.failure is not None:
             error = f"The file cannot be written: {self._file.failure}."
         state = STOPPED if error is None else FAILED
-        self.info = replace(
-            self.info, state=state, error=error, size=self._file.disk.size
-        )
+        self._describe()
+        self.info = replace(self.info, state=state, error=error)
         failure = self._store.keep(self.info)
         if failure is not None:
             text = f"Its description cannot be written: {failure}."
             error = text if error is None else f"{error} {text}"
             self.info = replace(self.info, state=FAILED, error=error)
         return self.info
+
+    def _describe(self) -> None:
+        """Bring `info` up to date."""
+        first, last = self._first, self._last
+        self.info = replace(
+            self.info, size=self._file.disk.size, lost=self._lost, cycles=self._count
+        )
+        if first is not None and last is not None:
+            self.info = replace(
+                self.info,
+                first_cycle=first.cycle,
+                last_cycle=last.cycle,
+                duration=last.time - first.time,
+            )
 
     def _log(self, message: Message, time: float) -> None:
         self._file.log(message, self._encoder.stamp(time))
