@@ -1,6 +1,7 @@
 """The web application: routes, errors, access, documentation."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from fastapi import FastAPI
 
@@ -18,6 +19,9 @@ from station.core.facade.station import Station
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
 
+if TYPE_CHECKING:
+    from station.records.recorder import Recorder
+
 DESCRIPTION = """
 Everything a station can do, for programs and browsers. Errors are problem documents
 (RFC 9457): `detail` says which thing, its value and what is allowed, `remedy` what to
@@ -34,6 +38,7 @@ def create_app(
     max_streams: int = 64,
     max_body: int = MAX_BODY_BYTES,
     dashboard_url: Callable[[], str | None] = lambda: None,
+    recorder: "Recorder | None" = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -46,6 +51,7 @@ def create_app(
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
         dashboard_url: Returns where the dashboard is; None while it is not known.
+        recorder: Records; None for a station that records nothing.
     """
     app = StationApi(
         title="Control station",
@@ -61,6 +67,7 @@ def create_app(
     app.state.station = station
     app.state.authenticator = authenticator
     app.state.failed_logins = FailedLogins()
+    app.state.recorder = recorder
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams

@@ -8,6 +8,7 @@ import contextlib
 import os
 from collections.abc import Callable
 from contextlib import ExitStack
+from typing import TYPE_CHECKING
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
@@ -17,6 +18,7 @@ from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import compose
 from station.app.kernel_build import KernelBuild
+from station.app.recording_start import make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -29,6 +31,9 @@ from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
+
+if TYPE_CHECKING:
+    from station.records.recorder import Recorder
 
 READY_TIMEOUT = 2.0
 """Longest wait for the first cycles [s]."""
@@ -69,6 +74,7 @@ class StationRun:
         self._ui: UiProcess | None = None
         self._watchdog = StationWatchdog(config, warn)
         self._kernel = KernelBuild(warn)
+        self._recorder: Recorder | None = None
 
     def run(self) -> None:
         """Run until SIGINT, SIGTERM or SIGHUP.
@@ -113,6 +119,10 @@ class StationRun:
         for name, error in composition.not_loaded.items():
             self._warn(f"Controller '{name}' is not loaded: {error} {error.remedy}")
         stack.enter_context(realtime_interpreter())
+        self._recorder = make_recorder(station, self._config, self._warn)
+        if self._recorder is not None:
+            stack.callback(self._recorder.close)
+            self._recorder.start_thread()
         stack.callback(station.loop.stop, LOOP_TIMEOUT)
         stack.callback(_hold, station)
         station.loop.start()
@@ -141,6 +151,7 @@ class StationRun:
             authenticator,
             HostPolicy(host_names(api.host)),
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
+            recorder=self._recorder,
         )
         server = ApiServer(app, api.host, api.port)
         stack.callback(self._finish_ui)

@@ -6,6 +6,7 @@ from pathlib import Path
 import station
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
+from station.cli.record_arguments import add_record_verbs
 from station.cli.tuning_arguments import add_tuning_verbs
 
 DESCRIPTION = """\
@@ -39,6 +40,7 @@ def build_parser() -> Parser:
     _add_motion_verbs(verbs)
     add_gripper_verb(verbs)
     _add_simulation_verbs(verbs)
+    add_record_verbs(verbs)
     _add_robot(verbs)
     return parser
 

@@ -1,13 +1,16 @@
 """An MCAP file that is written by foxglove-sdk, lz4 in chunks of 64 KiB."""
 
 import os
-from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import foxglove
 from foxglove.mcap import MCAPCompression, MCAPWriteOptions
 
 from station.records.cycle_messages import Message
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 CHUNK = 65_536
 """Bytes of a chunk before compression."""

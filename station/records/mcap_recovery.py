@@ -29,19 +29,13 @@ from mcap.records import (
     Statistics,
 )
 
-from station.core.errors import StationError
+from station.core.errors import RecordingFileError
 
 MAGIC = b"\x89MCAP0\r\n"
 _HEAD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQ")
 """What a message begins with: channel, number, time."""
 _LARGEST = 2**31
-
-
-class RecordingFileError(StationError, OSError):
-    """A file is no recording, or cannot be read or written."""
-
-    code = "recording_file"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +80,7 @@ def recover_file(path: Path) -> Recovered:
     """
     try:
         with path.open("r+b") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise RecordingFileError(
-                    f"{path} is no recording: it does not begin as an MCAP file does.",
-                    remedy="Name a file that ends in .mcap and that a station wrote.",
-                )
+            _check_magic(path, file)
             size = file.seek(0, io.SEEK_END)
             content = _read(file, size)
             count = sum(content.counts.values())
@@ -102,14 +92,27 @@ def recover_file(path: Path) -> Recovered:
             file.seek(0, io.SEEK_END)
             file.write(ending)
             return Recovered(is_changed=True, messages=count, dropped=dropped)
+    except RecordingFileError:
+        raise
     except OSError as error:
-        if isinstance(error, RecordingFileError):
-            raise
         raise RecordingFileError(
             f"{path} cannot be recovered: {error}.",
             remedy="See whether it exists, whether you may write to it, and whether "
             "the disk has room.",
         ) from error
+
+
+def _check_magic(path: Path, file: BinaryIO) -> None:
+    """Refuse a file that is no MCAP file.
+
+    Raises:
+        RecordingFileError: It is none.
+    """
+    if file.read(len(MAGIC)) != MAGIC:
+        raise RecordingFileError(
+            f"{path} is no recording: it does not begin as an MCAP file does.",
+            remedy="Name a file that ends in .mcap and that a station wrote.",
+        )
 
 
 def _read(file: BinaryIO, size: int) -> _Content:
@@ -205,7 +208,7 @@ def _indexes_of_last_chunk(content: _Content) -> bytes:
         builder = RecordBuilder()
         MessageIndex(channel_id=channel, records=entries).write(builder)
         last.message_index_offsets[channel] = content.last_chunk_end + len(data)
-        data += builder.end()
+        data += _bytes(builder)
     last.message_index_length = len(data)
     content.end = content.last_chunk_end + len(data)
     return data
@@ -238,4 +241,9 @@ def _ending(content: _Content) -> bytes:
         schema_count=len(content.schemas),
     ).write(builder)
     Footer(summary_crc=0, summary_offset_start=0, summary_start=summary).write(builder)
-    return bytes(builder.end()) + MAGIC
+    return _bytes(builder) + MAGIC
+
+
+def _bytes(builder: RecordBuilder) -> bytes:
+    built: bytes = builder.end()  # type: ignore[no-untyped-call]  # mcap has no type here
+    return built

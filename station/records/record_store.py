@@ -1,4 +1,4 @@
-"""The folder of the recordings: files, what is known of each, and how much there may be.
+"""The folder of the recordings: files, what is known of each, and a quota.
 
 Beside every `ID.mcap` lies `ID.json` with what a list shows, so that no file needs to
 be opened for it. A description that says `recording` at the start of a station belongs
@@ -13,24 +13,16 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
-from station.core.errors import StationError, suggest
-from station.records.mcap_recovery import RecordingFileError, recover_file
+from station.core.errors import (
+    RecordingFileError,
+    RecordingNotFoundError,
+    RecordingRefusedError,
+    suggest,
+)
 
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 """Names of recordings; they become part of the name of a file."""
 RECORDING, STOPPED, FAILED, RECOVERED = "recording", "stopped", "failed", "recovered"
-
-
-class RecordingNotFoundError(StationError, KeyError):
-    """There is no recording of that name."""
-
-    code = "recording_not_found"
-
-
-class RecordingRefusedError(StationError, RuntimeError):
-    """A recording cannot be started, stopped or deleted now."""
-
-    code = "recording_refused"
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +116,7 @@ class RecordStore:
             number += 1
             identifier = f"{base}-{number}"
         started = time.strftime("%Y-%m-%dT%H:%M:%S+00:00", time.gmtime(now))
-        info = RecordingInfo(
-            identifier, name, note, started_at=started, causes=causes
-        )
+        info = RecordingInfo(identifier, name, note, started_at=started, causes=causes)
         try:
             self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._write(info)
@@ -212,6 +202,9 @@ class RecordStore:
 
     def recover(self) -> list[RecordingInfo]:
         """Recover what a killed station left; return the recordings it was about."""
+        # Imported late: a list of recordings needs no reader of MCAP.
+        from station.records.mcap_recovery import recover_file
+
         found = []
         for info in self.infos():
             if info.state != RECORDING:
@@ -223,7 +216,9 @@ class RecordStore:
             except RecordingFileError as error:
                 changed = replace(info, state=FAILED, error=error.message)
             else:
-                note = f"The station was killed; {recovered.dropped} bytes were cut off."
+                note = (
+                    f"The station was killed; {recovered.dropped} bytes were cut off."
+                )
                 changed = replace(info, state=RECOVERED, error=note, size=_size(path))
             self.keep(changed)
             found.append(changed)

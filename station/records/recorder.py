@@ -12,10 +12,13 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from station.core.errors import ControllerNotFoundError
-from station.core.facade.input_log import Input
+from station.core.errors import (
+    ControllerNotFoundError,
+    RecordingFileError,
+    RecordingRefusedError,
+)
 from station.core.facade.station import Station
 from station.records import messages
 from station.records.cycle_messages import CycleMessages, Message
@@ -23,14 +26,11 @@ from station.records.cycle_row import RowPacker
 from station.records.cycle_sources import sources_of
 from station.records.incident_watch import IncidentWatch
 from station.records.mcap_file import DiskFile, McapFile
-from station.records.mcap_recovery import RecordingFileError
-from station.records.record_store import (
-    FAILED,
-    RecordingInfo,
-    RecordingRefusedError,
-    RecordStore,
-)
+from station.records.record_store import FAILED, RecordingInfo, RecordStore
 from station.records.recording import EVENTS, GAINS, INPUTS, Recording
+
+if TYPE_CHECKING:
+    from station.core.facade.input_log import Input
 
 WAKE = 0.01
 """How often the thread looks at the ring [s]."""
@@ -91,7 +91,8 @@ class Recorder:
         loop = station.loop
         self._encoder = CycleMessages(wall_time() - round(loop.time * 1e9))
         self._packer = RowPacker(station.joint_names, self._elements)
-        self._cycle = loop.cycle
+        # What the ring still has of the time before belongs to the station's life, too.
+        self._cycle = 0
         # A second more, because the thread may come late.
         rows = round((BEFORE + AFTER + 1.0) / loop.period)
         self._rows: deque[bytes] = deque(maxlen=rows)
@@ -103,7 +104,7 @@ class Recorder:
         self._pending: list[Input] = []
         self._events: deque[tuple[float, str, str, str, str]] = deque(maxlen=10_000)
         self._gains = ""
-        self._is_whole = station.inputs.is_complete and loop.cycle == 0
+        self._is_whole = station.inputs.is_complete
         self._lock = threading.Lock()
         self._end = threading.Event()
         self._thread: threading.Thread | None = None
@@ -186,6 +187,20 @@ class Recorder:
                 )
             return stopped
 
+    def end(self) -> RecordingInfo:
+        """End the recording if it still runs; return what is known of the last one.
+
+        Raises:
+            RecordingRefusedError: Nothing was recorded yet.
+        """
+        if self._recording is not None:
+            return self.stop()
+        if self.last is None:
+            raise RecordingRefusedError(
+                "Nothing was recorded.", remedy="Start a recording first."
+            )
+        return self.last
+
     def info(self, identifier: str) -> RecordingInfo:
         """Return what is known of a recording now.
 
@@ -234,6 +249,7 @@ class Recorder:
             row = self._packer.unpack(packed)
             if recording is not None:
                 recording.add_row(row)
+            self._note_period(row.cycle, row.period)
             self._note_causes(self._watch.look(row), row.time)
         if records:
             self._cycle = records[-1][0]
@@ -255,6 +271,26 @@ class Recorder:
             self._incident_end = time_of_cycle + AFTER
         self._causes += [one for one in causes if one not in self._causes]
 
+    def _note_period(self, cycle: int, period: float) -> None:
+        """Note a cycle that a re-run must begin late, or cannot repeat."""
+        periods = round(period / self._station.loop.period)
+        if periods == 1:
+            return
+        if periods:
+            self._add_input({"after": cycle - 1, "kind": "late", "periods": periods})
+        else:
+            what = "a cycle while time stood still"
+            self._add_input({"after": cycle - 1, "kind": "operation", "what": what})
+
+    def _add_input(self, values: dict[str, object]) -> None:
+        text = json.dumps(values)
+        if len(self._inputs) >= MOST_INPUTS:
+            self._is_whole = False
+        else:
+            self._inputs.append(text)
+        if self._recording is not None:
+            self._recording.add_text(INPUTS, text, self._station.loop.time)
+
     def _take_inputs(self) -> None:
         """Write down what was asked of the station, once its cycle is known."""
         self._pending += self._station.inputs.take()
@@ -264,15 +300,18 @@ class Recorder:
             if after is None:
                 left.append(one)
                 continue
-            text = json.dumps(
-                {"after": after, "kind": one.kind, **_plain(one.arguments)}
-            )
+            text = json.dumps({
+                "after": after,
+                "kind": one.kind,
+                **_plain(one.arguments),
+            })
             if len(self._inputs) >= MOST_INPUTS:
                 self._is_whole = False
             else:
                 self._inputs.append(text)
             if self._recording is not None:
                 self._recording.add_text(INPUTS, text, self._station.loop.time)
+        self._is_whole = self._is_whole and self._station.inputs.is_complete
         # Set-points that newer ones have replaced are never picked up.
         self._pending = left[-100:]
 

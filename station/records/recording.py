@@ -116,7 +116,9 @@ class Recording:
             return f"The file cannot be written: {self._file.failure}."
         quota = self._store.quota.bytes
         if self._others + self.info.size > quota:
-            return f"The recordings together are larger than the quota of {quota} bytes."
+            return (
+                f"The recordings together are larger than the quota of {quota} bytes."
+            )
         for source in self._sources:
             if source.failure is not None:
                 return f"A cycle cannot be sampled: {source.failure}."
@@ -159,5 +161,3 @@ class Recording:
 
     def _log(self, message: Message, time: float) -> None:
         self._file.log(message, self._encoder.stamp(time))
-
-

@@ -10,9 +10,9 @@ from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from numpy.typing import NDArray
 
+from station.core.errors import RecordingFileError
 from station.records.cdr import Values
 from station.records.cycle_messages import CYCLES, JOINT_STATES
-from station.records.mcap_recovery import RecordingFileError
 from station.records.messages import TYPES
 
 
@@ -81,7 +81,7 @@ def read_messages(
                     yield channel.topic, kind.decode(message.data)
         except McapError as error:
             raise RecordingFileError(
-                f"{path} cannot be read: {error or type(error).__name__}.",
+                f"{path} cannot be read: {error!r}.",
                 remedy="`station recover-file` mends a file whose end is missing.",
             ) from error
 
@@ -99,7 +99,7 @@ def read_facts(path: Path) -> Mapping[str, str]:
                     return dict(record.metadata)
         except McapError as error:
             raise RecordingFileError(
-                f"{path} cannot be read: {error or type(error).__name__}.",
+                f"{path} cannot be read: {error!r}.",
                 remedy="`station recover-file` mends a file whose end is missing.",
             ) from error
     raise RecordingFileError(

@@ -70,6 +70,13 @@ from station.wire.hardware import (
 )
 from station.wire.parameters import Parameter, ParameterRequest
 from station.wire.problem import PROBLEM_MEDIA_TYPE, FieldError, Problem
+from station.wire.recordings import (
+    Recording,
+    RecordingRequest,
+    Recordings,
+    RecordingStateName,
+    Trajectory,
+)
 from station.wire.robots import (
     ActiveFault,
     ArmError,
@@ -217,6 +224,10 @@ __all__ = [
     "Percentiles",
     "Problem",
     "Ready",
+    "Recording",
+    "RecordingRequest",
+    "RecordingStateName",
+    "Recordings",
     "Recoveries",
     "Recovery",
     "RecoveryRequest",
@@ -245,6 +256,7 @@ __all__ = [
     "StreamTicket",
     "SwitchRequest",
     "SwitchResult",
+    "Trajectory",
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",

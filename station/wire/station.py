@@ -15,6 +15,7 @@ from station.wire.base import (
 )
 from station.wire.controllers import Percentiles
 from station.wire.hardware import Clamp
+from station.wire.recordings import Recording
 from station.wire.robots import ArmReport
 from station.wire.simulation import Simulation
 
@@ -125,6 +126,10 @@ class Status(ResponseModel):
         versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
         command_violations: Commands that nobody had the right to write.
+        recording: The recording that runs, or the last one since the start of the
+            station, which says whether it failed; null without one.
+        recorder_failure: Why the station records no more, or could not keep an
+            incident; empty while all is well.
     """
 
     boot_id: str
@@ -142,6 +147,8 @@ class Status(ResponseModel):
     versions: dict[str, str]
     clamps: Items[Clamp] = Field(default_factory=list)
     command_violations: CommandViolations = Field(default_factory=CommandViolations)
+    recording: Recording | None = None
+    recorder_failure: Reason = ""
 
 
 class StopRequest(RequestModel):

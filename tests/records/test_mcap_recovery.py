@@ -3,7 +3,8 @@
 import pytest
 from mcap.reader import make_reader
 
-from station.records.mcap_recovery import RecordingFileError, recover_file
+from station.core.errors import RecordingFileError
+from station.records.mcap_recovery import recover_file
 from station.records.recording_reader import read_facts, read_trajectory
 
 

@@ -9,8 +9,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from station.core.control.switching import SwitchRequest
+from station.core.errors import RecordingRefusedError
 from station.records.mcap_file import DiskFile
-from station.records.record_store import FAILED, Quota, RecordingRefusedError, RecordStore
+from station.records.record_store import FAILED, Quota, RecordStore
 from station.records.recorder import Recorder
 from station.records.recording_reader import (
     read_inputs,
@@ -123,7 +124,7 @@ def test_cycles_that_were_overwritten_are_counted(station, recorder):
     assert stopped.lost >= 5000 - 4096
 
 
-def test_one_recording_runs_at_a_time(station, recorder):
+def test_one_recording_runs_at_a_time(recorder):
     first = recorder.start()
     with pytest.raises(RecordingRefusedError, match=first.identifier):
         recorder.start()

@@ -14,6 +14,10 @@ from station.client._async.connection import AsyncConnection
 from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.motion import move_to_pose, start_move
+from station.client._async.recordings_client import (
+    AsyncIncidentsClient,
+    AsyncRecordingsClient,
+)
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
@@ -60,6 +64,8 @@ class AsyncStationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        recordings: Recordings of every cycle on the station's disk.
+        incidents: What the station kept of stops, reflexes and faults.
     """
 
     def __init__(
@@ -74,6 +80,8 @@ class AsyncStationClient:
         self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
         self.gain_sets = AsyncGainSetsClient(self._connection)
+        self.recordings = AsyncRecordingsClient(self._connection)
+        self.incidents = AsyncIncidentsClient(self._connection)
 
     async def __aenter__(self) -> Self:
         return self

@@ -88,7 +88,10 @@ class InputLog:
         return taken
 
     def _add(
-        self, kind: str, arguments: Mapping[str, object], after: Callable[[], int | None]
+        self,
+        kind: str,
+        arguments: Mapping[str, object],
+        after: Callable[[], int | None],
     ) -> None:
         if len(self._inputs) >= CAPACITY:
             self.is_complete = False

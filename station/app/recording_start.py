@@ -1,0 +1,71 @@
+"""Build the recorder of a station from its configuration, and recover what is broken."""
+
+import importlib.util
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from station.config import StationConfig
+from station.core.facade.station import Station
+from station.records.record_store import Quota, RecordStore, default_folder
+
+if TYPE_CHECKING:
+    from station.records.recorder import Recorder
+
+_PACKAGES = ("foxglove", "lz4", "mcap")
+
+
+def make_recorder(
+    station: Station, config: StationConfig, warn: Callable[[str], None]
+) -> "Recorder | None":
+    """Return the recorder of a station; None when it is to record nothing.
+
+    Args:
+        station: The station; best before its first cycle, because a recording can be
+            run again only if all is known that was asked since then.
+        config: Its configuration.
+        warn: Takes a line about what was recovered, or why nothing can be recorded.
+    """
+    section = config.records
+    if not section.enabled:
+        return None
+    missing = [one for one in _PACKAGES if importlib.util.find_spec(one) is None]
+    if missing:
+        warn(
+            f"Nothing is recorded: {', '.join(missing)} is not installed. "
+            "pip install 'control-station[records]' brings it."
+        )
+        return None
+    # Imported late: the packages may be missing.
+    from station.records.recorder import Recorder
+
+    folder = Path(section.directory) if section.directory else default_folder()
+    store = RecordStore(folder, Quota(section.max_bytes, section.max_count))
+    incidents = None
+    if section.incidents:
+        incidents = RecordStore(folder / "incidents", Quota(count=section.incidents))
+    for found in (store, *([incidents] if incidents else [])):
+        for info in found.recover():
+            warn(f"Recording {info.identifier} is {info.state}: {info.error}")
+    return Recorder(station, store, incidents, texts=describe(station, config))
+
+
+def describe(station: Station, config: StationConfig) -> dict[str, str]:
+    """Return what a recording says of its station, by topic."""
+    # The secrets of the server are nothing that a file should carry.
+    secret = {"api", "ui", "watchdog", "records"}
+    values = config.model_dump(mode="json", exclude=secret)
+    values["parameters"] = json.loads(json.dumps(config.parameters, default=str))
+    texts = {"/configuration": json.dumps(values)}
+    parameters = station.parameters
+    for path in ("robot_description", "robot/robot_description"):
+        found = parameters.get(path)
+        if isinstance(found, str):
+            texts["/robot_description"] = robot_text(found)
+    return texts
+
+
+def robot_text(found: str) -> str:
+    """Return the URDF that a parameter holds or names."""
+    return found
