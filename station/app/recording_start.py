@@ -1,4 +1,4 @@
-"""Build the recorder of a station from its configuration, and recover what is broken."""
+"""Build the recorder of a station from its configuration, and mend what is broken."""
 
 import importlib.util
 import json

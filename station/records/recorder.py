@@ -242,7 +242,7 @@ class Recorder:
         self._take_inputs()
         recording = self._recording
         if lost:
-            self._is_whole = False
+            self._lose("what was asked while cycles were lost")
         for record in records:
             packed = self._packer.pack(record)
             self._rows.append(packed)
@@ -285,10 +285,20 @@ class Recorder:
     def _add_input(self, values: dict[str, object]) -> None:
         text = json.dumps(values)
         if len(self._inputs) >= MOST_INPUTS:
-            self._is_whole = False
+            self._lose(f"more than {MOST_INPUTS} inputs")
         else:
             self._inputs.append(text)
         if self._recording is not None:
+            self._recording.add_text(INPUTS, text, self._station.loop.time)
+
+    def _lose(self, what: str) -> None:
+        """Note once that not everything is known that was asked of the station."""
+        if not self._is_whole:
+            return
+        self._is_whole = False
+        if self._recording is not None:
+            lost = {"after": self._cycle, "kind": "operation", "what": what}
+            text = json.dumps(lost)
             self._recording.add_text(INPUTS, text, self._station.loop.time)
 
     def _take_inputs(self) -> None:
@@ -300,18 +310,10 @@ class Recorder:
             if after is None:
                 left.append(one)
                 continue
-            text = json.dumps({
-                "after": after,
-                "kind": one.kind,
-                **_plain(one.arguments),
-            })
-            if len(self._inputs) >= MOST_INPUTS:
-                self._is_whole = False
-            else:
-                self._inputs.append(text)
-            if self._recording is not None:
-                self._recording.add_text(INPUTS, text, self._station.loop.time)
-        self._is_whole = self._is_whole and self._station.inputs.is_complete
+            plain = _plain(one.arguments)
+            self._add_input({"after": after, "kind": one.kind, **plain})
+        if not self._station.inputs.is_complete:
+            self._lose("inputs that came faster than they could be kept")
         # Set-points that newer ones have replaced are never picked up.
         self._pending = left[-100:]
 

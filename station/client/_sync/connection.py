@@ -133,10 +133,11 @@ class Connection:
         try:
             with self._http.stream("GET", PREFIX + path) as response:
                 if not response.is_success:
-                    body = response.aread()
-                    raise ApiError.from_body(response.status_code, body)
+                    body = response.read()
+                    refusal = ApiError.from_body(response.status_code, body)
+                    raise refusal
                 with target.open("xb") as file:
-                    for part in response.aiter_bytes():
+                    for part in response.iter_bytes():
                         file.write(part)
         except httpx.TransportError as error:
             target.unlink(missing_ok=True)
