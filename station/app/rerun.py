@@ -170,6 +170,11 @@ class _Rerun:
                 f"Cannot be asked again: {what}, after cycle {one['after']}."
             )
             return
+        if one.get("while_running"):
+            self._not_repeated.append(
+                f"Not repeated exactly: a {one['kind']} was planned while cycles ran, "
+                f"after cycle {one['after']}; from there on the motion may differ."
+            )
         try:
             ask(self._station, one)
         except StationError as error:

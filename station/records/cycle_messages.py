@@ -148,7 +148,8 @@ class FrankaLayout:
 
     def __init__(self) -> None:
         self._layout = Layout(messages.FRANKA_STATE, {"frame_id": ""}, {})
-        places = array_places()
+        # The message has the names in lower case, as ROS 2 wants them.
+        places = {name.lower(): place for name, place in array_places().items()}
         self._mode = places[MODE]
         # In the order of the message: where an array lies, or the number of a scalar.
         self._sources: list[slice | int] = []

@@ -1,8 +1,8 @@
 """The message types of a recording, as `ros2msg` definitions.
 
 Source: ros2/common_interfaces@humble sensor_msgs, std_msgs, geometry_msgs and tf2_msgs;
-franka_ros@c11f000 franka_msgs/msg/FrankaState.msg and Errors.msg, with the header of
-ROS 2. `control_station_msgs` is the station's own.
+franka_ros@c11f000 franka_msgs/msg/FrankaState.msg and Errors.msg; differs: names of
+fields are in lower case, as ROS 2 wants them and franka_ros2 has them. `control_station_msgs` is the station's own.
 """
 
 from station.core.franka.franka_errors import ERROR_INDEX
@@ -118,18 +118,18 @@ FRANKA_STATE = _message_type(
     "std_msgs/Header header\n"
     "float64[6] cartesian_collision\nfloat64[6] cartesian_contact\n"
     "float64[7] q\nfloat64[7] q_d\nfloat64[7] dq\nfloat64[7] dq_d\n"
-    "float64[7] ddq_d\nfloat64[7] theta\nfloat64[7] dtheta\nfloat64[7] tau_J\n"
-    "float64[7] dtau_J\nfloat64[7] tau_J_d\nfloat64[6] K_F_ext_hat_K\n"
+    "float64[7] ddq_d\nfloat64[7] theta\nfloat64[7] dtheta\nfloat64[7] tau_j\n"
+    "float64[7] dtau_j\nfloat64[7] tau_j_d\nfloat64[6] k_f_ext_hat_k\n"
     "float64[2] elbow\nfloat64[2] elbow_d\nfloat64[2] elbow_c\n"
     "float64[2] delbow_c\nfloat64[2] ddelbow_c\nfloat64[7] joint_collision\n"
-    "float64[7] joint_contact\nfloat64[6] O_F_ext_hat_K\nfloat64[6] O_dP_EE_d\n"
-    "float64[3] O_ddP_O\nfloat64[6] O_dP_EE_c\nfloat64[6] O_ddP_EE_c\n"
-    "float64[7] tau_ext_hat_filtered\nfloat64 m_ee\nfloat64[3] F_x_Cee\n"
-    "float64[9] I_ee\nfloat64 m_load\nfloat64[3] F_x_Cload\nfloat64[9] I_load\n"
-    "float64 m_total\nfloat64[3] F_x_Ctotal\nfloat64[9] I_total\n"
-    "float64[16] O_T_EE\nfloat64[16] O_T_EE_d\nfloat64[16] O_T_EE_c\n"
-    "float64[16] F_T_EE\nfloat64[16] F_T_NE\nfloat64[16] NE_T_EE\n"
-    "float64[16] EE_T_K\nfloat64 time\nfloat64 control_command_success_rate\n"
+    "float64[7] joint_contact\nfloat64[6] o_f_ext_hat_k\nfloat64[6] o_dp_ee_d\n"
+    "float64[3] o_ddp_o\nfloat64[6] o_dp_ee_c\nfloat64[6] o_ddp_ee_c\n"
+    "float64[7] tau_ext_hat_filtered\nfloat64 m_ee\nfloat64[3] f_x_cee\n"
+    "float64[9] i_ee\nfloat64 m_load\nfloat64[3] f_x_cload\nfloat64[9] i_load\n"
+    "float64 m_total\nfloat64[3] f_x_ctotal\nfloat64[9] i_total\n"
+    "float64[16] o_t_ee\nfloat64[16] o_t_ee_d\nfloat64[16] o_t_ee_c\n"
+    "float64[16] f_t_ee\nfloat64[16] f_t_ne\nfloat64[16] ne_t_ee\n"
+    "float64[16] ee_t_k\nfloat64 time\nfloat64 control_command_success_rate\n"
     "uint8 ROBOT_MODE_OTHER=0\nuint8 ROBOT_MODE_IDLE=1\nuint8 ROBOT_MODE_MOVE=2\n"
     "uint8 ROBOT_MODE_GUIDING=3\nuint8 ROBOT_MODE_REFLEX=4\n"
     "uint8 ROBOT_MODE_USER_STOPPED=5\n"

@@ -53,6 +53,15 @@ class InputLog:
         cycle = self._loop.cycle
         self._add(kind, arguments, lambda: cycle)
 
+    def note_plan(self, kind: str, **arguments: object) -> None:
+        """Note what is planned now, for the next cycle that takes it up.
+
+        While cycles run in their thread, some may pass until the plan is made; then a
+        re-run, which plans between two cycles, may go another way.
+        """
+        running = self._loop.state is LoopState.RUNNING
+        self.note(kind, **arguments, while_running=running)
+
     def note_in_cycle(self, kind: str, **arguments: object) -> None:
         """Note what an operation does; called by the operation."""
         # The thread has counted the cycle already when it carries operations out.

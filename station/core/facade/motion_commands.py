@@ -139,7 +139,7 @@ class MotionCommands:
         """
         port = self._goal_port(name)
         present = self._check_may_move(name, epoch)
-        self._inputs.note("goal", name=name, request=request)
+        self._inputs.note_plan("goal", name=name, request=request)
         goal = port.submit(request)
         try:
             self._check_may_move(name, present)
@@ -216,7 +216,7 @@ class MotionCommands:
         """
         port = self._trajectory_port(name)
         present = self._check_may_move(name, epoch)
-        self._inputs.note("trajectory", name=name, request=request)
+        self._inputs.note_plan("trajectory", name=name, request=request)
         port.follow(request, receipt)
         try:
             self._check_may_move(name, present)
