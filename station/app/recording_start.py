@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.config import StationConfig
+from station.core.description.robot_files import load_robot_files
+from station.core.errors import RobotDescriptionError
 from station.core.facade.station import Station
 from station.records.record_store import Quota, RecordStore, default_folder
 
@@ -62,10 +64,15 @@ def describe(station: Station, config: StationConfig) -> dict[str, str]:
     for path in ("robot_description", "robot/robot_description"):
         found = parameters.get(path)
         if isinstance(found, str):
-            texts["/robot_description"] = robot_text(found)
+            texts["/robot_description"] = _robot_text(found)
     return texts
 
 
-def robot_text(found: str) -> str:
-    """Return the URDF that a parameter holds or names."""
-    return found
+def _robot_text(found: str) -> str:
+    """Return the URDF that a parameter holds or names; as it is if it cannot be read."""
+    if found.lstrip().startswith("<"):
+        return found
+    try:
+        return load_robot_files(found).xml
+    except RobotDescriptionError:
+        return found  # the name of it, which is better than nothing

@@ -7,7 +7,7 @@ controllers, robots and the station itself.
 
 import json
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -228,7 +228,7 @@ def _recover(station: Station, one: Arguments) -> None:
         station.robots.recover(name)
 
 
-_ASK = {
+_ASK: dict[str, Callable[[Station, Arguments], object]] = {
     "switch": _switch,
     "set_point": _set_point,
     "goal": lambda station, one: station.motion.submit_goal(

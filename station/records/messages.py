@@ -2,7 +2,8 @@
 
 Source: ros2/common_interfaces@humble sensor_msgs, std_msgs, geometry_msgs and tf2_msgs;
 franka_ros@c11f000 franka_msgs/msg/FrankaState.msg and Errors.msg; differs: names of
-fields are in lower case, as ROS 2 wants them and franka_ros2 has them. `control_station_msgs` is the station's own.
+fields are in lower case, as ROS 2 wants them and franka_ros2 has them.
+`control_station_msgs` is the station's own.
 """
 
 from station.core.franka.franka_errors import ERROR_INDEX
