@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "open", "rerun"]
+__all__ = ["__version__", "open"]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - the stub beside this file has types

@@ -69,7 +69,7 @@ def describe(station: Station, config: StationConfig) -> dict[str, str]:
 
 
 def _robot_text(found: str) -> str:
-    """Return the URDF that a parameter holds or names; as it is if it cannot be read."""
+    """Return the URDF that a parameter holds or names; the name if it has no file."""
     if found.lstrip().startswith("<"):
         return found
     try:
