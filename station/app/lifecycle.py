@@ -18,7 +18,7 @@ from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import compose
 from station.app.kernel_build import KernelBuild
-from station.app.recording_start import make_recorder
+from station.app.recording_start import make_recorder, start_foxglove
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -157,6 +157,9 @@ class StationRun:
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
+        foxglove = start_foxglove(station, self._config, self._warn)
+        if foxglove is not None:
+            stack.callback(foxglove.close)
         token = authenticator.operator_token
         if ui.enabled:
             options = self._ui_options(server.url, token, ui_port)

@@ -7,14 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.config import StationConfig
+from station.config.errors import ConfigError
 from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
 from station.core.facade.station import Station
 from station.records.record_store import Quota, RecordStore, default_folder
 
 if TYPE_CHECKING:
+    from station.records.foxglove_server import FoxgloveServer
     from station.records.recorder import Recorder
 
+_LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 _PACKAGES = ("foxglove", "lz4", "mcap")
 
 
@@ -53,10 +57,54 @@ def make_recorder(
     return Recorder(station, store, incidents, texts=describe(station, config))
 
 
+def start_foxglove(
+    station: Station, config: StationConfig, warn: Callable[[str], None]
+) -> "FoxgloveServer | None":
+    """Return the server for Foxglove, started; None when it is not configured.
+
+    Args:
+        station: The station.
+        config: Its configuration.
+        warn: Takes a line about where it listens, or what a client wanted in vain.
+
+    Raises:
+        ConfigError: Nobody can listen at its address.
+    """
+    section = config.foxglove
+    if not section.enabled:
+        return None
+    # Imported late: the package may be missing, and the command line says which.
+    from station.records.foxglove_server import FoxgloveServer
+
+    texts = describe(station, config)
+    description = texts.get("/robot_description", "")
+    urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
+    try:
+        server = FoxgloveServer(
+            station,
+            host=section.host,
+            port=section.port,
+            urdf=urdf,
+            texts=texts,
+            warn=warn,
+        )
+    except RuntimeError as error:
+        raise ConfigError(
+            [f"foxglove: nobody can listen at {section.host}:{section.port}: {error}."],
+            remedy="Give another port with --foxglove=PORT.",
+        ) from error
+    if section.host not in _LOOPBACK:
+        warn(
+            f"The Foxglove server listens at {section.host}:{server.port} without "
+            "tokens: whoever reaches it may change gains and switch controllers."
+        )
+    return server
+
+
 def describe(station: Station, config: StationConfig) -> dict[str, str]:
     """Return what a recording says of its station, by topic."""
     # The secrets of the server are nothing that a file should carry.
-    secret = {"api", "ui", "watchdog", "records"}
+    secret = {"api", "ui", "watchdog", "records", "foxglove"}
     values = config.model_dump(mode="json", exclude=secret)
     values["parameters"] = json.loads(json.dumps(config.parameters, default=str))
     texts = {"/configuration": json.dumps(values)}

@@ -96,6 +96,15 @@ def _add_station_verbs(verbs: Verbs) -> None:
     run.add_argument("--host", help="address to listen at; others need --token")
     run.add_argument("--port", type=int, help="port of the API; 0: any free one")
     run.add_argument("--ui-port", type=int, help="port of the dashboard; 0: likewise")
+    run.add_argument(
+        "--foxglove",
+        nargs="?",
+        type=int,
+        const=8765,
+        metavar="PORT",
+        help="serve the channels of a recording live to Foxglove, at the loopback "
+        "address unless the configuration says another; default port 8765",
+    )
     run.add_argument("--no-ui", action="store_true", help="run without dashboard")
     run.add_argument(
         "--token",

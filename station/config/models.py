@@ -172,6 +172,20 @@ class RecordsSection(_Section):
     incidents: int = Field(ge=0, le=10_000)
 
 
+class FoxgloveSection(_Section):
+    """The server for Foxglove and other tools that speak its protocol.
+
+    Attributes:
+        enabled: Whether to start it.
+        host: Address to listen at. The protocol knows no tokens.
+        port: TCP port; 0 for any free one.
+    """
+
+    enabled: bool
+    host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
+    port: Port
+
+
 class StationConfig(_Section):
     """The whole configuration from which a station is built.
 
@@ -187,6 +201,7 @@ class StationConfig(_Section):
         ui: The dashboard.
         watchdog: The process beside the station.
         records: Recordings and incidents.
+        foxglove: The server for Foxglove.
     """
 
     station: LoopSection
@@ -198,6 +213,7 @@ class StationConfig(_Section):
     ui: UiSection
     watchdog: WatchdogSection
     records: RecordsSection
+    foxglove: FoxgloveSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
 
     def controller_modules(self) -> frozenset[str]:
