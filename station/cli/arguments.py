@@ -6,7 +6,7 @@ from pathlib import Path
 import station
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
-from station.cli.record_arguments import add_record_verbs
+from station.cli.record_arguments import add_foxglove_option, add_record_verbs
 from station.cli.tuning_arguments import add_tuning_verbs
 
 DESCRIPTION = """\
@@ -96,15 +96,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
     run.add_argument("--host", help="address to listen at; others need --token")
     run.add_argument("--port", type=int, help="port of the API; 0: any free one")
     run.add_argument("--ui-port", type=int, help="port of the dashboard; 0: likewise")
-    run.add_argument(
-        "--foxglove",
-        nargs="?",
-        type=int,
-        const=8765,
-        metavar="PORT",
-        help="serve the channels of a recording live to Foxglove, at the loopback "
-        "address unless the configuration says another; default port 8765",
-    )
+    add_foxglove_option(run)
     run.add_argument("--no-ui", action="store_true", help="run without dashboard")
     run.add_argument(
         "--token",

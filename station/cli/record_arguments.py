@@ -52,3 +52,16 @@ def _add_file_options(parser: "Parser") -> None:
     parser.add_argument(
         "--format", choices=FORMATS, default="mcap", help="get: mcap, or a table"
     )
+
+
+def add_foxglove_option(run: "Parser") -> None:
+    """Add `--foxglove` to the verb `run`."""
+    run.add_argument(
+        "--foxglove",
+        nargs="?",
+        type=int,
+        const=8765,
+        metavar="PORT",
+        help="serve the channels of a recording live to Foxglove, at the loopback "
+        "address unless the configuration says another; default port 8765",
+    )

@@ -110,3 +110,10 @@ class AsyncIncidentsClient(_AsyncFiles):
 
     def __init__(self, connection: AsyncConnection) -> None:
         super().__init__(connection, _INCIDENTS)
+
+
+def recorded_files(
+    connection: AsyncConnection,
+) -> tuple[AsyncRecordingsClient, AsyncIncidentsClient]:
+    """Return the clients of the recordings and of the incidents of a station."""
+    return AsyncRecordingsClient(connection), AsyncIncidentsClient(connection)

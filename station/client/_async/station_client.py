@@ -14,10 +14,7 @@ from station.client._async.connection import AsyncConnection
 from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.motion import move_to_pose, start_move
-from station.client._async.recordings_client import (
-    AsyncIncidentsClient,
-    AsyncRecordingsClient,
-)
+from station.client._async.recordings_client import recorded_files
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
@@ -80,8 +77,7 @@ class AsyncStationClient:
         self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
         self.gain_sets = AsyncGainSetsClient(self._connection)
-        self.recordings = AsyncRecordingsClient(self._connection)
-        self.incidents = AsyncIncidentsClient(self._connection)
+        self.recordings, self.incidents = recorded_files(self._connection)
 
     async def __aenter__(self) -> Self:
         return self

@@ -111,3 +111,10 @@ class IncidentsClient(_Files):
 
     def __init__(self, connection: Connection) -> None:
         super().__init__(connection, _INCIDENTS)
+
+
+def recorded_files(
+    connection: Connection,
+) -> tuple[RecordingsClient, IncidentsClient]:
+    """Return the clients of the recordings and of the incidents of a station."""
+    return RecordingsClient(connection), IncidentsClient(connection)

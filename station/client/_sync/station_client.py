@@ -15,10 +15,7 @@ from station.client._sync.connection import Connection
 from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.goal_handle import GoalHandle
 from station.client._sync.motion import move_to_pose, start_move
-from station.client._sync.recordings_client import (
-    IncidentsClient,
-    RecordingsClient,
-)
+from station.client._sync.recordings_client import recorded_files
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
 from station.client.notebook import describe
@@ -81,8 +78,7 @@ class StationClient:
         self._connection = Connection(url.rstrip("/"), token, timeout, transport)
         self.simulation = SimulationClient(self._connection)
         self.gain_sets = GainSetsClient(self._connection)
-        self.recordings = RecordingsClient(self._connection)
-        self.incidents = IncidentsClient(self._connection)
+        self.recordings, self.incidents = recorded_files(self._connection)
 
     def __enter__(self) -> Self:
         return self
