@@ -20,14 +20,13 @@ from station.core.errors import (
     RecordingRefusedError,
 )
 from station.core.facade.station import Station
-from station.records import messages
-from station.records.cycle_messages import CycleMessages, Message
+from station.records.cycle_messages import CycleMessages
 from station.records.cycle_row import RowPacker
 from station.records.cycle_sources import sources_of
 from station.records.incident_watch import IncidentWatch
 from station.records.mcap_file import DiskFile, McapFile
 from station.records.record_store import FAILED, RecordingInfo, RecordStore
-from station.records.recording import EVENTS, GAINS, INPUTS, Recording
+from station.records.recording import GAINS, INPUTS, Recording
 
 if TYPE_CHECKING:
     from station.core.facade.input_log import Input
@@ -323,15 +322,7 @@ class Recorder:
             self._gains = gains
             recording.add_text(GAINS, gains, self._station.loop.time)
         while self._events:
-            stamp, kind, severity, text, details = self._events.popleft()
-            event = messages.EVENT.encode({
-                "header": messages.header(stamp),
-                "kind": kind,
-                "severity": severity,
-                "text": text,
-                "details": details,
-            })
-            recording.add_message(Message(EVENTS, messages.EVENT, event), stamp)
+            recording.add_event(*self._events.popleft())
 
     def _write_out(self, recording: Recording) -> None:
         now = time.monotonic()

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from station.core.facade.station import Station
+from station.records import messages
 from station.records.cycle_messages import CycleMessages, Message
 from station.records.cycle_row import Row
 from station.records.cycle_sources import ArmSource, CommandSource
@@ -80,9 +81,18 @@ class Recording:
         """Add a text at a station time [s]."""
         self._log(self._encoder.of_text(topic, text), time)
 
-    def add_message(self, message: Message, time: float) -> None:
-        """Add any message at a station time [s]."""
-        self._log(message, time)
+    def add_event(
+        self, stamp: float, kind: str, severity: str, text: str, details: str
+    ) -> None:
+        """Add an event at a station time [s]; its details are JSON."""
+        event = messages.EVENT.encode({
+            "header": messages.header(self._encoder.stamp(stamp) / 1e9),
+            "kind": kind,
+            "severity": severity,
+            "text": text,
+            "details": details,
+        })
+        self._log(Message(EVENTS, messages.EVENT, event), stamp)
 
     def add_row(self, row: Row) -> None:
         """Add a cycle."""
