@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from station.client._async.connection import AsyncConnection
+from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -112,8 +113,16 @@ class AsyncIncidentsClient(_AsyncFiles):
         super().__init__(connection, _INCIDENTS)
 
 
-def recorded_files(
+def kept_on_disk(
     connection: AsyncConnection,
-) -> tuple[AsyncRecordingsClient, AsyncIncidentsClient]:
-    """Return the clients of the recordings and of the incidents of a station."""
-    return AsyncRecordingsClient(connection), AsyncIncidentsClient(connection)
+) -> tuple[AsyncGainSetsClient, AsyncRecordingsClient, AsyncIncidentsClient]:
+    """Return the clients of what a station keeps on its disk.
+
+    Args:
+        connection: The connection to the station.
+    """
+    return (
+        AsyncGainSetsClient(connection),
+        AsyncRecordingsClient(connection),
+        AsyncIncidentsClient(connection),
+    )

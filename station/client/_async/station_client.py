@@ -11,10 +11,9 @@ from pydantic import JsonValue
 from station import wire
 from station.client._async.collecting import collect
 from station.client._async.connection import AsyncConnection
-from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.motion import move_to_pose, start_move
-from station.client._async.recordings_client import recorded_files
+from station.client._async.recordings_client import kept_on_disk
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client.async_stream import AsyncStream
@@ -76,8 +75,8 @@ class AsyncStationClient:
         url, token = locate(url, token)
         self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
-        self.gain_sets = AsyncGainSetsClient(self._connection)
-        self.recordings, self.incidents = recorded_files(self._connection)
+        kept = kept_on_disk(self._connection)
+        self.gain_sets, self.recordings, self.incidents = kept
 
     async def __aenter__(self) -> Self:
         return self

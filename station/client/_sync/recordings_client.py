@@ -4,6 +4,7 @@
 from pathlib import Path
 
 from station.client._sync.connection import Connection
+from station.client._sync.gain_sets_client import GainSetsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -113,8 +114,16 @@ class IncidentsClient(_Files):
         super().__init__(connection, _INCIDENTS)
 
 
-def recorded_files(
+def kept_on_disk(
     connection: Connection,
-) -> tuple[RecordingsClient, IncidentsClient]:
-    """Return the clients of the recordings and of the incidents of a station."""
-    return RecordingsClient(connection), IncidentsClient(connection)
+) -> tuple[GainSetsClient, RecordingsClient, IncidentsClient]:
+    """Return the clients of what a station keeps on its disk.
+
+    Args:
+        connection: The connection to the station.
+    """
+    return (
+        GainSetsClient(connection),
+        RecordingsClient(connection),
+        IncidentsClient(connection),
+    )

@@ -12,10 +12,9 @@ from pydantic import JsonValue
 from station import wire
 from station.client._sync.collecting import collect
 from station.client._sync.connection import Connection
-from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.goal_handle import GoalHandle
 from station.client._sync.motion import move_to_pose, start_move
-from station.client._sync.recordings_client import recorded_files
+from station.client._sync.recordings_client import kept_on_disk
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
 from station.client.notebook import describe
@@ -77,8 +76,8 @@ class StationClient:
         url, token = locate(url, token)
         self._connection = Connection(url.rstrip("/"), token, timeout, transport)
         self.simulation = SimulationClient(self._connection)
-        self.gain_sets = GainSetsClient(self._connection)
-        self.recordings, self.incidents = recorded_files(self._connection)
+        kept = kept_on_disk(self._connection)
+        self.gain_sets, self.recordings, self.incidents = kept
 
     def __enter__(self) -> Self:
         return self
