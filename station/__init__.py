@@ -1,6 +1,7 @@
 """Control station: ros_control in Python, with a simulated robot and a web API.
 
-`station.open` is a station inside a program; `station.client` talks to a running one.
+`station.open` is a station inside a program; `station.client` talks to a running one;
+`station.rerun` steps a recording again.
 """
 
 from importlib import import_module
@@ -11,11 +12,13 @@ __all__ = ["__version__", "open"]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - the stub beside this file has types
-    """Return `open`, imported when it is asked for: the client alone has no robot.
+    """Return `open` or `rerun`, imported when asked for: the client alone has no robot.
 
     Raises:
         AttributeError: There is no such name.
     """
     if name == "open":
         return import_module("station.app.in_process").open_station
+    if name == "rerun":
+        return import_module("station.app.rerun").rerun
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

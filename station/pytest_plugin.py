@@ -1,9 +1,14 @@
-"""A plug-in of pytest: the fixture `station`, a robot in the test's own process.
+"""A plug-in of pytest: a robot in the test's own process, and recordings run again.
 
 ```python
 def test_joint_1_arrives(station):
     station.move_to({"panda_joint1": 0.3})
     assert abs(station.positions()["panda_joint1"] - 0.3) < 1e-3
+```
+
+```python
+def test_the_pick_has_not_changed(rerun):
+    rerun("tests/recordings/pick.mcap")   # fails at the first cycle that differs
 ```
 
 Time is virtual: nothing sleeps, and every run is the same. The station is that of the
@@ -16,9 +21,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
 
     from station.app.in_process import InProcessStation
+    from station.app.rerun import RerunResult
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -48,3 +55,17 @@ def station(request: pytest.FixtureRequest) -> "Iterator[InProcessStation]":
         arguments = (request.config.rootpath / file,) if file else ()
     with InProcessStation(*arguments, **options) as opened:
         yield opened
+
+
+@pytest.fixture
+def rerun() -> "Callable[[Path | str], RerunResult]":
+    """Return what runs a recording again and fails when a cycle is not the same."""
+    from station.app.rerun import rerun as run_again
+
+    def check(path: "Path | str") -> "RerunResult":
+        result = run_again(path)
+        if not result.is_equal:
+            pytest.fail(result.text(), pytrace=False)
+        return result
+
+    return check

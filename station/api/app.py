@@ -1,12 +1,14 @@
 """The web application: routes, errors, access, documentation."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from fastapi import FastAPI
 
 import station as package
 from station.api import docs_page, index
-from station.api.audit import Audit, Recorder
+from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
 from station.api.control import Control
 from station.api.errors import add_error_handlers
@@ -22,11 +24,27 @@ from station.events import EventLog
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
 
+if TYPE_CHECKING:
+    from station.records.recorder import Recorder
+
 DESCRIPTION = """
 Everything a station can do, for programs and browsers. Errors are problem documents
 (RFC 9457): `detail` says which thing, its value and what is allowed, `remedy` what to
 do; a refused request changes nothing. Units are SI.
 """
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What a station keeps on disk.
+
+    Attributes:
+        events: Where events are recorded; a log in memory when left out.
+        recorder: Records every cycle; None for a station that records nothing.
+    """
+
+    events: EventLog = field(default_factory=EventLog)
+    recorder: "Recorder | None" = None
 
 
 def create_app(
@@ -38,7 +56,7 @@ def create_app(
     max_streams: int = 64,
     max_body: int = MAX_BODY_BYTES,
     dashboard_url: Callable[[], str | None] = lambda: None,
-    events: EventLog | None = None,
+    kept: Kept | None = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -51,7 +69,8 @@ def create_app(
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
         dashboard_url: Returns where the dashboard is; None while it is not known.
-        events: Where events are recorded; a log in memory when left out.
+        kept: Where events and recordings are kept; only events, and these in memory,
+            when left out.
     """
     app = StationApi(
         title="Control station",
@@ -67,10 +86,12 @@ def create_app(
     app.state.station = station
     app.state.authenticator = authenticator
     app.state.failed_logins = FailedLogins()
-    recorder = app.state.recorder = Recorder(EventLog() if events is None else events)
-    app.state.control = Control(recorder.log, station.motion.let_expire)
+    kept = Kept() if kept is None else kept
+    event_recorder = app.state.event_recorder = EventRecorder(kept.events)
+    app.state.control = Control(event_recorder.log, station.motion.let_expire)
     app.state.command_streams = 0
-    app.state.event_feed = EventFeed(recorder.log)
+    app.state.event_feed = EventFeed(event_recorder.log)
+    app.state.recorder = kept.recorder
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams
@@ -83,6 +104,6 @@ def create_app(
     app.include_router(index.router)
     app.include_router(metrics.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
-    app.add_middleware(Audit, repeats=recorder.repeats)
+    app.add_middleware(Audit, repeats=event_recorder.repeats)
     app.add_middleware(RequestId)
     return app

@@ -94,7 +94,7 @@ def _severity(status: int) -> Severity:
     return Severity.ERROR if status >= 500 or not status else Severity.WARNING
 
 
-class Recorder:
+class EventRecorder:
     """What the API records events with: the log, and the counter of repeats.
 
     Args:

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
-from station.api.audit import ACCESS, Recorder
+from station.api.audit import ACCESS, EventRecorder
 from station.api.auth import Access, Authenticator, Role
 from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import Control
@@ -61,20 +61,20 @@ async def get_failed_logins(request: Request) -> FailedLogins:
 FailedLoginsDep = Annotated[FailedLogins, Depends(get_failed_logins)]
 
 
-async def get_recorder(request: Request) -> Recorder:
+async def get_event_recorder(request: Request) -> EventRecorder:
     """Return what events are recorded with."""
-    recorder: Recorder = request.app.state.recorder
-    return recorder
+    event_recorder: EventRecorder = request.app.state.event_recorder
+    return event_recorder
 
 
-RecorderDep = Annotated[Recorder, Depends(get_recorder)]
+EventRecorderDep = Annotated[EventRecorder, Depends(get_event_recorder)]
 
 
 async def access(
     request: Request,
     authenticator: AuthenticatorDep,
     failed_logins: FailedLoginsDep,
-    recorder: RecorderDep,
+    event_recorder: EventRecorderDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
     """Return what the caller may do, and what proves it.
@@ -85,7 +85,7 @@ async def access(
     found = authenticator.access_of_headers(request.headers)
     if found is None:
         if "authorization" in request.headers:
-            recorder.failed_login(request)
+            event_recorder.failed_login(request)
             await failed_logins.slow_down(request)
         raise ProblemError(
             401,

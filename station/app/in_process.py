@@ -3,13 +3,14 @@
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from station.app.composition import compose
 from station.app.panda_fetch import fetch_what_is_missing
+from station.app.recording_start import describe
 from station.client.claims import in_the_way
 from station.client.errors import MotionError
 from station.client.joint_goals import joint_positions, trajectory_goal
@@ -20,20 +21,26 @@ from station.core.clock import ManualClock
 from station.core.control.controller import ControllerState
 from station.core.control.controller_manager import ControllerStatus
 from station.core.control.switching import SwitchRequest
+from station.core.errors import RecordingFileError
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
 from station.wire import StreamFrame
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from pydantic import JsonValue
 
     from station.core.errors import StationError
     from station.core.facade.station import Station
+    from station.records.recorder import Recorder
 
 _LOGGER = logging.getLogger(__name__)
 _TRAJECTORY = "/JointTrajectoryController"
 _FINAL = {"succeeded", "aborted", "preempted"}
+_DRAIN = 500
+"""Cycles between two looks of a recorder, whose samples of arms are kept for 512."""
 _BATCH = 1000
 """Cycles between two looks at the ring of snapshots, which keeps 4096."""
 
@@ -74,6 +81,8 @@ class InProcessStation:
             controller_files=[Path(file) for file in controllers],
             flags=settings,
         )
+        self._config = loaded
+        self._recorder: Recorder | None = None
         fetch_what_is_missing(loaded.robot_parameters(), _LOGGER.warning)
         self._clock = None if threaded else ManualClock()
         composition = compose(loaded, self._clock)
@@ -144,6 +153,49 @@ class InProcessStation:
             if self._clock is not None:
                 self._clock.advance(loop.period / loop.pace.real_time_factor)
             loop.step()
+            if self._recorder is not None and loop.cycle % _DRAIN == 0:
+                self._recorder.drain()
+
+    @contextmanager
+    def record(
+        self, folder: Path | str, name: str = "", note: str = ""
+    ) -> "Iterator[Path]":
+        """Record every cycle while the `with` block runs; yields the path of the file.
+
+        The file is whole after the block. `station record rerun FILE` and the pytest
+        fixture `rerun` step it again, when the first recording of a station begins
+        within its first 4000 cycles.
+
+        Args:
+            folder: Where to.
+            name: What to call it: letters, digits, `_`, `.` and `-`.
+            note: For the record.
+
+        Raises:
+            RecordingRefusedError: A recording runs already, or its name is not allowed.
+            RecordingFileError: The file could not be written to its end.
+        """
+        from station.records.record_store import FAILED, RecordStore
+        from station.records.recorder import Recorder
+
+        store = RecordStore(Path(folder))
+        if self._recorder is None:
+            texts = describe(self.facade, self._config)
+            self._recorder = Recorder(self.facade, store, texts=texts)
+            self._stack.callback(self._recorder.close)
+            if self.is_threaded:
+                self._recorder.start_thread()
+        self._recorder.store = store
+        begun = self._recorder.start(name, note)
+        try:
+            yield store.file(begun.identifier)
+        finally:
+            last = self._recorder.end()
+        if last.state == FAILED:
+            raise RecordingFileError(
+                f"The recording {last.identifier} failed: {last.error}",
+                remedy="Make room, and record again.",
+            )
 
     def run(self, seconds: float) -> None:
         """Let station time pass: run its cycles, or wait for the control thread.

@@ -17,7 +17,7 @@ from station.local.state_directory import StateDirectory, StateDirectoryError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from station.api.audit import Recorder
+    from station.api.audit import EventRecorder
     from station.api.control import Control
 
 FILE = "events.sqlite"
@@ -81,7 +81,7 @@ class Journal:
         Args:
             app: The application, whose counts of repeated requests are recorded, too.
         """
-        recorder: Recorder = app.state.recorder
+        recorder: EventRecorder = app.state.event_recorder
         robot = self._station.status().robot_type
         self.log.record(
             EventKind.STATION,

@@ -8,8 +8,9 @@ import contextlib
 import os
 from collections.abc import Callable
 from contextlib import ExitStack
+from typing import TYPE_CHECKING
 
-from station.api.app import create_app
+from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.host_policy import HostPolicy
 from station.api.server import ApiServer
@@ -18,6 +19,7 @@ from station.app.announcement import Announcement
 from station.app.composition import compose
 from station.app.journal import Journal
 from station.app.kernel_build import KernelBuild
+from station.app.recording_start import make_recorder, start_foxglove
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -30,6 +32,9 @@ from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
+
+if TYPE_CHECKING:
+    from station.records.recorder import Recorder
 
 READY_TIMEOUT = 2.0
 """Longest wait for the first cycles [s]."""
@@ -70,6 +75,7 @@ class StationRun:
         self._ui: UiProcess | None = None
         self._watchdog = StationWatchdog(config, warn)
         self._kernel = KernelBuild(warn)
+        self._recorder: Recorder | None = None
 
     def run(self) -> None:
         """Run until SIGINT, SIGTERM or SIGHUP.
@@ -114,6 +120,10 @@ class StationRun:
         for name, error in composition.not_loaded.items():
             self._warn(f"Controller '{name}' is not loaded: {error} {error.remedy}")
         stack.enter_context(realtime_interpreter())
+        self._recorder = make_recorder(station, self._config, self._warn)
+        if self._recorder is not None:
+            stack.callback(self._recorder.close)
+            self._recorder.start_thread()
         stack.callback(station.loop.stop, LOOP_TIMEOUT)
         stack.callback(_hold, station)
         station.loop.start()
@@ -144,13 +154,16 @@ class StationRun:
             authenticator,
             HostPolicy(host_names(api.host)),
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
-            events=journal.log,
+            kept=Kept(journal.log, self._recorder),
         )
         journal.start(app)
         server = ApiServer(app, api.host, api.port)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
+        foxglove = start_foxglove(station, self._config, self._warn)
+        if foxglove is not None:
+            stack.callback(foxglove.close)
         token = authenticator.operator_token
         if ui.enabled:
             options = self._ui_options(server.url, token, ui_port)

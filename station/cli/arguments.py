@@ -7,6 +7,7 @@ import station
 from station.cli.access_arguments import add_access_verbs
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
+from station.cli.record_arguments import add_foxglove_option, add_record_verbs
 from station.cli.tuning_arguments import add_tuning_verbs
 
 DESCRIPTION = """\
@@ -40,6 +41,7 @@ def build_parser() -> Parser:
     _add_motion_verbs(verbs)
     add_gripper_verb(verbs)
     _add_simulation_verbs(verbs)
+    add_record_verbs(verbs)
     _add_robot(verbs)
     add_access_verbs(verbs)
     return parser
@@ -96,6 +98,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
     run.add_argument("--host", help="address to listen at; others need --token")
     run.add_argument("--port", type=int, help="port of the API; 0: any free one")
     run.add_argument("--ui-port", type=int, help="port of the dashboard; 0: likewise")
+    add_foxglove_option(run)
     run.add_argument("--no-ui", action="store_true", help="run without dashboard")
     run.add_argument(
         "--token",

@@ -15,6 +15,8 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "trimesh": ("sim", "ui"),
     **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
     "gymnasium": ("gym",),
+    **dict.fromkeys(("foxglove", "lz4", "mcap"), ("records",)),
+    "pyarrow": ("export",),
 }
 """The extras of this distribution that bring a package which `station` imports."""
 

@@ -26,6 +26,8 @@ class _Environment(BaseSettings):
     start: list[str] | None = None
     api: _Section = Field(default_factory=dict)
     ui: _Section = Field(default_factory=dict)
+    records: _Section = Field(default_factory=dict)
+    foxglove: _Section = Field(default_factory=dict)
 
 
 def read_environment() -> Iterator[tuple[KeyPath, object, str]]:

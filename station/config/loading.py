@@ -14,7 +14,7 @@ from station.config.validation import validate
 from station.config.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_yaml
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
-_MERGED_SECTIONS = ("station", "robot", "api", "ui", "watchdog")
+_MERGED_SECTIONS = ("station", "robot", "api", "ui", "watchdog", "records", "foxglove")
 _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]
 
 

@@ -154,6 +154,38 @@ class WatchdogSection(_Section):
     end_after: float | None = Field(ge=1.0, le=3600.0)
 
 
+class RecordsSection(_Section):
+    """Recordings of every cycle, and incidents.
+
+    Attributes:
+        enabled: Whether the station can record, and keeps incidents.
+        directory: Folder of the files; null for the user's own.
+        max_bytes: Most bytes of all recordings together.
+        max_count: Most recordings.
+        incidents: Most incidents that are kept, the newest; 0 keeps none.
+    """
+
+    enabled: bool
+    directory: str | None
+    max_bytes: int = Field(ge=1_000_000)
+    max_count: int = Field(ge=1, le=100_000)
+    incidents: int = Field(ge=0, le=10_000)
+
+
+class FoxgloveSection(_Section):
+    """The server for Foxglove and other tools that speak its protocol.
+
+    Attributes:
+        enabled: Whether to start it.
+        host: Address to listen at. The protocol knows no tokens.
+        port: TCP port; 0 for any free one.
+    """
+
+    enabled: bool
+    host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
+    port: Port
+
+
 class StationConfig(_Section):
     """The whole configuration from which a station is built.
 
@@ -168,6 +200,8 @@ class StationConfig(_Section):
         api: The server.
         ui: The dashboard.
         watchdog: The process beside the station.
+        records: Recordings and incidents.
+        foxglove: The server for Foxglove.
     """
 
     station: LoopSection
@@ -178,6 +212,8 @@ class StationConfig(_Section):
     api: ApiSection
     ui: UiSection
     watchdog: WatchdogSection
+    records: RecordsSection
+    foxglove: FoxgloveSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
 
     def controller_modules(self) -> frozenset[str]:

@@ -29,6 +29,9 @@ StationError
 ├── GainSetError                  a gain set cannot be read or written (OSError)
 ├── NothingToUndoError            no change of gains is left to be taken back
 ├── GainsChangedError             the gains changed since the caller read them
+├── RecordingNotFoundError        there is no recording of that name (KeyError)
+├── RecordingRefusedError         not possible in the recording's state (RuntimeError)
+├── RecordingFileError            a recording cannot be read or written (OSError)
 ├── StaleEpochError               the command belongs to an older epoch
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
@@ -275,6 +278,24 @@ class GainsChangedError(StationError):
     """The gains were changed by somebody else since they were read."""
 
     code = "gains_changed"
+
+
+class RecordingNotFoundError(StationError, KeyError):
+    """There is no recording or incident of that name."""
+
+    code = "recording_not_found"
+
+
+class RecordingRefusedError(StationError, RuntimeError):
+    """A recording cannot be started, stopped, read or deleted now."""
+
+    code = "recording_refused"
+
+
+class RecordingFileError(StationError, OSError):
+    """The file of a recording cannot be read or written, or is no recording."""
+
+    code = "recording_file"
 
 
 class StaleEpochError(StationError):

@@ -87,6 +87,13 @@ from station.wire.hardware import (
 )
 from station.wire.parameters import Parameter, ParameterRequest
 from station.wire.problem import PROBLEM_MEDIA_TYPE, FieldError, Problem
+from station.wire.recordings import (
+    Recording,
+    RecordingRequest,
+    Recordings,
+    RecordingStateName,
+    Trajectory,
+)
 from station.wire.robots import (
     ActiveFault,
     ArmError,
@@ -248,6 +255,10 @@ __all__ = [
     "Percentiles",
     "Problem",
     "Ready",
+    "Recording",
+    "RecordingRequest",
+    "RecordingStateName",
+    "Recordings",
     "Recoveries",
     "Recovery",
     "RecoveryRequest",
@@ -281,6 +292,7 @@ __all__ = [
     "Token",
     "TokenRequest",
     "Tokens",
+    "Trajectory",
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",

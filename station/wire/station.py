@@ -16,6 +16,7 @@ from station.wire.base import (
 from station.wire.controllers import Percentiles
 from station.wire.events import EventLogState
 from station.wire.hardware import Clamp
+from station.wire.recordings import Recording
 from station.wire.robots import ArmReport
 from station.wire.simulation import Simulation
 
@@ -128,6 +129,10 @@ class Status(ResponseModel):
         command_violations: Commands that nobody had the right to write.
         events: How the event log is doing; null from a station that does not tell.
         operator: Name of whoever holds control; null while nobody does.
+        recording: The recording that runs, or the last one since the start of the
+            station, which says whether it failed; null without one.
+        recorder_failure: Why the station records no more, or could not keep an
+            incident; empty while all is well.
     """
 
     boot_id: str
@@ -147,6 +152,8 @@ class Status(ResponseModel):
     command_violations: CommandViolations = Field(default_factory=CommandViolations)
     events: EventLogState | None = None
     operator: str | None = None
+    recording: Recording | None = None
+    recorder_failure: Reason = ""
 
 
 class StopRequest(RequestModel):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.api.app import create_app
+from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.app.journal import Journal
 from tests.api.spring import make_station
@@ -17,7 +17,7 @@ def run(warnings):
     station = make_station()
     station.loop.step()
     with Journal(station, warnings.append) as journal:
-        journal.start(create_app(station, Authenticator(), events=journal.log))
+        journal.start(create_app(station, Authenticator(), kept=Kept(journal.log)))
         station.stop("for the test")
     return journal
 

@@ -22,6 +22,14 @@ MINIMAL = {
     "api": {"host": "127.0.0.1", "port": 0, "token": None},
     "ui": {"enabled": True, "port": 0, "reconnect_window": 60.0},
     "watchdog": {"enabled": True, "notice_after": 0.08, "end_after": None},
+    "records": {
+        "enabled": True,
+        "directory": None,
+        "max_bytes": 1_000_000,
+        "max_count": 10,
+        "incidents": 5,
+    },
+    "foxglove": {"enabled": False, "host": "127.0.0.1", "port": 0},
 }
 
 

@@ -14,8 +14,8 @@ from station.api.auth import (
 from station.api.dependencies import (
     AccessDep,
     AuthenticatorDep,
+    EventRecorderDep,
     FailedLoginsDep,
-    RecorderDep,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -24,7 +24,7 @@ from station.web.failed_logins import FailedLogins
 from station.wire import LoginRequest, Session, StreamTicket
 
 if TYPE_CHECKING:
-    from station.api.audit import Recorder
+    from station.api.audit import EventRecorder
 
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
@@ -36,10 +36,10 @@ async def _access_of(
     failed_logins: FailedLogins,
     token: str,
 ) -> Access:
-    recorder: Recorder = request.app.state.recorder
+    event_recorder: EventRecorder = request.app.state.event_recorder
     access = authenticator.access_of_token(token)
     if access is None:
-        recorder.failed_login(request)
+        event_recorder.failed_login(request)
         await failed_logins.slow_down(request)
         raise ProblemError(
             401,
@@ -48,7 +48,7 @@ async def _access_of(
             "Use the token that the station printed when it was started; every start "
             "makes a new one.",
         )
-    recorder.login(request, access, "login")
+    event_recorder.login(request, access, "login")
     return access
 
 
@@ -84,12 +84,12 @@ async def logout(
     request: Request,
     response: Response,
     authenticator: AuthenticatorDep,
-    recorder: RecorderDep,
+    event_recorder: EventRecorderDep,
 ) -> None:
     """Revoke the session cookie, and end the streams of the session."""
     access = authenticator.access_of_headers(request.headers)
     if access is not None and access.session is not None:
-        recorder.login(request, access, "logout")
+        event_recorder.login(request, access, "logout")
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"

@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Request, Response
 
 from station.api import answers
-from station.api.dependencies import Operator, RecorderDep, StationDep, Viewer
+from station.api.dependencies import EventRecorderDep, Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import switching
@@ -64,7 +64,7 @@ def switch_controllers(
     request: SwitchRequest,
     connection: Request,
     station: StationDep,
-    recorder: RecorderDep,
+    event_recorder: EventRecorderDep,
 ) -> SwitchResult:
     """Start and stop controllers, all of them in one cycle.
 
@@ -86,7 +86,7 @@ def switch_controllers(
         )
     )
     if not request.dry_run:
-        recorder.switch(connection, result)
+        event_recorder.switch(connection, result)
     return answers.switch_result(result)
 
 

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
 
 from station.api import answers
-from station.api.dependencies import AccessDep, RecorderDep, Viewer
+from station.api.dependencies import AccessDep, EventRecorderDep, Viewer
 from station.api.event_feed import MEDIA_TYPE, EventFeed
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -66,7 +66,7 @@ LastEventId = Annotated[
 async def get_events(
     request: Request,
     access: AccessDep,
-    recorder: RecorderDep,
+    event_recorder: EventRecorderDep,
     since: Since = None,
     kind: Kinds = None,
     severity: LeastSeverity = "info",
@@ -92,7 +92,7 @@ async def get_events(
     found = await feed.page(since, limit, kinds, least)
     return Events(
         events=[answers.event(each) for each in found],
-        newest_id=recorder.log.newest_id,
+        newest_id=event_recorder.log.newest_id,
     )
 
 

@@ -4,13 +4,13 @@ import platform
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
 import station as package
 from station.api import answers
-from station.api.dependencies import ControlDep, RecorderDep, StationDep, Viewer
+from station.api.dependencies import ControlDep, EventRecorderDep, StationDep, Viewer
 from station.api.routes.problems import problems
-from station.wire import Status
+from station.wire import Recording, Status
 
 router = APIRouter(tags=["station"], dependencies=[Viewer])
 
@@ -28,8 +28,21 @@ def versions() -> dict[str, str]:
 
 
 @router.get("/status", responses=problems())
-def status(station: StationDep, recorder: RecorderDep, control: ControlDep) -> Status:
+def status(
+    request: Request,
+    station: StationDep,
+    event_recorder: EventRecorderDep,
+    control: ControlDep,
+) -> Status:
     """Return robot mode, epoch, stop state, loop summary and versions."""
     lease = control.present()
     owner = None if lease is None else lease.owner
-    return answers.status(station, versions(), recorder.log.state(), owner)
+    found = answers.status(station, versions(), event_recorder.log.state(), owner)
+    recorder = request.app.state.recorder
+    if recorder is None:
+        return found
+    last = recorder.last
+    recording = None if last is None else Recording.model_validate(last)
+    return found.model_copy(
+        update={"recording": recording, "recorder_failure": recorder.failure or ""}
+    )

@@ -26,7 +26,7 @@ from station.wire import (
 )
 
 if TYPE_CHECKING:
-    from station.api.audit import Recorder
+    from station.api.audit import EventRecorder
     from station.api.streams import Broadcaster
     from station.core.facade.station import Station
     from station.events import EventLog
@@ -77,7 +77,7 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
     stream = CommandStream(state.station, state.control, access, request)
     state.command_streams += 1
     origin = origin_of(websocket)
-    log: EventLog = state.recorder.log
+    log: EventLog = state.event_recorder.log
     text = f"{access.name} sends set-points to '{controller}'."
     log.record(
         EventKind.COMMAND_STREAM, text, what=controller, result="open", origin=origin
@@ -115,12 +115,12 @@ def _short(reason: str) -> str:
 async def accepted_access(websocket: WebSocket) -> Access | None:
     """Accept a WebSocket and return what it may do; close it when it proves nothing."""
     failed_logins: FailedLogins = websocket.app.state.failed_logins
-    recorder: Recorder = websocket.app.state.recorder
+    event_recorder: EventRecorder = websocket.app.state.event_recorder
     await websocket.accept()
     access = access_of(websocket)
     if access is None:
         if "authorization" in websocket.headers:
-            recorder.failed_login(websocket)
+            event_recorder.failed_login(websocket)
             await failed_logins.slow_down(websocket)
         reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
@@ -134,13 +134,13 @@ async def stream(websocket: WebSocket, topic: str) -> None:
     """Stream a topic; refusals are close codes, which browsers only see once open."""
     station: Station = websocket.app.state.station
     broadcaster: Broadcaster = websocket.app.state.broadcaster
-    recorder: Recorder = websocket.app.state.recorder
+    event_recorder: EventRecorder = websocket.app.state.event_recorder
     access = await accepted_access(websocket)
     if access is None:
         return
     try:
         request, source = parse_request(
-            station, topic, websocket.query_params, recorder.log
+            station, topic, websocket.query_params, event_recorder.log
         )
     except StreamRequestError as error:
         await websocket.close(error.close_code, error.reason)

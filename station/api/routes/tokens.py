@@ -9,8 +9,8 @@ from station.api.auth import Access
 from station.api.dependencies import (
     AccessDep,
     AuthenticatorDep,
+    EventRecorderDep,
     OperatorAnyway,
-    RecorderDep,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -41,7 +41,7 @@ async def create_token(
     connection: Request,
     access: AccessDep,
     authenticator: AuthenticatorDep,
-    recorder: RecorderDep,
+    event_recorder: EventRecorderDep,
 ) -> NewToken:
     """Make a token for a person or a program; the answer alone has it.
 
@@ -52,7 +52,7 @@ async def create_token(
     named = authenticator.named
     secret = named.create(request.name, request.role, request.expires)
     token = named.get(request.name)
-    recorder.log.record(
+    event_recorder.log.record(
         EventKind.TOKEN,
         f"A token for {token.name} ({token.role}) was made.",
         what=token.name,
@@ -69,12 +69,12 @@ async def revoke_token(
     connection: Request,
     access: AccessDep,
     authenticator: AuthenticatorDep,
-    recorder: RecorderDep,
+    event_recorder: EventRecorderDep,
 ) -> Token:
     """Revoke a token; its sessions, streams and lease of control end at once."""
     _check_own(access)
     token = authenticator.named.revoke(name)
-    recorder.log.record(
+    event_recorder.log.record(
         EventKind.TOKEN,
         f"The token of {name} was revoked.",
         what=name,

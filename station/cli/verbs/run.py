@@ -45,6 +45,8 @@ def run(options: Namespace) -> int:
     }
     if options.no_ui:
         flags["ui.enabled"] = False
+    if options.foxglove is not None:
+        flags |= {"foxglove.enabled": True, "foxglove.port": options.foxglove}
     config = load_config(
         options.config, controller_files=options.controllers, flags=flags
     )

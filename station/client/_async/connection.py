@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TypeVar
 
 import httpx
@@ -146,6 +147,32 @@ class AsyncConnection:
         return await self._request(
             method, path, answer, content=content, headers=sent, patience=patience
         )
+
+    async def download(self, path: str, target: Path) -> None:
+        """Write what a GET request answers to a new file.
+
+        Args:
+            path: Path below the prefix of the API.
+            target: The file to be.
+
+        Raises:
+            ApiError: The station refuses; no file is made.
+            StationUnreachableError: The station does not answer, or not to the end;
+                what had come is deleted.
+            FileExistsError: There is such a file.
+        """
+        try:
+            async with self._http.stream("GET", PREFIX + path) as response:
+                if not response.is_success:
+                    body = await response.aread()
+                    refusal = ApiError.from_body(response.status_code, body)
+                    raise refusal
+                with target.open("xb") as file:
+                    async for part in response.aiter_bytes():
+                        file.write(part)
+        except httpx.TransportError as error:
+            target.unlink(missing_ok=True)
+            raise StationUnreachableError(self.url, error) from error
 
     async def _request(
         self,

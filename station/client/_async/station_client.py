@@ -12,9 +12,9 @@ from station import wire
 from station.client._async.collecting import collect
 from station.client._async.connection import AsyncConnection
 from station.client._async.control_lease import AsyncControlLease
-from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.motion import move_to, start_move
+from station.client._async.recordings_client import kept_on_disk
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client._async.tokens_client import AsyncTokensClient
@@ -66,6 +66,8 @@ class AsyncStationClient:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
         tokens: Named tokens of people and programs.
+        recordings: Recordings of every cycle on the station's disk.
+        incidents: What the station kept of stops, reflexes and faults.
     """
 
     def __init__(
@@ -79,7 +81,8 @@ class AsyncStationClient:
         url, token = locate(url, token)
         self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
         self.simulation = AsyncSimulationClient(self._connection)
-        self.gain_sets = AsyncGainSetsClient(self._connection)
+        kept = kept_on_disk(self._connection)
+        self.gain_sets, self.recordings, self.incidents = kept
         self.tokens = AsyncTokensClient(self._connection)
 
     async def __aenter__(self) -> Self:

@@ -13,9 +13,9 @@ from station import wire
 from station.client._sync.collecting import collect
 from station.client._sync.connection import Connection
 from station.client._sync.control_lease import ControlLease
-from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.goal_handle import GoalHandle
 from station.client._sync.motion import move_to, start_move
+from station.client._sync.recordings_client import kept_on_disk
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
 from station.client._sync.tokens_client import TokensClient
@@ -67,6 +67,8 @@ class StationClient:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
         tokens: Named tokens of people and programs.
+        recordings: Recordings of every cycle on the station's disk.
+        incidents: What the station kept of stops, reflexes and faults.
     """
 
     def __init__(
@@ -80,7 +82,8 @@ class StationClient:
         url, token = locate(url, token)
         self._connection = Connection(url.rstrip("/"), token, timeout, transport)
         self.simulation = SimulationClient(self._connection)
-        self.gain_sets = GainSetsClient(self._connection)
+        kept = kept_on_disk(self._connection)
+        self.gain_sets, self.recordings, self.incidents = kept
         self.tokens = TokensClient(self._connection)
 
     def __enter__(self) -> Self:

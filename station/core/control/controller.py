@@ -5,6 +5,7 @@ multi_interface_controller.h; differs: `init` raises with its reason instead of
 returning False, and there is one `init(hw, params)` instead of overloads.
 """
 
+from array import array
 from collections.abc import Mapping
 from enum import Enum
 from typing import ClassVar, Generic, TypeAlias, TypeVar
@@ -97,6 +98,10 @@ class ControllerSample:
         """Commands written, in the unit of the hardware interface."""
         return self.columns[3]
 
+    def memory(self) -> bytes:
+        """Return the four lists as doubles, one after the other."""
+        return b"".join(array("d", column).tobytes() for column in self.columns)
+
     def _asdict(self) -> dict[str, object]:
         return dict(zip(self._fields, (self.stamp, *self.columns), strict=True))
 
@@ -132,6 +137,10 @@ class PackedSample(ControllerSample):
     @override
     def columns(self) -> Columns:
         return (self.column(0), self.column(1), self.column(2), self.column(3))
+
+    @override
+    def memory(self) -> bytes:
+        return self.packed[: 32 * self.size]  # four columns of doubles
 
     def column(self, index: int) -> list[float]:
         """Return a column, shape (n,), also of those that the controller added."""

@@ -310,6 +310,8 @@ class ControllerRunner:
             pending.progress = SwitchProgress.CLAIMED
             if pending.time is None:
                 pending.time = time - period
+            if pending.request.receipt is not None:
+                pending.request.receipt.pick_up()
             transaction = self._transaction = SwitchTransaction(self.lifecycle, pending)
         if transaction.carry_on(time):
             if pending.request.zero_period:

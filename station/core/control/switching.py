@@ -19,6 +19,7 @@ from station.core.errors import (
     suggest,
 )
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
+from station.core.ports.receipt import Receipt
 
 
 class Strictness(Enum):
@@ -68,6 +69,7 @@ class SwitchRequest:
         dry_run: Only say what would happen.
         zero_period: Update each started controller once with a period of zero, in the
             cycle in which it is started, as after a recovery.
+        receipt: Where the cycle is noted in which the switch begins.
     """
 
     start: Sequence[str] = ()
@@ -78,6 +80,7 @@ class SwitchRequest:
     bound: float | None = SWITCH_BOUND
     dry_run: bool = False
     zero_period: bool = False
+    receipt: Receipt | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.tunables import Gains, GainsChange, Tunables
 from station.core.errors import GainsChangedError, NothingToUndoError
+from station.core.facade.input_log import InputLog
 from station.core.loop.control_loop import ControlLoop
 
 HISTORY = 100
@@ -34,6 +35,7 @@ class GainTuning:
         loop: The loop.
         manager: Its controller manager.
         change_lock: Held while somebody loads or unloads a controller.
+        inputs: Where changes are noted.
     """
 
     def __init__(
@@ -41,7 +43,9 @@ class GainTuning:
         loop: ControlLoop,
         manager: ControllerManager,
         change_lock: threading.Lock,
+        inputs: InputLog | None = None,
     ) -> None:
+        self._inputs = inputs or InputLog(loop)
         self._loop = loop
         self._manager = manager
         self._change_lock = change_lock
@@ -157,6 +161,7 @@ class GainTuning:
         def apply() -> int:
             for name, values in wanted.items():
                 found[name].apply(values)
+            self._inputs.note_in_cycle("gains", changes=wanted)
             return self._loop.cycle
 
         cycle = self._loop.run_in_cycle(apply)

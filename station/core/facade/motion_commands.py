@@ -15,6 +15,7 @@ from station.core.errors import (
     StaleEpochError,
     StationError,
 )
+from station.core.facade.input_log import InputLog
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopState
 from station.core.ports.goal import Goal, GoalPort
@@ -36,9 +37,16 @@ class MotionCommands:
     Args:
         loop: The loop.
         manager: The loop's controller manager.
+        inputs: Where commands are noted.
     """
 
-    def __init__(self, loop: ControlLoop, manager: ControllerManager) -> None:
+    def __init__(
+        self,
+        loop: ControlLoop,
+        manager: ControllerManager,
+        inputs: InputLog | None = None,
+    ) -> None:
+        self._inputs = inputs or InputLog(loop)
         self.loop = loop
         self.manager = manager
 
@@ -104,8 +112,12 @@ class MotionCommands:
         port.check(values, timeout, rates)
         generation = port.generation
         present = self._check_may_move(name, epoch)
+        receipt = receipt or self.receipt()
         # A stop or a reset in between changes the generation and voids the set-point.
         port.post([*values, *(rates or [])], timeout, generation, receipt)
+        self._inputs.note_command(
+            "set_point", receipt, name=name, values=values, timeout=timeout, rates=rates
+        )
         return present
 
     def let_expire(self, names: Iterable[str]) -> None:
@@ -147,6 +159,7 @@ class MotionCommands:
         """
         port = self._goal_port(name)
         present = self._check_may_move(name, epoch)
+        self._inputs.note_plan("goal", name=name, request=request)
         goal = port.submit(request)
         try:
             self._check_may_move(name, present)
@@ -185,7 +198,13 @@ class MotionCommands:
             GoalNotFoundError: It knows no such goal.
             InvalidCommandError: It takes no goals.
         """
-        return self._goal_port(name).cancel(identifier)
+        port = self._goal_port(name)
+        order = [goal.identifier for goal in port.goals()]
+        goal = port.cancel(identifier)
+        # A re-run has other identifiers: the goal is known by its place.
+        behind = order[::-1].index(identifier) if identifier in order else 0
+        self._inputs.note("cancel_goal", name=name, behind=behind)
+        return goal
 
     def follow_trajectory(
         self,
@@ -217,6 +236,7 @@ class MotionCommands:
         """
         port = self._trajectory_port(name)
         present = self._check_may_move(name, epoch)
+        self._inputs.note_plan("trajectory", name=name, request=request)
         port.follow(request, receipt)
         try:
             self._check_may_move(name, present)

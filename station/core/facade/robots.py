@@ -15,6 +15,7 @@ from station.core.errors import (
     ServiceNotFoundError,
     suggest,
 )
+from station.core.facade.input_log import InputLog
 from station.core.hardware.services import (
     RecoverableRobot,
     RobotServices,
@@ -22,6 +23,7 @@ from station.core.hardware.services import (
     find_services,
 )
 from station.core.loop.control_loop import ControlLoop
+from station.core.ports.receipt import Receipt
 
 T = TypeVar("T")
 ServicesT = TypeVar("ServicesT", bound=RobotServices)
@@ -35,9 +37,16 @@ class Robots:
     Args:
         loop: The loop.
         manager: Its controller manager.
+        inputs: Where services and recoveries are noted.
     """
 
-    def __init__(self, loop: ControlLoop, manager: ControllerManager) -> None:
+    def __init__(
+        self,
+        loop: ControlLoop,
+        manager: ControllerManager,
+        inputs: InputLog | None = None,
+    ) -> None:
+        self._inputs = inputs or InputLog(loop)
         self._loop = loop
         self._manager = manager
         self._handles: dict[str, list[RobotServices]] = {}
@@ -94,12 +103,27 @@ class Robots:
         for handle in self._of(name):
             found = handle.services().get(service_name)
             if found is not None:
-                return found, getattr(handle, service_name)
+                method = getattr(handle, service_name)
+                return found, self._noted(name, service_name, method)
         raise ServiceNotFoundError(
             f"Robot '{name}' has no service '{service_name}'.",
             remedy=suggest(service_name, self.services(name)),
             details={"robot": name, "service": service_name},
         )
+
+    def _noted(
+        self, name: str, service: str, method: Callable[..., object]
+    ) -> Callable[..., object]:
+        """Return a service that is noted once it is done."""
+
+        def call(**arguments: object) -> object:
+            answer = method(**arguments)
+            self._inputs.note_in_cycle(
+                "service", robot=name, service=service, arguments=arguments
+            )
+            return answer
+
+        return call
 
     def run(
         self,
@@ -125,6 +149,8 @@ class Robots:
             result = action()
             if voids is not None:
                 self._loop.next_epoch(voids)
+            if moves or voids is not None:
+                self._inputs.note_in_cycle("operation", what=_name_of(action))
             return result
 
         return self._loop.run_in_cycle(act, moves=moves)
@@ -188,6 +214,7 @@ class Robots:
                 robot.check_recovery()
             recovered = [robot.name for robot in robots if robot.error_recovery()]
             if recovered:
+                self._inputs.note_in_cycle("recover", robots=recovered)
                 names = "' and '".join(recovered)
                 did = "was" if len(recovered) == 1 else "were"
                 self._loop.next_epoch(f"Arm '{names}' {did} recovered.")
@@ -199,7 +226,11 @@ class Robots:
             self.wait_until_recovered(robot)
         names = self._manager.interrupted if restart else ()
         if names:
-            request = SwitchRequest(names, (), zero_period=True)
+            receipt = Receipt(lambda: self._loop.cycle)
+            request = SwitchRequest(names, (), zero_period=True, receipt=receipt)
+            self._inputs.note_command(
+                "switch", receipt, start=names, stop=(), zero_period=True
+            )
             names = self._manager.switch_controller(request).started
         if restart or all(one.remedy() is None for one in self._recoverable()):
             self._manager.forget_interrupted()
@@ -235,3 +266,8 @@ class Robots:
                 details={"arm_id": name},
             )
         return handles
+
+
+def _name_of(action: Callable[..., object]) -> str:
+    """Return where an action is defined, for people."""
+    return str(getattr(action, "__qualname__", type(action).__qualname__))

@@ -12,6 +12,7 @@ from station.core.errors import (
     SimulationError,
     suggest,
 )
+from station.core.facade.input_log import InputLog
 from station.core.hardware.limits import JointLimits
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.loop.control_loop import ControlLoop
@@ -52,9 +53,11 @@ class SimulationControl:
 
     Args:
         loop: The loop.
+        inputs: Where resets are noted.
     """
 
-    def __init__(self, loop: ControlLoop) -> None:
+    def __init__(self, loop: ControlLoop, inputs: InputLog | None = None) -> None:
+        self._inputs = inputs or InputLog(loop)
         self._loop = loop
         self._world = loop.hw.simulated_world()
 
@@ -181,6 +184,7 @@ class SimulationControl:
         def apply() -> None:
             world.reset(wanted)
             loop.begin_anew()
+            self._inputs.note_in_cycle("reset", positions=wanted)
 
         loop.run_in_cycle(apply)
         return self.report()

@@ -7,6 +7,7 @@ the whole thing or raises an error of `station.core.errors` and changes nothing.
 import threading
 import uuid
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from station.core.control.controller import ControllerSample
@@ -22,6 +23,7 @@ from station.core.errors import (
 from station.core.facade.gain_sets import GainSets
 from station.core.facade.gain_tuning import GainTuning
 from station.core.facade.hardware_report import HardwareReport, report_hardware
+from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.parameter_server import ParameterServer
 from station.core.facade.robots import Robots
@@ -55,6 +57,7 @@ class Station:
         loop: The loop.
         manager: Its controller manager.
         boot_id: Random name of this run.
+        inputs: What was asked of the station since its first cycle, for re-runs.
         motion: What makes the robot move: set-points, trajectories and goals.
         robots: The robots, their services and recovery.
         tuning: Gains of several controllers at once, and the last change taken back.
@@ -76,9 +79,10 @@ class Station:
     ) -> None:
         self.loop = loop
         self.manager = manager
-        self.motion = MotionCommands(loop, manager)
-        self.robots = Robots(loop, manager)
-        self.simulation = SimulationControl(loop)
+        self.inputs = InputLog(loop)
+        self.motion = MotionCommands(loop, manager, self.inputs)
+        self.robots = Robots(loop, manager, self.inputs)
+        self.simulation = SimulationControl(loop, self.inputs)
         self.boot_id = uuid.uuid4().hex
         self.watchdog_failure: str | None = None
         self.parameters = parameters
@@ -86,7 +90,7 @@ class Station:
         self._reserved = reserved
         self._change_lock = threading.Lock()
         self._loading: set[str] = set()
-        self.tuning = GainTuning(loop, manager, self._change_lock)
+        self.tuning = GainTuning(loop, manager, self._change_lock, self.inputs)
         self.gain_sets = GainSets(self.tuning, gain_sets)
         self.parameter_server = ParameterServer(
             parameters, self._change_lock, self._loading, reserved
@@ -274,6 +278,7 @@ class Station:
                     self.tuning.begin(name)
                 else:
                     self._restore(name, before)
+        self.inputs.note("load", name=name, params=wanted)
         return self.controller(name)
 
     def unload_controller(self, name: str) -> None:
@@ -285,6 +290,7 @@ class Station:
         """
         with self._change_lock:
             self.manager.unload_controller(name)
+        self.inputs.note("unload", name=name)
 
     def switch_controllers(self, request: SwitchRequest) -> SwitchResult:
         """Start and stop controllers, all in one cycle.
@@ -298,7 +304,19 @@ class Station:
         self.loop.check_alive()
         if request.start and not request.dry_run:
             self.loop.stop_latch.check()
-        return self.manager.switch_controller(request)
+        if request.dry_run:
+            return self.manager.switch_controller(request)
+        receipt = request.receipt or self.motion.receipt()
+        self.inputs.note_command(
+            "switch",
+            receipt,
+            start=tuple(request.start),
+            stop=tuple(request.stop),
+            strictness=request.strictness.value,
+            start_asap=request.start_asap,
+            timeout=request.timeout,
+        )
+        return self.manager.switch_controller(replace(request, receipt=receipt))
 
     def gains(self, name: str) -> Gains:
         """Return the run-time parameters of a controller.
@@ -345,6 +363,7 @@ class Station:
     def stop(self, reason: str) -> None:
         """Stop every controller in the next cycle and let nothing move until armed."""
         self.loop.stop_latch.engage(reason)
+        self.inputs.note_stop(reason)
         if self.loop.state is not LoopState.RUNNING:
             self.loop.carry_out_stop()
 
@@ -363,6 +382,7 @@ class Station:
             latch.arm()
         else:
             latch.release()
+        self.inputs.note("release", arm=arm)
         return latch.state
 
     def _wanted_parameters(

@@ -92,8 +92,19 @@ class _Mode:
         state.doubles(MODE)[0] = mode.value
 
 
+SCALARS = ("time", "control_command_success_rate", "m_ee", "m_load", "m_total")
+"""Fields that are single numbers, in the order of `RobotState.packed`."""
 MODE = "robot_mode"
 """Part of the block that has the number of the mode."""
+
+
+def array_places() -> dict[str, slice]:
+    """Return where the bytes of each array are in the block of a packed state."""
+    places, start = {}, 0
+    for name, size in {**_SIZES, MODE: 1}.items():
+        places[name] = slice(8 * start, 8 * (start + size))
+        start += size
+    return places
 
 
 def _flags() -> list[bool]:
@@ -243,6 +254,24 @@ class RobotState:
         """Return the memory of `q`, `dq` and `tau_J`, one after the other, (21,)."""
         block: Block = self.__dict__["block"]
         return block.memory[: sum(_SIZES[name] for name in ("q", "dq", "tau_J"))]
+
+    def packed(self) -> tuple[bytes, tuple[float, ...], tuple[bool, ...]]:
+        """Return a copy in three pieces, which takes a tenth of the time of `copy`.
+
+        Returns:
+            The block of doubles in the order of the arrays' fields; `SCALARS`; the
+            flags of `current_errors`, then those of `last_motion_errors`.
+        """
+        block: Block = self.__dict__["block"]
+        scalars = (
+            self.time,
+            self.control_command_success_rate,
+            self.m_ee,
+            self.m_load,
+            self.m_total,
+        )
+        flags = (*self.current_errors, *self.last_motion_errors)
+        return block.memory.tobytes(), scalars, flags
 
     def copy(self) -> "RobotState":
         """Return a copy that no longer changes, for other threads."""

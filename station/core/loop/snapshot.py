@@ -68,13 +68,22 @@ class SnapshotRing:
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.
         """
+        records, lost = self.records_since(cycle)
+        return [_unpack(record) for record in records], lost
+
+    def records_since(self, cycle: int) -> tuple[list[Record], int]:
+        """Return the records after `cycle` as they are; see `read_since`.
+
+        Args:
+            cycle: Number of the last cycle the reader has seen; 0 for none.
+        """
         latest = self._latest
         if latest is None or latest[0] <= cycle:
             return [], 0
         newest = latest[0]
         first = max(cycle + 1, newest - self._capacity + 1)
         found = [
-            _unpack(record)
+            record
             for number in range(first, newest + 1)
             if (record := self._slots[number % self._capacity]) is not None
             and record[0] == number

@@ -77,6 +77,13 @@ class Packed:
     def __init__(self, columns: tuple[list[float], ...] | tuple[bytes, ...]) -> None:
         self._columns = columns
 
+    def memory(self) -> bytes:
+        """Return positions, velocities and efforts as doubles, one after the other."""
+        return b"".join(
+            column if isinstance(column, bytes) else array("d", column).tobytes()
+            for column in self._columns
+        )
+
     def unpack(self) -> list[list[float]]:
         """Return positions, velocities and efforts, shape (n,) each."""
         columns = [

@@ -1,0 +1,205 @@
+"""Recordings of every cycle, and the incidents that the station keeps by itself."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from fastapi import APIRouter, Depends, Path, Query, Request
+from starlette.responses import FileResponse
+
+from station.api.dependencies import Operator, Viewer
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.core.errors import RecordingRefusedError
+from station.records.record_store import RECORDING, RecordStore
+from station.wire import Recording, RecordingRequest, Recordings, Trajectory
+from station.wire.recordings import RecordingId
+
+if TYPE_CHECKING:
+    from station.records.recorder import Recorder
+
+MEDIA_TYPE = "application/x-mcap"
+Id = Annotated[RecordingId, Path(description="Name of the recording.")]
+Rate = Annotated[
+    float,
+    Query(gt=0.0, le=1000.0, description="Cycles per second of station time [Hz]."),
+]
+
+
+async def get_recorder(request: Request) -> "Recorder":
+    """Return the recorder of the station.
+
+    Raises:
+        RecordingRefusedError: This station records nothing.
+    """
+    recorder: Recorder | None = request.app.state.recorder
+    if recorder is None:
+        raise RecordingRefusedError(
+            "This station records nothing.",
+            remedy="Set `records.enabled` in its configuration, and install the extra "
+            "`records`.",
+        )
+    return recorder
+
+
+async def get_incident_store(request: Request) -> RecordStore:
+    """Return where the incidents are.
+
+    Raises:
+        RecordingRefusedError: This station keeps no incidents.
+    """
+    store = (await get_recorder(request)).incidents
+    if store is None:
+        raise RecordingRefusedError(
+            "This station keeps no incidents.",
+            remedy="Set `records.incidents` in its configuration to at least 1.",
+        )
+    return store
+
+
+RecorderDep = Annotated[Any, Depends(get_recorder)]
+IncidentsDep = Annotated[RecordStore, Depends(get_incident_store)]
+_FILE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The MCAP file.",
+        "content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
+router = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=JsonRoute)
+
+
+@router.get("/recordings", responses=problems(409))
+def list_recordings(recorder: RecorderDep) -> Recordings:
+    """List the recordings, the oldest first."""
+    return Recordings.model_validate({"recordings": recorder.infos()})
+
+
+@router.post(
+    "/recordings",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(409, 413, 422),
+)
+def start_recording(
+    recorder: RecorderDep, request: RecordingRequest | None = None
+) -> Recording:
+    """Begin to record every cycle; one recording runs at a time."""
+    asked = request or RecordingRequest()
+    return Recording.model_validate(recorder.start(asked.name, asked.note))
+
+
+@router.get("/recordings/{identifier}", responses=problems(404, 409, 422))
+def get_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+    """Return what is known of a recording, while it runs as well."""
+    return Recording.model_validate(recorder.info(identifier))
+
+
+@router.post(
+    "/recordings/{identifier}/stop",
+    dependencies=[Operator],
+    responses=problems(404, 409, 422),
+)
+def stop_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+    """End a recording; its file is whole when the answer comes."""
+    return Recording.model_validate(recorder.stop(identifier))
+
+
+@router.delete(
+    "/recordings/{identifier}",
+    dependencies=[Operator],
+    responses=problems(404, 409, 422),
+)
+def delete_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+    """Delete a recording that does not run; return what it was."""
+    return Recording.model_validate(recorder.store.delete(identifier))
+
+
+@router.get(
+    "/recordings/{identifier}/file",
+    responses={**_FILE, **problems(404, 409, 422)},
+    response_class=FileResponse,
+)
+def get_recording_file(identifier: Id, recorder: RecorderDep) -> FileResponse:
+    """Return the MCAP file of a recording that has ended."""
+    return _file(recorder.store, identifier)
+
+
+@router.get("/recordings/{identifier}/trajectory", responses=problems(404, 409, 422))
+def get_recording_trajectory(
+    identifier: Id, recorder: RecorderDep, rate: Rate = 30.0
+) -> Trajectory:
+    """Return the joint positions of a recording that has ended, some per second."""
+    return _trajectory(recorder.store, identifier, rate)
+
+
+@router.get("/incidents", responses=problems(409))
+def list_incidents(store: IncidentsDep) -> Recordings:
+    """List the incidents, the oldest first.
+
+    The ten seconds before and the two after every stop, reflex, burst of overruns and
+    fault of a controller; the oldest incidents make room for new ones.
+    """
+    return Recordings.model_validate({"recordings": store.infos()})
+
+
+@router.get("/incidents/{identifier}", responses=problems(404, 409, 422))
+def get_incident(identifier: Id, store: IncidentsDep) -> Recording:
+    """Return what is known of an incident."""
+    return Recording.model_validate(store.info(identifier))
+
+
+@router.get(
+    "/incidents/{identifier}/file",
+    responses={**_FILE, **problems(404, 409, 422)},
+    response_class=FileResponse,
+)
+def get_incident_file(identifier: Id, store: IncidentsDep) -> FileResponse:
+    """Return the MCAP file of an incident."""
+    return _file(store, identifier)
+
+
+@router.get("/incidents/{identifier}/trajectory", responses=problems(404, 409, 422))
+def get_incident_trajectory(
+    identifier: Id, store: IncidentsDep, rate: Rate = 30.0
+) -> Trajectory:
+    """Return the joint positions of an incident, some per second."""
+    return _trajectory(store, identifier, rate)
+
+
+def _file(store: RecordStore, identifier: str) -> FileResponse:
+    _check_ended(store, identifier)
+    return FileResponse(
+        store.file(identifier), media_type=MEDIA_TYPE, filename=f"{identifier}.mcap"
+    )
+
+
+def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
+    # Imported late: an application without a recorder needs no reader of MCAP.
+    from station.records.recording_reader import read_trajectory
+
+    _check_ended(store, identifier)
+    found = read_trajectory(store.file(identifier)).decimated(rate)
+    return Trajectory.model_validate({
+        "name": list(found.names),
+        "cycle": found.cycle.tolist(),
+        "time": found.time.tolist(),
+        "position": found.position.tolist(),
+    })
+
+
+def _check_ended(store: RecordStore, identifier: str) -> None:
+    """Refuse a file that is being written.
+
+    Raises:
+        RecordingRefusedError: It is, or it is no longer there.
+    """
+    if store.info(identifier).state == RECORDING:
+        raise RecordingRefusedError(
+            f"'{identifier}' is being recorded; its file is not whole yet.",
+            remedy="Stop it first.",
+            details={"id": identifier},
+        )
+    if not store.file(identifier).exists():
+        raise RecordingRefusedError(
+            f"The file of '{identifier}' is gone.",
+            remedy="Somebody has deleted it; delete the recording, too.",
+            details={"id": identifier},
+        )

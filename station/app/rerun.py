@@ -1,0 +1,253 @@
+"""Step the configuration of a recording again, with its inputs, and compare.
+
+A station is deterministic: the same configuration, asked the same before the same
+cycles, takes the same way bit for bit. So a recording is a regression test of
+controllers, robots and the station itself.
+"""
+
+import json
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from station.app.composition import compose
+from station.config import load_config
+from station.core.clock import ManualClock
+from station.core.control.switching import Strictness, SwitchRequest
+from station.core.errors import RecordingFileError, StationError
+from station.core.facade.station import Station
+from station.records.recording_reader import (
+    Trajectory,
+    read_inputs,
+    read_texts,
+    read_trajectory,
+)
+
+Arguments: TypeAlias = Mapping[str, Any]
+"""The arguments of an input, as JSON has them."""
+_BATCH = 1000
+"""Cycles between two looks at the ring of snapshots, which keeps 4096."""
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Where a re-run leaves the recording.
+
+    Attributes:
+        cycle: The first cycle that is not the same.
+        joint: The first joint in it.
+        quantity: position, velocity or effort.
+        recorded: Its value in the recording [rad, m, rad/s, m/s, Nm or N].
+        rerun: Its value now, in the same unit.
+    """
+
+    cycle: int
+    joint: str
+    quantity: str
+    recorded: float
+    rerun: float
+
+
+@dataclass(frozen=True, slots=True)
+class RerunResult:
+    """How a re-run compares with its recording.
+
+    Attributes:
+        cycles: Number of cycles that were compared.
+        difference: The first difference; None when there is none.
+        not_repeated: Inputs that cannot be asked again, and from which cycle on the
+            re-run may differ for that reason, one sentence each.
+    """
+
+    cycles: int
+    difference: Difference | None
+    not_repeated: tuple[str, ...]
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether every cycle is the same, bit for bit."""
+        return self.difference is None
+
+    def as_json(self) -> dict[str, object]:
+        """Return the result as JSON has it."""
+        return {"is_equal": self.is_equal, **asdict(self)}
+
+    def text(self) -> str:
+        """Return the result for people."""
+        found = self.difference
+        if found is None:
+            told = f"Equal: {self.cycles} cycles are the same, bit for bit."
+        else:
+            told = (
+                f"Different from cycle {found.cycle} on: the {found.quantity} of "
+                f"'{found.joint}' was {found.recorded!r} and is {found.rerun!r} now."
+            )
+        return "\n".join((told, *self.not_repeated))
+
+
+def rerun(path: Path | str) -> RerunResult:
+    """Step the station of a recording again and compare every cycle.
+
+    Args:
+        path: The MCAP file of a recording or an incident.
+
+    Raises:
+        RecordingFileError: It is no whole recording, or does not have all inputs since
+            the station's first cycle.
+        StationError: The station cannot be built as it was configured.
+    """
+    path = Path(path)
+    inputs = read_inputs(path)
+    if not inputs or not inputs[0].get("is_whole"):
+        raise RecordingFileError(
+            f"{path} cannot be run again: it does not have everything that was asked "
+            "of the station since its first cycle.",
+            remedy="Record earlier in the life of the station.",
+        )
+    (configuration,) = read_texts(path, "/configuration")
+    values = json.loads(configuration)
+    parameters = values.pop("parameters", {})
+    config = load_config(values).model_copy(update={"parameters": parameters})
+    clock = ManualClock()
+    station = compose(config, clock).station
+    return _Rerun(station, clock, inputs[1:]).compare(read_trajectory(path))
+
+
+class _Rerun:
+    """Steps a station, and asks of it what was asked then."""
+
+    def __init__(
+        self, station: Station, clock: ManualClock, inputs: list[dict[str, object]]
+    ) -> None:
+        self._station = station
+        self._clock = clock
+        # Those of one cycle stay in their order.
+        self._inputs = deque(sorted(inputs, key=lambda one: one["after"]))  # type: ignore[arg-type, return-value]  # numbers, by JSON
+        self._not_repeated: list[str] = []
+        # A switch runs cycles while it waits; they have their inputs, too.
+        station.manager.pump = self._advance
+
+    def compare(self, recorded: Trajectory) -> RerunResult:
+        """Run until the recording ends or the first difference comes."""
+        loop, done, first = self._station.loop, 0, 0
+        if not len(recorded.cycle):
+            return RerunResult(0, None, ())
+        last = int(recorded.cycle[-1])
+        rows = {int(cycle): row for row, cycle in enumerate(recorded.cycle)}
+        while done < last:
+            while loop.cycle < min(done + _BATCH, last):
+                self._advance()
+            snapshots, _ = self._station.snapshots.read_since(done)
+            for one in snapshots:
+                row = rows.get(one.cycle)
+                if row is None:
+                    continue
+                first += 1
+                found = _difference(recorded, row, one)
+                if found is not None:
+                    return RerunResult(first - 1, found, tuple(self._not_repeated))
+            done = loop.cycle
+        return RerunResult(first, None, tuple(self._not_repeated))
+
+    def _advance(self) -> None:
+        loop = self._station.loop
+        while self._inputs and self._after(self._inputs[0]) <= loop.cycle:
+            self._ask(self._inputs.popleft())
+        self._clock.advance(loop.period / loop.pace.real_time_factor)
+        loop.step()
+
+    @staticmethod
+    def _after(one: Arguments) -> int:
+        return int(one["after"])
+
+    def _ask(self, one: Arguments) -> None:
+        ask = _ASK.get(str(one["kind"]))
+        if ask is None:
+            what = one.get("what", one["kind"])
+            self._not_repeated.append(
+                f"Cannot be asked again: {what}, after cycle {one['after']}."
+            )
+            return
+        if one.get("while_running"):
+            self._not_repeated.append(
+                f"Not repeated exactly: a {one['kind']} was planned while cycles ran, "
+                f"after cycle {one['after']}; from there on the motion may differ."
+            )
+        try:
+            ask(self._station, one)
+        except StationError as error:
+            self._not_repeated.append(
+                f"Refused now: {one['kind']} after cycle {one['after']}: {error}"
+            )
+
+
+def _difference(recorded: Trajectory, row: int, now: Any) -> Difference | None:  # noqa: ANN401 - Snapshot
+    for quantity in ("position", "velocity", "effort"):
+        before = getattr(recorded, quantity)[row].tolist()
+        after = getattr(now, quantity)
+        for joint, old, new in zip(recorded.names, before, after, strict=True):
+            both_nan = old != old and new != new
+            if old != new and not both_nan:
+                return Difference(now.cycle, joint, quantity, old, new)
+    return None
+
+
+def _switch(station: Station, one: Arguments) -> None:
+    station.switch_controllers(
+        SwitchRequest(
+            one["start"],
+            one["stop"],
+            Strictness(one.get("strictness", Strictness.STRICT.value)),
+            start_asap=one.get("start_asap", False),
+            timeout=one.get("timeout", 0.0),
+            zero_period=one.get("zero_period", False),
+        )
+    )
+
+
+def _set_point(station: Station, one: Arguments) -> None:
+    station.motion.set_command(
+        one["name"], one["values"], timeout=one["timeout"], rates=one["rates"]
+    )
+
+
+def _cancel_goal(station: Station, one: Arguments) -> None:
+    goals = station.motion.goals(one["name"])
+    station.motion.cancel_goal(one["name"], goals[-1 - one["behind"]].identifier)
+
+
+def _service(station: Station, one: Arguments) -> None:
+    declared, method = station.robots.find_service(one["robot"], one["service"])
+    station.loop.run_in_cycle(lambda: method(**one["arguments"]), moves=declared.moves)
+
+
+def _recover(station: Station, one: Arguments) -> None:
+    for name in one["robots"]:
+        station.robots.recover(name)
+
+
+_ASK: dict[str, Callable[[Station, Arguments], object]] = {
+    "switch": _switch,
+    "set_point": _set_point,
+    "goal": lambda station, one: station.motion.submit_goal(
+        one["name"], one["request"]
+    ),
+    "cancel_goal": _cancel_goal,
+    "trajectory": lambda station, one: station.motion.follow_trajectory(
+        one["name"], one["request"]
+    ),
+    "gains": lambda station, one: station.tuning.set_many(one["changes"]),
+    "stop": lambda station, one: station.stop(one["reason"]),
+    "release": lambda station, one: station.release_stop(arm=one["arm"]),
+    "reset": lambda station, one: station.simulation.reset(one["positions"]),
+    "load": lambda station, one: station.load_controller(
+        one["name"], params=one["params"]
+    ),
+    "unload": lambda station, one: station.unload_controller(one["name"]),
+    "service": _service,
+    "recover": _recover,
+    "late": lambda station, one: station.loop.delay_next_cycle(one["periods"] - 1),
+}
+"""How each kind of input is asked again."""

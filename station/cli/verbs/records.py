@@ -1,0 +1,172 @@
+"""Verbs about recordings and incidents."""
+
+import tempfile
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_json, say_model, say_models, say_table
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from station.client import StationClient
+    from station.wire import Recording
+
+_NEEDS_NAME = frozenset({"get", "delete", "rerun"})
+
+
+def record(options: Namespace) -> int:
+    """Start, stop, list, fetch, delete or run again.
+
+    Raises:
+        UsageError: The name of the recording is missing.
+    """
+    action = options.action
+    if action in _NEEDS_NAME and options.name is None:
+        raise UsageError(
+            f"`record {action}` needs to know which recording.",
+            remedy="`station record list` has their names; `rerun` takes a file.",
+        )
+    if action == "rerun":
+        return _rerun(options)
+    with open_client(options) as client:
+        if action == "list":
+            return _say_all(client.recordings.list(), options)
+        if action == "get":
+            return _get(client, options, is_incident=False)
+        if action == "start":
+            found = client.recordings.start(options.name or "", options.note)
+        elif action == "delete":
+            found = client.recordings.delete(options.name)
+        else:
+            found = _stop(client, options.name)
+    if options.json:
+        say_model(found)
+    else:
+        say(_told(found, action))
+    return int(found.state == "failed" and action == "stop")
+
+
+def incidents(options: Namespace) -> int:
+    """List or fetch.
+
+    Raises:
+        UsageError: The name of the incident is missing.
+    """
+    if options.action == "get" and options.name is None:
+        raise UsageError(
+            "`incidents get` needs to know which incident.",
+            remedy="`station incidents list` has their names.",
+        )
+    with open_client(options) as client:
+        if options.action == "list":
+            return _say_all(client.incidents.list(), options)
+        return _get(client, options, is_incident=True)
+
+
+def recover_file(options: Namespace) -> int:
+    """Mend a file whose end is missing."""
+    from station.records.mcap_recovery import recover_file as recover
+
+    found = recover(options.file)
+    if options.json:
+        say_json({
+            "changed": found.is_changed,
+            "messages": found.messages,
+            "dropped": found.dropped,
+        })
+    elif found.is_changed:
+        say(
+            f"Recovered {found.messages} messages; {found.dropped} bytes at the end "
+            "were not complete and were cut off."
+        )
+    else:
+        say(f"The file is whole: {found.messages} messages. Nothing was changed.")
+    return 0
+
+
+def _stop(client: "StationClient", name: str | None) -> "Recording":
+    try:
+        return client.recordings.stop(name)
+    except LookupError as error:
+        raise UsageError(
+            str(error), remedy="`station record start` begins a recording."
+        ) from error
+
+
+def _told(found: "Recording", action: str) -> str:
+    """Return what happened, for people."""
+    if action == "start":
+        return f"Recording {found.identifier}. `station record stop` ends it."
+    if action == "delete":
+        return f"Deleted {found.identifier}."
+    text = f"{found.identifier}: {found.cycles} cycles, {found.size / 1e6:.1f} MB"
+    lost = f", {found.lost} lost" if found.lost else ", none lost"
+    problem = f" {found.error}" if found.error else ""
+    return f"{text}{lost}.{problem}"
+
+
+def _say_all(found: "Sequence[Recording]", options: Namespace) -> int:
+    if options.json:
+        say_models(found)
+        return 0
+    rows = [
+        [
+            one.identifier,
+            one.state,
+            f"{one.duration:.1f} s",
+            f"{one.cycles}",
+            f"{one.lost}",
+            f"{one.size / 1e6:.1f} MB",
+            " ".join([*one.causes, one.error, one.note]).strip() or "-",
+        ]
+        for one in found
+    ]
+    if rows:
+        say_table(
+            ["id", "state", "duration", "cycles", "lost", "size", "remarks"], rows
+        )
+    else:
+        say("There are none.")
+    return 0
+
+
+def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> int:
+    """Fetch the file, and make a table of it if need be.
+
+    Raises:
+        UsageError: There is a file already where it is to be written.
+    """
+    source = client.incidents if is_incident else client.recordings
+    target = options.output or Path(f"{options.name}.{options.format}")
+    if target.exists():
+        raise UsageError(
+            f"There is a file {target} already.", remedy="Give another one with -o."
+        )
+    if options.format == "mcap":
+        source.download(options.name, target)
+    else:
+        from station.records.export import export
+
+        with tempfile.TemporaryDirectory() as folder:
+            file = source.download(options.name, Path(folder, "recording.mcap"))
+            export(file, target, options.format)
+    if options.json:
+        say_json({"file": str(target)})
+    else:
+        say(f"Wrote {target} ({target.stat().st_size / 1e6:.1f} MB).")
+    return 0
+
+
+def _rerun(options: Namespace) -> int:
+    from station.app.rerun import rerun
+
+    found = rerun(Path(options.name))
+    if options.json:
+        say_json(found.as_json())
+    else:
+        say(found.text())
+    return 0 if found.is_equal else 1

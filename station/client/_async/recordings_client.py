@@ -1,0 +1,128 @@
+"""The client of a station's recordings, and of its incidents."""
+
+from pathlib import Path
+
+from station.client._async.connection import AsyncConnection
+from station.client._async.gain_sets_client import AsyncGainSetsClient
+from station.client.routes import segment
+from station.wire import Recording, RecordingRequest, Recordings, Trajectory
+
+_RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
+
+
+class _AsyncFiles:
+    """What recordings and incidents have in common.
+
+    Args:
+        connection: The connection to the station.
+        path: Where they are.
+    """
+
+    def __init__(self, connection: AsyncConnection, path: str) -> None:
+        self._connection = connection
+        self._path = path
+
+    async def list(self) -> list[Recording]:
+        """Return all, the oldest first."""
+        return (await self._connection.get(self._path, Recordings)).recordings
+
+    async def get(self, identifier: str) -> Recording:
+        """Return what is known of one."""
+        return await self._connection.get(self._of(identifier), Recording)
+
+    async def trajectory(self, identifier: str, rate: float = 30.0) -> Trajectory:
+        """Return the joint positions of one that has ended.
+
+        Args:
+            identifier: Which one.
+            rate: Cycles per second of station time [Hz].
+        """
+        path = f"{self._of(identifier)}/trajectory"
+        return await self._connection.get(path, Trajectory, {"rate": repr(rate)})
+
+    async def download(self, identifier: str, target: Path | str) -> Path:
+        """Write the MCAP file of one that has ended to a new file; return its path.
+
+        Args:
+            identifier: Which one.
+            target: The file to be; it is not there yet.
+
+        Raises:
+            FileExistsError: There is such a file.
+        """
+        target = Path(target)
+        await self._connection.download(f"{self._of(identifier)}/file", target)
+        return target
+
+    def _of(self, identifier: str) -> str:
+        return f"{self._path}/{segment(identifier)}"
+
+
+class AsyncRecordingsClient(_AsyncFiles):
+    """Recordings of every cycle on the station's disk: `client.recordings`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        super().__init__(connection, _RECORDINGS)
+
+    async def start(self, name: str = "", note: str = "") -> Recording:
+        """Begin to record with the next cycle; one recording runs at a time.
+
+        Args:
+            name: Up to 80 letters, digits, `_`, `.` and `-`.
+            note: For the record.
+        """
+        request = RecordingRequest(name=name, note=note)
+        return await self._connection.send("POST", self._path, Recording, request)
+
+    async def stop(self, identifier: str | None = None) -> Recording:
+        """End a recording; its file is whole then.
+
+        Args:
+            identifier: Which one; the one that runs when None.
+
+        Raises:
+            LookupError: None runs.
+        """
+        if identifier is None:
+            running = [r for r in await self.list() if r.state == "recording"]
+            if not running:
+                raise LookupError("Nothing is being recorded.")
+            identifier = running[-1].identifier
+        path = f"{self._of(identifier)}/stop"
+        return await self._connection.send("POST", path, Recording)
+
+    async def delete(self, identifier: str) -> Recording:
+        """Delete a recording that does not run; return what it was."""
+        return await self._connection.send("DELETE", self._of(identifier), Recording)
+
+
+class AsyncIncidentsClient(_AsyncFiles):
+    """What the station kept of stops, reflexes and faults: `client.incidents`.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        super().__init__(connection, _INCIDENTS)
+
+
+def kept_on_disk(
+    connection: AsyncConnection,
+) -> tuple[AsyncGainSetsClient, AsyncRecordingsClient, AsyncIncidentsClient]:
+    """Return the clients of what a station keeps on its disk.
+
+    Args:
+        connection: The connection to the station.
+    """
+    return (
+        AsyncGainSetsClient(connection),
+        AsyncRecordingsClient(connection),
+        AsyncIncidentsClient(connection),
+    )

@@ -1,0 +1,107 @@
+"""What was asked of a station from outside, and before which cycle it took effect.
+
+A station that is stepped from its configuration, with the same inputs before the same
+cycles, goes the same way bit for bit. A recording keeps the inputs for that.
+"""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from station.core.loop.control_loop import ControlLoop
+from station.core.loop.loop_report import LoopState
+from station.core.ports.receipt import Receipt
+
+CAPACITY = 10_000
+"""Most inputs that wait to be taken; without a recorder nobody takes them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """Something that was asked of the station.
+
+    Attributes:
+        kind: What; `operation` for what a re-run cannot ask again.
+        arguments: How, as JSON has it.
+        after: Returns the last cycle before it took effect; None while none has taken
+            it up.
+    """
+
+    kind: str
+    arguments: Mapping[str, object]
+    after: Callable[[], int | None]
+
+
+class InputLog:
+    """Keeps the inputs of a station since its first cycle. Any thread.
+
+    Args:
+        loop: The loop.
+
+    Attributes:
+        is_complete: Whether no input was dropped before it was taken.
+    """
+
+    def __init__(self, loop: ControlLoop) -> None:
+        self.is_complete = True
+        self._loop = loop
+        # Appending and popping are atomic: no lock.
+        self._inputs: deque[Input] = deque(maxlen=CAPACITY)
+
+    def note(self, kind: str, **arguments: object) -> None:
+        """Note what takes effect now, between two cycles or in no cycle at all."""
+        cycle = self._loop.cycle
+        self._add(kind, arguments, lambda: cycle)
+
+    def note_plan(self, kind: str, **arguments: object) -> None:
+        """Note what is planned now, for the next cycle that takes it up.
+
+        While cycles run in their thread, some may pass until the plan is made; then a
+        re-run, which plans between two cycles, may go another way.
+        """
+        running = self._loop.state is LoopState.RUNNING
+        self.note(kind, **arguments, while_running=running)
+
+    def note_in_cycle(self, kind: str, **arguments: object) -> None:
+        """Note what an operation does; called by the operation."""
+        # The thread has counted the cycle already when it carries operations out.
+        running = self._loop.state is LoopState.RUNNING
+        cycle = self._loop.cycle - (1 if running else 0)
+        self._add(kind, arguments, lambda: cycle)
+
+    def note_command(self, kind: str, receipt: Receipt, **arguments: object) -> None:
+        """Note a command that a later cycle picks up, or none does."""
+
+        def after() -> int | None:
+            return None if receipt.cycle is None else receipt.cycle - 1
+
+        self._add(kind, arguments, after)
+
+    def note_stop(self, reason: str) -> None:
+        """Note that the stop was engaged; the next cycle carries it out."""
+        latch, cycle = self._loop.stop_latch, self._loop.cycle
+        running = self._loop.state is LoopState.RUNNING
+
+        def after() -> int | None:
+            if not running:
+                return cycle
+            return latch.cycle - 1 if latch.cycle > cycle else None
+
+        self._add("stop", {"reason": reason}, after)
+
+    def take(self) -> list[Input]:
+        """Return the inputs since the last call, for the one recorder there is."""
+        taken = []
+        while self._inputs:
+            taken.append(self._inputs.popleft())
+        return taken
+
+    def _add(
+        self,
+        kind: str,
+        arguments: Mapping[str, object],
+        after: Callable[[], int | None],
+    ) -> None:
+        if len(self._inputs) >= CAPACITY:
+            self.is_complete = False
+        self._inputs.append(Input(kind, arguments, after))

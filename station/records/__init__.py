@@ -1,0 +1,1 @@
+"""Recordings: every cycle kept in MCAP files, read again, recovered and exported."""

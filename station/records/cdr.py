@@ -1,0 +1,320 @@
+"""CDR, the encoding of ROS 2 messages, for the few types that a recording has.
+
+A `MessageType` is read from the text of a ROS 2 message definition. It encodes and
+decodes any message, field by field; a `Layout` encodes messages whose text and lengths
+do not change, in one call of `struct`, which is what a cycle needs.
+
+Source: OMG CORBA 3.0, chapter 15.3 (CDR), little-endian as in ROS 2's DDS: four bytes
+of encapsulation, then every primitive aligned to its own size.
+"""
+
+import re
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Values = dict[str, Any]
+"""A message: values by field, with messages in it likewise."""
+
+_ENCAPSULATION = b"\x00\x01\x00\x00"
+_PRIMITIVES = {
+    "bool": "?",
+    "uint8": "B",
+    "int32": "i",
+    "uint32": "I",
+    "uint64": "Q",
+    "float64": "d",
+}
+_FIELD = re.compile(r"([\w/]+)(\[\d*\])? +(\w+)(?: *#.*)?")
+_SEPARATOR = "=" * 80
+_DOUBLE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a message.
+
+    Attributes:
+        name: Its name.
+        kind: A primitive, `string`, or the name of a message type.
+        length: Number of elements of an array; None for a single value, and -1 for
+            an array of any length.
+    """
+
+    name: str
+    kind: str
+    length: int | None
+
+
+class MessageType:
+    """A message type, read from its definition.
+
+    Args:
+        name: Name with package, e.g. `sensor_msgs/msg/JointState`.
+        text: The definition as MCAP keeps it under `ros2msg`: the fields of the type,
+            then those of the types in it, each after a line of 80 `=` and `MSG: name`.
+
+    Attributes:
+        name: As given.
+        text: As given.
+        fields: The fields in their order.
+
+    Raises:
+        ValueError: A line of the definition is no field.
+    """
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.text = text
+        own, *others = text.split(f"{_SEPARATOR}\nMSG: ")
+        self.fields = _read_fields(own)
+        self._types = {}
+        for other in others:
+            title, _, body = other.partition("\n")
+            self._types[title.strip()] = _read_fields(body)
+
+    def encode(self, message: Values) -> bytes:
+        """Return a message as CDR.
+
+        Args:
+            message: A value for every field.
+
+        Raises:
+            KeyError: A field has no value.
+            struct.error: A value does not fit its field.
+        """
+        writer = _Writer()
+        self._write(writer, self.fields, message)
+        return bytes(writer.data)
+
+    def decode(self, data: bytes) -> Values:
+        """Return the message in CDR data; arrays of doubles are lists of floats.
+
+        Raises:
+            struct.error: The data end too early.
+        """
+        return self._read(_Reader(data), self.fields)
+
+    def of(self, kind: str) -> tuple[Field, ...] | None:
+        """Return the fields of a message type inside of this one; None for others."""
+        return self._types.get(kind)
+
+    def _write(
+        self, writer: "_Writer", fields: Sequence[Field], message: Values
+    ) -> None:
+        for field in fields:
+            value = message[field.name]
+            if field.length is None:
+                self._write_one(writer, field.kind, value)
+                continue
+            if field.length < 0:
+                writer.put("I", len(value))
+            if len(value) != max(field.length, 0) and field.length >= 0:
+                raise ValueError(f"'{field.name}' has {len(value)} elements.")
+            for one in value:
+                self._write_one(writer, field.kind, one)
+
+    def _write_one(self, writer: "_Writer", kind: str, value: Any) -> None:  # noqa: ANN401 - as its field
+        if kind in _PRIMITIVES:
+            writer.put(_PRIMITIVES[kind], value)
+        elif kind == "string":
+            data = value.encode() + b"\0"
+            writer.put("I", len(data))
+            writer.data += data
+        else:
+            self._write(writer, self._types[kind], value)
+
+    def _read(self, reader: "_Reader", fields: Sequence[Field]) -> Values:
+        message: Values = {}
+        for field in fields:
+            if field.length is None:
+                message[field.name] = self._read_one(reader, field.kind)
+                continue
+            size = reader.take("I") if field.length < 0 else field.length
+            if field.kind == "float64":
+                message[field.name] = reader.take_doubles(size)
+            else:
+                message[field.name] = [
+                    self._read_one(reader, field.kind) for _ in range(size)
+                ]
+        return message
+
+    def _read_one(self, reader: "_Reader", kind: str) -> Any:  # noqa: ANN401 - as its field
+        if kind in _PRIMITIVES:
+            return reader.take(_PRIMITIVES[kind])
+        if kind == "string":
+            return reader.take_text()
+        return self._read(reader, self._types[kind])
+
+
+class Layout:
+    """Encodes messages of one type whose texts and lengths are settled.
+
+    What is left to give to `pack`, in the order of the fields: a number for every
+    single primitive, and for every array of doubles its memory as bytes, in the
+    machine's order, which is little-endian wherever a station runs.
+
+    Args:
+        kind: The message type.
+        constants: Text fields, by name, or lists of texts; `frame_id` of a header, too.
+        lengths: Number of elements of every array of doubles without a fixed length.
+    """
+
+    def __init__(
+        self,
+        kind: MessageType,
+        constants: Mapping[str, str | Sequence[str]],
+        lengths: Mapping[str, int],
+    ) -> None:
+        self._pieces: list[bytes | str] = []
+        self._at = 0
+        self._kind = kind
+        self._constants = constants
+        self._lengths = lengths
+        self._add_fields(kind.fields)
+        self._compile()
+
+    def _add_fields(self, fields: Sequence[Field]) -> None:
+        for field in fields:
+            constant = self._constants.get(field.name)
+            if constant is not None:
+                self._add_constant(field, constant)
+            elif field.length is not None:
+                self._add_array(field)
+            elif field.kind in _PRIMITIVES:
+                code = _PRIMITIVES[field.kind]
+                self._align(struct.calcsize(code))
+                self._add(code)
+            else:
+                inner = self._kind.of(field.kind)
+                if inner is None:
+                    raise ValueError(f"The text '{field.name}' is not settled.")
+                self._add_fields(inner)
+
+    def _add_constant(self, field: Field, constant: str | Sequence[str]) -> None:
+        texts = [constant] if isinstance(constant, str) else constant
+        if field.length is not None:
+            self._align(4)
+            self._add(struct.pack("<I", len(texts)))
+        for text in texts:
+            data = text.encode() + b"\0"
+            self._align(4)
+            self._add(struct.pack("<I", len(data)) + data)
+
+    def _add_array(self, field: Field) -> None:
+        size = field.length if field.length is not None else -1
+        if size < 0:
+            size = self._lengths[field.name]
+            self._align(4)
+            self._add(struct.pack("<I", size))
+        if field.kind == "float64":
+            if size:
+                self._align(_DOUBLE)
+            self._add(f"{_DOUBLE * size}s")
+            return
+        code = _PRIMITIVES[field.kind]
+        for _ in range(size):
+            self._align(struct.calcsize(code))
+            self._add(code)
+
+    def _align(self, size: int) -> None:
+        gap = -self._at % size
+        if gap:
+            self._add(b"\0" * gap)
+
+    def _add(self, piece: bytes | str) -> None:
+        self._at += len(piece) if isinstance(piece, bytes) else struct.calcsize(piece)
+        self._pieces.append(piece)
+
+    def _compile(self) -> None:
+        """Join neighbouring constants, so that one call of `struct` does the rest."""
+        codes, constants = "<", {0: _ENCAPSULATION}
+        index, was_constant = 1, True
+        for piece in self._pieces:
+            if isinstance(piece, str):
+                if was_constant:
+                    codes += f"{len(constants[index - 1])}s"
+                codes += piece
+                index += 1
+                was_constant = False
+            elif was_constant:
+                constants[index - 1] += piece
+            else:
+                constants[index] = piece
+                index += 1
+                was_constant = True
+        if was_constant:
+            codes += f"{len(constants[index - 1])}s"
+        self._pack = struct.Struct(codes).pack
+        self._fixed = tuple(constants.items())
+
+    def pack(self, *values: float | bytes) -> bytes:
+        """Return a message as CDR.
+
+        Args:
+            values: What is not settled, in the order of the fields.
+
+        Raises:
+            struct.error: There are too many or too few values.
+        """
+        row: list[float | bytes] = [*values]
+        for index, constant in self._fixed:
+            row.insert(index, constant)
+        return self._pack(*row)
+
+
+class _Writer:
+    def __init__(self) -> None:
+        self.data = bytearray(_ENCAPSULATION)
+
+    def put(self, code: str, value: float) -> None:
+        size = struct.calcsize(code)
+        self.data += b"\0" * (-(len(self.data) - 4) % size)
+        self.data += struct.pack(f"<{code}", value)
+
+
+class _Reader:
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._at = 4
+
+    def take(self, code: str) -> Any:  # noqa: ANN401 - what the code says
+        size = struct.calcsize(code)
+        self._at += -(self._at - 4) % size
+        (value,) = struct.unpack_from(f"<{code}", self._data, self._at)
+        self._at += size
+        return value
+
+    def take_doubles(self, size: int) -> list[float]:
+        if not size:
+            return []
+        self._at += -(self._at - 4) % _DOUBLE
+        values = struct.unpack_from(f"<{size}d", self._data, self._at)
+        self._at += _DOUBLE * size
+        return [*values]
+
+    def take_text(self) -> str:
+        size = self.take("I")
+        text = self._data[self._at : self._at + size - 1]
+        self._at += size
+        return bytes(text).decode()
+
+
+def _read_fields(text: str) -> tuple[Field, ...]:
+    """Return the fields in a definition; constants and comments are left out.
+
+    Raises:
+        ValueError: A line is neither.
+    """
+    fields = []
+    for line in map(str.strip, text.splitlines()):
+        if not line or line.startswith("#") or "=" in line:
+            continue
+        found = _FIELD.fullmatch(line)
+        if found is None:
+            raise ValueError(f"{line!r} is no field of a message.")
+        kind, array, name = found.groups()
+        length = None if array is None else int(array[1:-1] or -1)
+        fields.append(Field(name, kind, length))
+    return tuple(fields)

@@ -1,0 +1,183 @@
+"""The messages of a cycle: what a packed row says, in CDR."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from station.core.franka.franka_robot_state import MODE, SCALARS, array_places
+from station.records import messages
+from station.records.cdr import Layout, MessageType
+from station.records.cycle_row import Row, SampleForm
+
+JOINT_STATES = "/joint_states"
+CYCLES = "/cycles"
+CONTROLLERS = "/controllers/"
+COMMANDS = "/commands/"
+FRANKA_STATES = "/franka_state/"
+_COLUMNS = ("desired", "actual", "error", "output")
+_JOINTS = ("position", "velocity", "effort")
+
+
+class Message(NamedTuple):
+    """One message of a channel.
+
+    Attributes:
+        topic: The channel.
+        kind: Type of the message.
+        data: The message as CDR.
+    """
+
+    topic: str
+    kind: MessageType
+    data: bytes
+
+
+class CycleMessages:
+    """Makes the messages of cycles.
+
+    Args:
+        origin: Wall time of station time zero [ns since 1970]; the stamps of the
+            messages are wall time, so that a recording says when it was made.
+    """
+
+    def __init__(self, origin: int) -> None:
+        self.origin = origin
+        self._joint_layouts: dict[tuple[str, ...], Layout] = {}
+        self._sample_layouts: dict[SampleForm, Layout] = {}
+        self._cycle_layouts: dict[str, Layout] = {}
+        self._command_layouts: dict[tuple[str, ...], Layout] = {}
+        self._franka = FrankaLayout()
+
+    def stamp(self, time: float) -> int:
+        """Return the wall time of a station time [ns since 1970]."""
+        return self.origin + round(time * 1e9)
+
+    def of_row(self, row: Row) -> Iterator[Message]:
+        """Yield the messages of a cycle."""
+        seconds, rest = divmod(self.stamp(row.time), 1_000_000_000)
+        form = row.form
+        yield Message(
+            CYCLES,
+            messages.CYCLE,
+            self._cycle_layout(form.mode).pack(
+                seconds, rest, row.cycle, row.epoch, row.time, row.period
+            ),
+        )
+        size = len(row.joints) // 3
+        columns = [bytes(row.joints[k * size : (k + 1) * size]) for k in range(3)]
+        layout = self._joint_layout(form.joints)
+        yield Message(
+            JOINT_STATES, messages.JOINT_STATE, layout.pack(seconds, rest, *columns)
+        )
+        for sample, memory in zip(form.samples, row.samples, strict=True):
+            size = len(memory) // 4
+            columns = [bytes(memory[k * size : (k + 1) * size]) for k in range(4)]
+            yield Message(
+                f"{CONTROLLERS}{sample.name}",
+                messages.CONTROLLER_STATE,
+                self._sample_layout(sample).pack(seconds, rest, *columns),
+            )
+
+    def of_commands(
+        self, quantity: str, time: float, names: tuple[str, ...], commands: bytes
+    ) -> Message:
+        """Return the commands that reached the robot in a cycle.
+
+        Args:
+            quantity: position, velocity or effort.
+            time: Station time [s].
+            names: The joints.
+            commands: A double for each.
+        """
+        layout = self._command_layouts.get(names)
+        if layout is None:
+            fixed = {"name": names, "frame_id": ""}
+            layout = Layout(messages.JOINT_COMMANDS, fixed, {"command": len(names)})
+            self._command_layouts[names] = layout
+        seconds, rest = divmod(self.stamp(time), 1_000_000_000)
+        data = layout.pack(seconds, rest, commands)
+        return Message(f"{COMMANDS}{quantity}", messages.JOINT_COMMANDS, data)
+
+    def of_arm(
+        self,
+        arm_id: str,
+        time: float,
+        state: tuple[bytes, tuple[float, ...], tuple[bool, ...]],
+    ) -> Message:
+        """Return the whole state of an arm in a cycle.
+
+        Args:
+            arm_id: The arm.
+            time: Station time [s].
+            state: As `RobotState.packed` returns it.
+        """
+        data = self._franka.pack(divmod(self.stamp(time), 1_000_000_000), state)
+        return Message(f"{FRANKA_STATES}{arm_id}", messages.FRANKA_STATE, data)
+
+    def of_text(self, topic: str, text: str) -> Message:
+        """Return a `std_msgs/String`."""
+        return Message(topic, messages.STRING, messages.STRING.encode({"data": text}))
+
+    def _joint_layout(self, names: tuple[str, ...]) -> Layout:
+        layout = self._joint_layouts.get(names)
+        if layout is None:
+            lengths = dict.fromkeys(_JOINTS, len(names))
+            fixed = {"name": names, "frame_id": ""}
+            layout = Layout(messages.JOINT_STATE, fixed, lengths)
+            self._joint_layouts[names] = layout
+        return layout
+
+    def _sample_layout(self, form: SampleForm) -> Layout:
+        layout = self._sample_layouts.get(form)
+        if layout is None:
+            lengths = dict.fromkeys(_COLUMNS, len(form.elements))
+            fixed = {"name": form.elements, "frame_id": ""}
+            layout = Layout(messages.CONTROLLER_STATE, fixed, lengths)
+            self._sample_layouts[form] = layout
+        return layout
+
+    def _cycle_layout(self, mode: str) -> Layout:
+        layout = self._cycle_layouts.get(mode)
+        if layout is None:
+            layout = Layout(messages.CYCLE, {"mode": mode, "frame_id": ""}, {})
+            self._cycle_layouts[mode] = layout
+        return layout
+
+
+class FrankaLayout:
+    """Encodes the state of an arm, whose fields are libfranka's, as franka_msgs."""
+
+    def __init__(self) -> None:
+        self._layout = Layout(messages.FRANKA_STATE, {"frame_id": ""}, {})
+        # The message has the names in lower case, as ROS 2 wants them.
+        places = {name.lower(): place for name, place in array_places().items()}
+        self._mode = places[MODE]
+        # In the order of the message: where an array lies, or the number of a scalar.
+        self._sources: list[slice | int] = []
+        for field in messages.FRANKA_STATE.fields:
+            if field.name in SCALARS:
+                self._sources.append(SCALARS.index(field.name))
+            elif field.length is not None:
+                self._sources.append(places[field.name])
+        self._flags = messages.error_places()
+
+    def pack(
+        self,
+        stamp: tuple[int, int],
+        state: tuple[bytes, tuple[float, ...], tuple[bool, ...]],
+    ) -> bytes:
+        """Return a `FrankaState` as CDR.
+
+        Args:
+            stamp: Seconds and nanoseconds.
+            state: As `RobotState.packed` returns it.
+        """
+        block, scalars, flags = state
+        values: list[float | bytes] = [
+            scalars[source] if isinstance(source, int) else block[source]
+            for source in self._sources
+        ]
+        mode = int(memoryview(block[self._mode]).cast("d")[0])
+        half = len(flags) // 2
+        current = [flags[place] for place in self._flags]
+        last = [flags[half + place] for place in self._flags]
+        return self._layout.pack(*stamp, *values, mode, *current, *last)

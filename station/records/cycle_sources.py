@@ -1,0 +1,158 @@
+"""What a recording has besides the snapshots, sampled in the cycles while it runs."""
+
+from abc import ABC, abstractmethod
+from array import array
+from collections.abc import Callable, Iterator
+from typing import Generic, TypeVar
+
+from typing_extensions import override
+
+from station.core.facade.station import Station
+from station.core.franka.franka_state import FrankaStateHandle, FrankaStateInterface
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.interfaces.joint import JointCommandInterface
+from station.core.hardware.interfaces.joint_group import JointGroup
+from station.core.loop.cycle_tap import CycleTap
+from station.records.cycle_messages import CycleMessages, Message
+
+SampleT = TypeVar("SampleT")
+PackedArm = tuple[bytes, tuple[float, ...], tuple[bool, ...]]
+"""An arm's state, as `RobotState.packed` returns it."""
+_INTERFACES: dict[str, type[JointCommandInterface]] = {
+    "position": PositionJointInterface,
+    "velocity": VelocityJointInterface,
+    "effort": EffortJointInterface,
+}
+
+
+class CycleSource(ABC, Generic[SampleT]):
+    """A channel whose messages are sampled in every cycle while it is open.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._tap: CycleTap[SampleT] = CycleTap(station.loop, self.sample)
+        self._cycle = 0
+
+    @abstractmethod
+    def sample(self) -> SampleT:
+        """Return what is kept of a cycle; control thread, must not wait."""
+
+    @abstractmethod
+    def message(
+        self, encoder: CycleMessages, time: float, sample: SampleT
+    ) -> Iterator[Message]:
+        """Yield the messages of a cycle.
+
+        Args:
+            encoder: Makes messages.
+            time: Station time of the cycle [s].
+            sample: What `sample` returned in that cycle.
+        """
+
+    def open(self) -> None:
+        """Sample from the next cycle on."""
+        self._tap.open()
+        self._cycle = self._tap.newest_cycle()
+
+    def close(self) -> None:
+        """Sample no more."""
+        self._tap.close()
+
+    @property
+    def failure(self) -> str | None:
+        """Why no cycle is sampled any more; None while all is well."""
+        return self._tap.failure
+
+    def take(
+        self, encoder: CycleMessages, log: Callable[[Message, float], None]
+    ) -> int:
+        """Hand over the messages of the cycles since the last call.
+
+        Args:
+            encoder: Makes messages.
+            log: Takes each message, and its station time [s].
+
+        Returns:
+            How many cycles were lost.
+        """
+        taken, lost = self._tap.read_since(self._cycle)
+        for one in taken:
+            for message in self.message(encoder, one.stamp, one.sample):
+                log(message, one.stamp)
+        if taken:
+            self._cycle = taken[-1].cycle
+        return lost
+
+
+class CommandSource(CycleSource[list[bytes]]):
+    """The joint commands after `write`: limited, as they went to the robot.
+
+    What controllers asked for is the `output` of their own channels. What filters and
+    rate limits of an arm made of a command is in the state of the arm.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._groups: list[tuple[str, tuple[str, ...], JointGroup]] = []
+        for quantity, kind in _INTERFACES.items():
+            interface = station.loop.hw.get(kind)
+            if interface is not None and interface.get_names():
+                group = JointGroup(interface.handles())
+                self._groups.append((quantity, tuple(group.names), group))
+        super().__init__(station)
+
+    @override
+    def sample(self) -> list[bytes]:
+        return [_memory(group) for _, _, group in self._groups]
+
+    @override
+    def message(
+        self, encoder: CycleMessages, time: float, sample: list[bytes]
+    ) -> Iterator[Message]:
+        for (quantity, names, _), commands in zip(self._groups, sample, strict=True):
+            yield encoder.of_commands(quantity, time, names, commands)
+
+
+class ArmSource(CycleSource[PackedArm]):
+    """The whole state of an arm.
+
+    Args:
+        station: The station.
+        handle: Reads the arm.
+    """
+
+    def __init__(self, station: Station, handle: FrankaStateHandle) -> None:
+        self._handle = handle
+        self._arm_id = handle.name.removesuffix("_robot")
+        super().__init__(station)
+
+    @override
+    def sample(self) -> PackedArm:
+        return self._handle.get_robot_state().packed()
+
+    @override
+    def message(
+        self, encoder: CycleMessages, time: float, sample: PackedArm
+    ) -> Iterator[Message]:
+        yield encoder.of_arm(self._arm_id, time, sample)
+
+
+def sources_of(station: Station) -> list[CommandSource | ArmSource]:
+    """Return all sources of a station."""
+    arms = station.loop.hw.get(FrankaStateInterface)
+    handles = [] if arms is None else arms.handles()
+    found: list[CommandSource | ArmSource] = [CommandSource(station)]
+    found += [ArmSource(station, handle) for handle in handles]
+    return found
+
+
+def _memory(group: JointGroup) -> bytes:
+    if group.commands is not None:
+        return group.commands.tobytes()
+    return array("d", group.get_commands()).tobytes()

@@ -1,0 +1,77 @@
+"""Sees in the cycles that something went wrong: a stop, a reflex, a burst, a fault."""
+
+from collections import deque
+
+from station.core.facade.station import Station
+from station.records.cycle_row import Row
+
+REFLEX_MODES = frozenset({"reflex", "user_stopped"})
+BURST = 5
+"""So many deadlines skipped within `BURST_WINDOW` are a burst of overruns."""
+BURST_WINDOW = 0.1
+"""[s station time]"""
+BURST_PAUSE = 60.0
+"""After a burst the next one counts only after so long [s station time]; a machine that
+is busy for hours must not drive every other incident out of the folder."""
+
+
+class IncidentWatch:
+    """Looks at every cycle; recorder thread only.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+        self._period = station.loop.period
+        self._stop_cycle = station.loop.stop_latch.cycle
+        self._mode: str | None = None
+        self._running: frozenset[str] = frozenset()
+        self._skips: deque[float] = deque(maxlen=BURST)
+        self._last_burst = -BURST_PAUSE
+
+    def look(self, row: Row) -> list[str]:
+        """Return what went wrong in a cycle, one sentence each."""
+        causes = []
+        form = row.form
+        if form.mode != self._mode:
+            if form.mode in REFLEX_MODES and self._mode is not None:
+                causes.append(f"The robot went from {self._mode} to {form.mode}.")
+            self._mode = form.mode
+        running = frozenset(one.name for one in form.samples)
+        if running != self._running:
+            causes += self._faults(self._running - running)
+            self._running = running
+        if row.period > 1.5 * self._period:
+            causes += self._skipped(row)
+        return causes
+
+    def look_at_stop(self) -> list[str]:
+        """Return why the station was stopped since the last call; once per batch."""
+        latch = self._station.loop.stop_latch
+        if latch.cycle == self._stop_cycle:
+            return []
+        self._stop_cycle = latch.cycle
+        return [f"The station was stopped: {latch.reason or 'no reason given'}."]
+
+    def _faults(self, gone: frozenset[str]) -> list[str]:
+        if not gone:
+            return []
+        return [
+            f"Controller '{one.name}' was stopped: {one.fault.rstrip('.')}."
+            for one in self._station.controllers()
+            if one.name in gone and one.fault
+        ]
+
+    def _skipped(self, row: Row) -> list[str]:
+        count = round(row.period / self._period) - 1
+        self._skips.extend([row.time] * min(count, BURST))
+        if len(self._skips) < BURST or row.time - self._skips[0] > BURST_WINDOW:
+            return []
+        self._skips.clear()
+        if row.time - self._last_burst < BURST_PAUSE:
+            return []
+        self._last_burst = row.time
+        window = 1000.0 * BURST_WINDOW
+        return [f"The loop skipped {BURST} or more deadlines in {window:g} ms."]

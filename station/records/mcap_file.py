@@ -1,0 +1,160 @@
+"""An MCAP file that is written by foxglove-sdk, lz4 in chunks of 64 KiB."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import foxglove
+from foxglove.mcap import MCAPCompression, MCAPWriteOptions
+
+from station.records.cycle_messages import Message
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+CHUNK = 65_536
+"""Bytes of a chunk before compression."""
+PROFILE = "ros2"
+
+
+class DiskFile:
+    """The bytes of a file on their way to the disk.
+
+    Attributes:
+        size: Bytes on the disk.
+
+    Args:
+        path: A new file.
+
+    Raises:
+        OSError: The file exists or cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600)
+        self.size = 0
+
+    def write(self, data: bytes | bytearray | memoryview) -> int:
+        """Write some of the data; return how many bytes.
+
+        Raises:
+            OSError: The disk is full, or broken.
+        """
+        count = os.write(self._descriptor, data)
+        self.size += count
+        return count
+
+    def close(self) -> None:
+        """Close the file."""
+        os.close(self._descriptor)
+
+
+class _Buffer:
+    """The file that the SDK sees: memory, which cannot fail and does not wait.
+
+    The SDK writes a line to stderr for every message after an error of its file, and
+    writes while it holds the interpreter lock.
+    """
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self._size = 0
+
+    def write(self, data: bytes | bytearray) -> int:
+        self.data += data
+        self._size += len(data)
+        return len(data)
+
+    def seek(self, _offset: int, _whence: int = 0) -> int:
+        return self._size  # the SDK only asks where it is
+
+    def flush(self) -> None:
+        return
+
+    def take(self) -> bytearray:
+        data, self.data = self.data, bytearray()
+        return data
+
+
+class McapFile:
+    """Messages of any channels in one file; one thread at a time.
+
+    Args:
+        disk: Where the bytes go.
+
+    Attributes:
+        disk: As given.
+        failure: Why nothing more is written; None while all is well.
+    """
+
+    def __init__(self, disk: DiskFile) -> None:
+        self.disk = disk
+        self.failure: OSError | None = None
+        self._buffer = _Buffer()
+        self._context = foxglove.Context()
+        self._channels: dict[str, foxglove.Channel] = {}
+        self._loggers: dict[str, Callable[[bytes, int], None]] = {}
+        self._writer = foxglove.open_mcap(
+            self._buffer,
+            context=self._context,
+            writer_options=MCAPWriteOptions(
+                compression=MCAPCompression.Lz4,
+                profile=PROFILE,
+                chunk_size=CHUNK,
+                disable_seeking=True,
+            ),
+        )
+
+    def log(self, message: Message, stamp: int) -> None:
+        """Add a message.
+
+        Args:
+            message: The message.
+            stamp: When [ns since 1970].
+        """
+        log = self._loggers.get(message.topic)
+        if log is None:
+            kind = message.kind
+            schema = foxglove.Schema(
+                name=kind.name, encoding="ros2msg", data=kind.text.encode()
+            )
+            channel = foxglove.Channel(
+                message.topic,
+                message_encoding="cdr",
+                schema=schema,
+                context=self._context,
+            )
+            self._channels[message.topic] = channel
+            # Past `Channel.log`, which looks at the type of every message.
+            log = self._loggers[message.topic] = channel.base.log
+        log(message.data, stamp)
+
+    def add_metadata(self, name: str, values: dict[str, str]) -> None:
+        """Add facts about the whole file."""
+        self._writer.write_metadata(name, values)
+
+    def end_chunk(self) -> None:
+        """End the present chunk, so that all messages so far can go to the disk."""
+        self._writer.flush()
+
+    def write_out(self) -> None:
+        """Write to the disk what is complete; `failure` says why not."""
+        data = memoryview(self._buffer.take())
+        if self.failure is not None:
+            return
+        try:
+            while data:
+                data = data[self.disk.write(data) :]
+        except OSError as error:
+            self.failure = error
+
+    def close(self) -> None:
+        """Write the rest, with an index of the whole, and close the file."""
+        self._writer.close()
+        for channel in self._channels.values():
+            channel.close()
+        self.write_out()
+        try:
+            self.disk.close()
+        except OSError as error:
+            self.failure = self.failure or error

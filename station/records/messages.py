@@ -1,0 +1,174 @@
+"""The message types of a recording, as `ros2msg` definitions.
+
+Source: ros2/common_interfaces@humble sensor_msgs, std_msgs, geometry_msgs and tf2_msgs;
+franka_ros@c11f000 franka_msgs/msg/FrankaState.msg and Errors.msg; differs: names of
+fields are in lower case, as ROS 2 wants them and franka_ros2 has them.
+`control_station_msgs` is the station's own.
+"""
+
+from station.core.franka.franka_errors import ERROR_INDEX
+from station.records.cdr import MessageType
+
+_SEPARATOR = "=" * 80
+_TIME = "int32 sec\nuint32 nanosec\n"
+_HEADER = "builtin_interfaces/Time stamp\nstring frame_id\n"
+_ERRORS = (
+    "joint_position_limits_violation",
+    "cartesian_position_limits_violation",
+    "self_collision_avoidance_violation",
+    "joint_velocity_violation",
+    "cartesian_velocity_violation",
+    "force_control_safety_violation",
+    "joint_reflex",
+    "cartesian_reflex",
+    "max_goal_pose_deviation_violation",
+    "max_path_pose_deviation_violation",
+    "cartesian_velocity_profile_safety_violation",
+    "joint_position_motion_generator_start_pose_invalid",
+    "joint_motion_generator_position_limits_violation",
+    "joint_motion_generator_velocity_limits_violation",
+    "joint_motion_generator_velocity_discontinuity",
+    "joint_motion_generator_acceleration_discontinuity",
+    "cartesian_position_motion_generator_start_pose_invalid",
+    "cartesian_motion_generator_elbow_limit_violation",
+    "cartesian_motion_generator_velocity_limits_violation",
+    "cartesian_motion_generator_velocity_discontinuity",
+    "cartesian_motion_generator_acceleration_discontinuity",
+    "cartesian_motion_generator_elbow_sign_inconsistent",
+    "cartesian_motion_generator_start_elbow_invalid",
+    "cartesian_motion_generator_joint_position_limits_violation",
+    "cartesian_motion_generator_joint_velocity_limits_violation",
+    "cartesian_motion_generator_joint_velocity_discontinuity",
+    "cartesian_motion_generator_joint_acceleration_discontinuity",
+    "cartesian_position_motion_generator_invalid_frame",
+    "force_controller_desired_force_tolerance_violation",
+    "controller_torque_discontinuity",
+    "start_elbow_sign_inconsistent",
+    "communication_constraints_violation",
+    "power_limit_violation",
+    "joint_p2p_insufficient_torque_for_planning",
+    "tau_j_range_violation",
+    "instability_detected",
+    "joint_move_in_wrong_direction",
+    "cartesian_spline_motion_generator_violation",
+    "joint_via_motion_generator_planning_joint_limit_violation",
+    "base_acceleration_initialization_timeout",
+    "base_acceleration_invalid_reading",
+)
+_PARTS = {
+    "builtin_interfaces/Time": _TIME,
+    "std_msgs/Header": _HEADER,
+    "franka_msgs/Errors": "".join(f"bool {name}\n" for name in _ERRORS),
+    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
+    "geometry_msgs/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n",
+    "geometry_msgs/Transform": (
+        "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n"
+    ),
+    "geometry_msgs/TransformStamped": (
+        "std_msgs/Header header\nstring child_frame_id\n"
+        "geometry_msgs/Transform transform\n"
+    ),
+}
+
+
+def _message_type(name: str, text: str) -> MessageType:
+    """Return a type with the definitions of all types in it, each once."""
+    found: list[str] = []
+    pending = [text]
+    while pending:
+        words = pending.pop().split()
+        for word in words:
+            part = word.partition("[")[0]
+            if part in _PARTS and part not in found:
+                found.append(part)
+                pending.append(_PARTS[part])
+    parts = "".join(f"{_SEPARATOR}\nMSG: {one}\n{_PARTS[one]}" for one in found)
+    return MessageType(name, text + parts)
+
+
+JOINT_STATE = _message_type(
+    "sensor_msgs/msg/JointState",
+    "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
+    "float64[] effort\n",
+)
+STRING = _message_type("std_msgs/msg/String", "string data\n")
+TF_MESSAGE = _message_type(
+    "tf2_msgs/msg/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"
+)
+CYCLE = _message_type(
+    "control_station_msgs/msg/Cycle",
+    "std_msgs/Header header\nuint64 cycle\nuint64 epoch\nfloat64 time\n"
+    "float64 period\nstring mode\n",
+)
+JOINT_COMMANDS = _message_type(
+    "control_station_msgs/msg/JointCommands",
+    "std_msgs/Header header\nstring[] name\nfloat64[] command\n",
+)
+CONTROLLER_STATE = _message_type(
+    "control_station_msgs/msg/ControllerState",
+    "std_msgs/Header header\nstring[] name\nfloat64[] desired\nfloat64[] actual\n"
+    "float64[] error\nfloat64[] output\n",
+)
+EVENT = _message_type(
+    "control_station_msgs/msg/Event",
+    "std_msgs/Header header\nstring kind\nstring severity\nstring text\n"
+    "string details\n",
+)
+FRANKA_STATE = _message_type(
+    "franka_msgs/msg/FrankaState",
+    "std_msgs/Header header\n"
+    "float64[6] cartesian_collision\nfloat64[6] cartesian_contact\n"
+    "float64[7] q\nfloat64[7] q_d\nfloat64[7] dq\nfloat64[7] dq_d\n"
+    "float64[7] ddq_d\nfloat64[7] theta\nfloat64[7] dtheta\nfloat64[7] tau_j\n"
+    "float64[7] dtau_j\nfloat64[7] tau_j_d\nfloat64[6] k_f_ext_hat_k\n"
+    "float64[2] elbow\nfloat64[2] elbow_d\nfloat64[2] elbow_c\n"
+    "float64[2] delbow_c\nfloat64[2] ddelbow_c\nfloat64[7] joint_collision\n"
+    "float64[7] joint_contact\nfloat64[6] o_f_ext_hat_k\nfloat64[6] o_dp_ee_d\n"
+    "float64[3] o_ddp_o\nfloat64[6] o_dp_ee_c\nfloat64[6] o_ddp_ee_c\n"
+    "float64[7] tau_ext_hat_filtered\nfloat64 m_ee\nfloat64[3] f_x_cee\n"
+    "float64[9] i_ee\nfloat64 m_load\nfloat64[3] f_x_cload\nfloat64[9] i_load\n"
+    "float64 m_total\nfloat64[3] f_x_ctotal\nfloat64[9] i_total\n"
+    "float64[16] o_t_ee\nfloat64[16] o_t_ee_d\nfloat64[16] o_t_ee_c\n"
+    "float64[16] f_t_ee\nfloat64[16] f_t_ne\nfloat64[16] ne_t_ee\n"
+    "float64[16] ee_t_k\nfloat64 time\nfloat64 control_command_success_rate\n"
+    "uint8 ROBOT_MODE_OTHER=0\nuint8 ROBOT_MODE_IDLE=1\nuint8 ROBOT_MODE_MOVE=2\n"
+    "uint8 ROBOT_MODE_GUIDING=3\nuint8 ROBOT_MODE_REFLEX=4\n"
+    "uint8 ROBOT_MODE_USER_STOPPED=5\n"
+    "uint8 ROBOT_MODE_AUTOMATIC_ERROR_RECOVERY=6\nuint8 robot_mode\n"
+    "franka_msgs/Errors current_errors\nfranka_msgs/Errors last_motion_errors\n",
+)
+
+TYPES = {
+    one.name: one
+    for one in (
+        JOINT_STATE,
+        STRING,
+        TF_MESSAGE,
+        CYCLE,
+        JOINT_COMMANDS,
+        CONTROLLER_STATE,
+        EVENT,
+        FRANKA_STATE,
+    )
+}
+"""All of them by name."""
+
+
+def error_places() -> tuple[int, ...]:
+    """Return the place of each flag of the message among the flags of libfranka.
+
+    Both have the same names in another order.
+    """
+    return tuple(ERROR_INDEX[name] for name in _ERRORS)
+
+
+def ros_time(stamp: float) -> tuple[int, int]:
+    """Return station time [s] as whole seconds and nanoseconds."""
+    nanoseconds = round(stamp * 1e9)
+    return nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000
+
+
+def header(stamp: float, frame_id: str = "") -> dict[str, object]:
+    """Return a `std_msgs/Header` at a station time [s]."""
+    seconds, rest = ros_time(stamp)
+    return {"stamp": {"sec": seconds, "nanosec": rest}, "frame_id": frame_id}

@@ -1,0 +1,400 @@
+"""Takes every cycle out of the ring of snapshots, in a thread of its own.
+
+The thread wakes a hundred times a second and handles what came since, so that it holds
+the interpreter for a millisecond at most. The control thread does nothing for it that
+it does not do anyway; while somebody records, it samples commands and arms as well.
+"""
+
+import json
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from station.core.errors import (
+    ControllerNotFoundError,
+    RecordingFileError,
+    RecordingRefusedError,
+)
+from station.core.facade.station import Station
+from station.records.cycle_messages import CycleMessages
+from station.records.cycle_row import RowPacker
+from station.records.cycle_sources import sources_of
+from station.records.incident_watch import IncidentWatch
+from station.records.mcap_file import DiskFile, McapFile
+from station.records.record_store import FAILED, RecordingInfo, RecordStore
+from station.records.recording import GAINS, INPUTS, Recording
+
+if TYPE_CHECKING:
+    from station.core.facade.input_log import Input
+
+WAKE = 0.01
+"""How often the thread looks at the ring [s]."""
+FLUSH = 0.1
+"""How often an unfinished chunk is written to the disk [s]."""
+BEFORE, AFTER = 10.0, 2.0
+"""How much of an incident is kept [s station time]."""
+MOST_INPUTS = 100_000
+"""Inputs of a station's life that a recording can have."""
+
+OnEvent = Callable[[float, str, str, str, str], None]
+"""Takes an event: station time [s], kind, severity, text, details as JSON."""
+
+
+class EventSource(Protocol):
+    """Whoever knows what happens at the station."""
+
+    def listen(self, callback: OnEvent) -> None:
+        """Hand every later event to `callback`, in any thread."""
+
+
+class Recorder:
+    """Records, and keeps what was before an incident. Any thread but the control one.
+
+    Args:
+        station: The station.
+        store: Where recordings are kept.
+        incidents: Where incidents are kept; None keeps none.
+        texts: Text by topic that every file begins with.
+        open_file: Opens a file for its bytes.
+        wall_time: Returns the wall time [ns since 1970].
+
+    Attributes:
+        store: As given.
+        incidents: As given.
+        last: What is known of the present recording, or of the last one; None before
+            the first.
+        failure: Why the thread ended; None while all is well.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        store: RecordStore,
+        incidents: RecordStore | None = None,
+        *,
+        texts: Mapping[str, str] | None = None,
+        open_file: Callable[[Path], DiskFile] = DiskFile,
+        wall_time: Callable[[], int] = time.time_ns,
+    ) -> None:
+        self.store = store
+        self.incidents = incidents
+        self.last: RecordingInfo | None = None
+        self.failure: str | None = None
+        self._station = station
+        self._texts = dict(texts or {})
+        self._open_file = open_file
+        loop = station.loop
+        self._encoder = CycleMessages(wall_time() - round(loop.time * 1e9))
+        self._packer = RowPacker(station.joint_names, self._elements)
+        # What the ring still has of the time before belongs to the station's life, too.
+        self._cycle = 0
+        # A second more, because the thread may come late.
+        rows = round((BEFORE + AFTER + 1.0) / loop.period)
+        self._rows: deque[bytes] = deque(maxlen=rows)
+        self._watch = IncidentWatch(station)
+        self._causes: list[str] = []
+        self._incident_end = 0.0
+        self._recording: Recording | None = None
+        self._inputs: list[str] = []
+        self._pending: list[Input] = []
+        self._events: deque[tuple[float, str, str, str, str]] = deque(maxlen=10_000)
+        self._gains = ""
+        self._is_whole = station.inputs.is_complete
+        self._lock = threading.Lock()
+        self._end = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._flushed = 0.0
+
+    def start_thread(self) -> None:
+        """Drain the ring in a thread until `close`."""
+        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread, the recording and the incident under way."""
+        self._end.set()
+        if self._thread is not None:
+            self._thread.join(1.0)
+        self.drain()
+        with self._lock:
+            self._stop()
+            self._keep_incident()
+
+    def listen_to(self, events: EventSource) -> None:
+        """Record the events of a source, too."""
+        events.listen(lambda *event: self._events.append(event))
+
+    def start(self, name: str = "", note: str = "") -> RecordingInfo:
+        """Begin to record with the next cycle; one recording at a time.
+
+        Args:
+            name: What the user calls it.
+            note: What the user says about it.
+
+        Raises:
+            RecordingRefusedError: One runs already, the name is not allowed, or the
+                quota is used up.
+            RecordingFileError: The file cannot be made.
+        """
+        with self._lock:
+            if self._recording is not None:
+                running = self._recording.info.identifier
+                raise RecordingRefusedError(
+                    f"'{running}' is being recorded already.",
+                    remedy="Stop it first.",
+                    details={"id": running},
+                )
+            self.store.check_room()
+            self._drain()
+            recording = self._begin(self.store, name, note)
+            recording.open_sources()
+            self._cycle = max(self._cycle, self._station.loop.cycle)
+            self._gains = ""
+            self._recording = recording
+            self.last = recording.info
+            return recording.info
+
+    def stop(self, identifier: str | None = None) -> RecordingInfo:
+        """End the recording; return what is known of it.
+
+        Args:
+            identifier: Which one; the present one when None.
+
+        Raises:
+            RecordingNotFoundError: There is no such recording.
+            RecordingRefusedError: It does not run.
+        """
+        with self._lock:
+            present = self._recording
+            if identifier is not None:
+                info = self.store.info(identifier)
+                if present is None or info.identifier != present.info.identifier:
+                    raise RecordingRefusedError(
+                        f"'{identifier}' is not being recorded; it is {info.state}.",
+                        remedy="Only the recording that runs can be stopped.",
+                        details={"id": identifier, "state": info.state},
+                    )
+            self._drain()
+            stopped = self._stop()
+            if stopped is None:
+                raise RecordingRefusedError(
+                    "Nothing is being recorded.", remedy="Start a recording first."
+                )
+            return stopped
+
+    def end(self) -> RecordingInfo:
+        """End the recording if it still runs; return what is known of the last one.
+
+        Raises:
+            RecordingRefusedError: Nothing was recorded yet.
+        """
+        if self._recording is not None:
+            return self.stop()
+        if self.last is None:
+            raise RecordingRefusedError(
+                "Nothing was recorded.", remedy="Start a recording first."
+            )
+        return self.last
+
+    def info(self, identifier: str) -> RecordingInfo:
+        """Return what is known of a recording now.
+
+        Raises:
+            RecordingNotFoundError: There is no such recording.
+        """
+        last = self.last
+        if last is not None and last.identifier == identifier:
+            return last
+        return self.store.info(identifier)
+
+    def infos(self) -> list[RecordingInfo]:
+        """Return all recordings, the oldest first."""
+        return [self.info(one.identifier) for one in self.store.infos()]
+
+    def drain(self) -> None:
+        """Take what the cycles since the last call have left."""
+        with self._lock:
+            self._drain()
+
+    def _run(self) -> None:
+        while not self._end.wait(WAKE):
+            try:
+                self.drain()
+            except Exception as error:  # noqa: BLE001 - the boundary: told in /status
+                self._give_up(f"{type(error).__name__}: {error}")
+                return
+
+    def _give_up(self, why: str) -> None:
+        self.failure = f"The recorder ended: {why}."
+        last = self.last
+        if self._recording is not None and last is not None:
+            self.last = replace(last, state=FAILED, error=self.failure)
+            self.store.keep(self.last)
+            self._recording = None
+
+    def _drain(self) -> None:
+        records, lost = self._station.snapshots.records_since(self._cycle)
+        self._take_inputs()
+        recording = self._recording
+        if lost:
+            self._lose("what was asked while cycles were lost")
+        for record in records:
+            packed = self._packer.pack(record)
+            self._rows.append(packed)
+            row = self._packer.unpack(packed)
+            if recording is not None:
+                recording.add_row(row)
+            self._note_period(row.cycle, row.period)
+            self._note_causes(self._watch.look(row), row.time)
+        if records:
+            self._cycle = records[-1][0]
+            stop = self._station.loop.stop_latch.cycle
+            stopped_at = next((r[2] for r in records if r[0] >= stop), records[-1][2])
+            self._note_causes(self._watch.look_at_stop(), stopped_at)
+        if recording is not None:
+            recording.add_lost(lost)
+            recording.add_samples()
+            self._add_texts(recording)
+            self._write_out(recording)
+        if self._causes and self._station.loop.time >= self._incident_end:
+            self._keep_incident()
+
+    def _note_causes(self, causes: list[str], time_of_cycle: float) -> None:
+        if not causes or self.incidents is None:
+            return
+        if not self._causes:
+            self._incident_end = time_of_cycle + AFTER
+        self._causes += [one for one in causes if one not in self._causes]
+
+    def _note_period(self, cycle: int, period: float) -> None:
+        """Note a cycle that a re-run must begin late, or cannot repeat."""
+        periods = round(period / self._station.loop.period)
+        if periods == 1:
+            return
+        if periods:
+            self._add_input({"after": cycle - 1, "kind": "late", "periods": periods})
+        else:
+            what = "a cycle while time stood still"
+            self._add_input({"after": cycle - 1, "kind": "operation", "what": what})
+
+    def _add_input(self, values: dict[str, object]) -> None:
+        text = json.dumps(values)
+        if len(self._inputs) >= MOST_INPUTS:
+            self._lose(f"more than {MOST_INPUTS} inputs")
+        else:
+            self._inputs.append(text)
+        if self._recording is not None:
+            self._recording.add_text(INPUTS, text, self._station.loop.time)
+
+    def _lose(self, what: str) -> None:
+        """Note once that not everything is known that was asked of the station."""
+        if not self._is_whole:
+            return
+        self._is_whole = False
+        if self._recording is not None:
+            lost = {"after": self._cycle, "kind": "operation", "what": what}
+            text = json.dumps(lost)
+            self._recording.add_text(INPUTS, text, self._station.loop.time)
+
+    def _take_inputs(self) -> None:
+        """Write down what was asked of the station, once its cycle is known."""
+        self._pending += self._station.inputs.take()
+        left = []
+        for one in self._pending:
+            after = one.after()
+            if after is None:
+                left.append(one)
+                continue
+            plain = _plain(one.arguments)
+            self._add_input({"after": after, "kind": one.kind, **plain})
+        if not self._station.inputs.is_complete:
+            self._lose("inputs that came faster than they could be kept")
+        # Set-points that newer ones have replaced are never picked up.
+        self._pending = left[-100:]
+
+    def _add_texts(self, recording: Recording) -> None:
+        gains = json.dumps(self._station.tuning.all_gains())
+        if gains != self._gains:
+            self._gains = gains
+            recording.add_text(GAINS, gains, self._station.loop.time)
+        while self._events:
+            recording.add_event(*self._events.popleft())
+
+    def _write_out(self, recording: Recording) -> None:
+        now = time.monotonic()
+        is_due = now - self._flushed >= FLUSH
+        if is_due:
+            self._flushed = now
+        problem = recording.write_out(end_chunk=is_due)
+        self.last = recording.info
+        if problem is not None:
+            self.last = recording.finish(problem)
+            self._recording = None
+
+    def _begin(
+        self,
+        store: RecordStore,
+        name: str,
+        note: str,
+        causes: tuple[str, ...] = (),
+    ) -> Recording:
+        info, path = store.begin(name, note, causes)
+        try:
+            file = McapFile(self._open_file(path))
+        except OSError as error:
+            store.keep(replace(info, state=FAILED, error=str(error)))
+            raise RecordingFileError(
+                f"{path} cannot be made: {error}.",
+                remedy="Make room, or configure another folder.",
+            ) from error
+        sources = [] if causes else sources_of(self._station)
+        recording = Recording(info, store, file, self._encoder, sources)
+        recording.add_facts(self._station, self._texts)
+        whole = {"kind": "begin", "is_whole": self._is_whole}
+        for text in (json.dumps(whole), *self._inputs):
+            recording.add_text(INPUTS, text, self._station.loop.time)
+        return recording
+
+    def _stop(self) -> RecordingInfo | None:
+        recording, self._recording = self._recording, None
+        if recording is None:
+            return None
+        self.last = recording.finish()
+        return self.last
+
+    def _keep_incident(self) -> None:
+        """Write the cycles in memory to a file of their own."""
+        causes, self._causes = tuple(self._causes), []
+        store = self.incidents
+        if not causes or store is None:
+            return
+        begin = self._incident_end - AFTER - BEFORE
+        store.drop_oldest(store.quota.count - 1)
+        try:
+            incident = self._begin(store, "incident", "", causes)
+        except RecordingFileError as error:
+            self.failure = f"An incident could not be kept: {error.message}"
+            return
+        for packed in self._rows:
+            row = self._packer.unpack(packed)
+            if begin <= row.time <= self._incident_end:
+                incident.add_row(row)
+        ended = incident.finish()
+        if ended.error:
+            self.failure = f"An incident could not be kept: {ended.error}"
+
+    def _elements(self, name: str) -> list[str]:
+        try:
+            return list(self._station.manager.get_controller(name).joint_names)
+        except ControllerNotFoundError:
+            return []  # unloaded since; its elements are numbered
+
+
+def _plain(arguments: Mapping[str, object]) -> dict[str, object]:
+    """Return arguments as JSON has them; what is no JSON is its text."""
+    plain: dict[str, object] = json.loads(json.dumps(arguments, default=str))
+    return plain

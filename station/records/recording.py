@@ -1,0 +1,173 @@
+"""A recording under way: its file, its channels, and how far it is."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from station.core.facade.station import Station
+from station.records import messages
+from station.records.cycle_messages import CycleMessages, Message
+from station.records.cycle_row import Row
+from station.records.cycle_sources import ArmSource, CommandSource
+from station.records.mcap_file import McapFile
+from station.records.record_store import FAILED, STOPPED, RecordingInfo, RecordStore
+
+EVENTS, GAINS, INPUTS = "/events", "/gains", "/inputs"
+CONFIGURATION, ROBOT_DESCRIPTION = "/configuration", "/robot_description"
+
+
+class Recording:
+    """Writes one recording; whoever has it uses one thread at a time.
+
+    Args:
+        info: What is known of it so far.
+        store: Where it is kept.
+        file: Its file.
+        encoder: Makes messages.
+        sources: What is sampled besides the snapshots; empty for an incident.
+
+    Attributes:
+        info: What is known of it now.
+    """
+
+    def __init__(
+        self,
+        info: RecordingInfo,
+        store: RecordStore,
+        file: McapFile,
+        encoder: CycleMessages,
+        sources: Iterable[CommandSource | ArmSource] = (),
+    ) -> None:
+        self.info = info
+        self._store = store
+        self._file = file
+        self._encoder = encoder
+        self._sources = list(sources)
+        self._first: Row | None = None
+        self._last: Row | None = None
+        self._count = 0
+        self._lost = 0
+        # What other recordings occupy; asked once, because files are counted for it.
+        self._others = store.usage()
+
+    def open_sources(self) -> None:
+        """Sample from the next cycle on."""
+        for source in self._sources:
+            source.open()
+
+    def add_facts(self, station: Station, texts: dict[str, str]) -> None:
+        """Add what a reader needs to know about the whole.
+
+        Args:
+            station: The station.
+            texts: Text by topic: the configuration, the robot's description.
+        """
+        loop = station.loop
+        self._file.add_metadata(
+            "control_station",
+            {
+                "id": self.info.identifier,
+                "name": self.info.name,
+                "note": self.info.note,
+                "boot_id": station.boot_id,
+                "period": repr(loop.period),
+                "origin": str(self._encoder.origin),
+                "causes": "\n".join(self.info.causes),
+            },
+        )
+        for topic, text in texts.items():
+            self.add_text(topic, text, loop.time)
+
+    def add_text(self, topic: str, text: str, time: float) -> None:
+        """Add a text at a station time [s]."""
+        self._log(self._encoder.of_text(topic, text), time)
+
+    def add_event(
+        self, stamp: float, kind: str, severity: str, text: str, details: str
+    ) -> None:
+        """Add an event at a station time [s]; its details are JSON."""
+        event = messages.EVENT.encode({
+            "header": messages.header(self._encoder.stamp(stamp) / 1e9),
+            "kind": kind,
+            "severity": severity,
+            "text": text,
+            "details": details,
+        })
+        self._log(Message(EVENTS, messages.EVENT, event), stamp)
+
+    def add_row(self, row: Row) -> None:
+        """Add a cycle."""
+        for message in self._encoder.of_row(row):
+            self._log(message, row.time)
+        if self._first is None:
+            self._first = row
+        self._last = row
+        self._count += 1
+
+    def add_samples(self) -> None:
+        """Add what the sources have sampled since the last call."""
+        for source in self._sources:
+            self.add_lost(source.take(self._encoder, self._log))
+
+    def add_lost(self, count: int) -> None:
+        """Count cycles that were lost."""
+        self._lost += count
+
+    def write_out(self, *, end_chunk: bool) -> str | None:
+        """Write to the disk; return why the recording cannot go on, None if it can.
+
+        Args:
+            end_chunk: Write what is in the present chunk, too.
+        """
+        if end_chunk:
+            self._file.end_chunk()
+        self._file.write_out()
+        self._describe()
+        if self._file.failure is not None:
+            return f"The file cannot be written: {self._file.failure}."
+        quota = self._store.quota.bytes
+        if self._others + self.info.size > quota:
+            return (
+                f"The recordings together are larger than the quota of {quota} bytes."
+            )
+        for source in self._sources:
+            if source.failure is not None:
+                return f"A cycle cannot be sampled: {source.failure}."
+        return None
+
+    def finish(self, error: str | None = None) -> RecordingInfo:
+        """End the recording and return what is known of it.
+
+        Args:
+            error: Why it failed; None when it ends as it should.
+        """
+        for source in self._sources:
+            source.close()
+        self._file.close()
+        if error is None and self._file.failure is not None:
+            error = f"The file cannot be written: {self._file.failure}."
+        state = STOPPED if error is None else FAILED
+        self._describe()
+        self.info = replace(self.info, state=state, error=error)
+        failure = self._store.keep(self.info)
+        if failure is not None:
+            text = f"Its description cannot be written: {failure}."
+            error = text if error is None else f"{error} {text}"
+            self.info = replace(self.info, state=FAILED, error=error)
+        return self.info
+
+    def _describe(self) -> None:
+        """Bring `info` up to date."""
+        first, last = self._first, self._last
+        self.info = replace(
+            self.info, size=self._file.disk.size, lost=self._lost, cycles=self._count
+        )
+        if first is not None and last is not None:
+            self.info = replace(
+                self.info,
+                first_cycle=first.cycle,
+                last_cycle=last.cycle,
+                duration=last.time - first.time,
+            )
+
+    def _log(self, message: Message, time: float) -> None:
+        self._file.log(message, self._encoder.stamp(time))

@@ -1,0 +1,146 @@
+"""Read recordings: their messages, their cycles as arrays, and what they are about."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, make_reader
+from numpy.typing import NDArray
+
+from station.core.errors import RecordingFileError
+from station.records.cdr import Values
+from station.records.cycle_messages import CYCLES, JOINT_STATES
+from station.records.messages import TYPES
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """The joints of a recording.
+
+    Attributes:
+        names: Names of the joints.
+        cycle: Numbers of the cycles, shape (m,).
+        time: Station time [s], shape (m,).
+        period: Time since the cycle before [s], shape (m,).
+        position: Positions [rad or m], shape (m, n).
+        velocity: Velocities [rad/s or m/s], shape (m, n).
+        effort: Efforts [Nm or N], shape (m, n).
+    """
+
+    names: tuple[str, ...]
+    cycle: NDArray[np.int64]
+    time: NDArray[np.float64]
+    period: NDArray[np.float64]
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    effort: NDArray[np.float64]
+
+    def decimated(self, rate: float) -> "Trajectory":
+        """Return some of the cycles, the first among them.
+
+        Args:
+            rate: How many per second of station time, > 0.
+        """
+        if not len(self.time):
+            return self
+        due = np.floor((self.time - self.time[0]) * rate + 1e-6)
+        chosen = np.flatnonzero(np.diff(due, prepend=-1.0) > 0.0)
+        return Trajectory(
+            self.names,
+            self.cycle[chosen],
+            self.time[chosen],
+            self.period[chosen],
+            self.position[chosen],
+            self.velocity[chosen],
+            self.effort[chosen],
+        )
+
+
+def read_messages(
+    path: Path, topics: Iterable[str] | None = None
+) -> Iterator[tuple[str, Values]]:
+    """Yield topic and content of the messages of a recording, in their order of time.
+
+    Args:
+        path: The file.
+        topics: Which channels; all when None.
+
+    Raises:
+        RecordingFileError: The file is no whole recording.
+    """
+    chosen = None if topics is None else list(topics)
+    with path.open("rb") as file:
+        try:
+            reader: McapReader = make_reader(file)
+            for schema, channel, message in reader.iter_messages(topics=chosen):
+                kind = None if schema is None else TYPES.get(schema.name)
+                if kind is not None:
+                    yield channel.topic, kind.decode(message.data)
+        except McapError as error:
+            raise RecordingFileError(
+                f"{path} cannot be read: {error!r}.",
+                remedy="`station recover-file` mends a file whose end is missing.",
+            ) from error
+
+
+def read_facts(path: Path) -> Mapping[str, str]:
+    """Return what a recording says about itself.
+
+    Raises:
+        RecordingFileError: The file is no whole recording.
+    """
+    with path.open("rb") as file:
+        try:
+            for record in make_reader(file).iter_metadata():
+                if record.name == "control_station":
+                    return dict(record.metadata)
+        except McapError as error:
+            raise RecordingFileError(
+                f"{path} cannot be read: {error!r}.",
+                remedy="`station recover-file` mends a file whose end is missing.",
+            ) from error
+    raise RecordingFileError(
+        f"{path} is no recording of a station.", remedy="Record one with the station."
+    )
+
+
+def read_texts(path: Path, topic: str) -> list[str]:
+    """Return the texts of a channel, e.g. `/configuration`."""
+    return [str(message["data"]) for _, message in read_messages(path, [topic])]
+
+
+def read_inputs(path: Path) -> list[dict[str, object]]:
+    """Return what was asked of the station, in the order of its cycles."""
+    return [json.loads(text) for text in read_texts(path, "/inputs")]
+
+
+def read_trajectory(path: Path) -> Trajectory:
+    """Return the joints of a recording in every cycle.
+
+    Raises:
+        RecordingFileError: The file is no whole recording.
+    """
+    names: tuple[str, ...] = ()
+    cycles: list[tuple[int, float, float]] = []
+    rows: list[list[float]] = []
+    for topic, message in read_messages(path, [CYCLES, JOINT_STATES]):
+        if topic == CYCLES:
+            cycles.append((message["cycle"], message["time"], message["period"]))
+        else:
+            names = tuple(message["name"])
+            columns = (message["position"], message["velocity"], message["effort"])
+            rows.append([value for column in columns for value in column])
+    joints = np.array(rows, dtype=np.float64).reshape(len(rows), 3, len(names))
+    numbers = [cycle for cycle, _, _ in cycles]
+    return Trajectory(
+        names,
+        np.array(numbers, dtype=np.int64),
+        np.array([time for _, time, _ in cycles], dtype=np.float64),
+        np.array([period for _, _, period in cycles], dtype=np.float64),
+        joints[:, 0],
+        joints[:, 1],
+        joints[:, 2],
+    )

@@ -1,0 +1,115 @@
+"""Wire models of recordings and incidents."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from station.wire.base import (
+    Items,
+    Measurements,
+    Reason,
+    RequestModel,
+    ResponseModel,
+    example,
+)
+
+RecordingId = Annotated[
+    str, Field(min_length=1, max_length=120, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
+]
+"""The name of a recording, which is also one segment of a URL."""
+RecordingStateName = Literal["recording", "stopped", "failed", "recovered"]
+
+
+class Recording(ResponseModel):
+    """A recording, or an incident that the station kept by itself.
+
+    Attributes:
+        identifier: Its name among the recordings.
+        name: What the user calls it; empty without a name.
+        note: What the user says about it.
+        state: `recording` now; `stopped`; `failed` before its end, `error` says why;
+            `recovered` after the station was killed.
+        error: Why it failed, or what a recovery cut off; empty if nothing went wrong.
+        started_at: When it began, ISO 8601.
+        first_cycle: Number of its first cycle; 0 while it has none.
+        last_cycle: Number of its last cycle; 0 while it has none.
+        cycles: Number of cycles in it; 0 after a recovery, when nobody counted.
+        lost: Cycles that were overwritten before they could be recorded.
+        duration: Station time from its first cycle to its last [s].
+        size: Bytes of the file.
+        causes: Why an incident was kept; empty for what a user recorded.
+    """
+
+    model_config = example({
+        "identifier": "20261122T091500123-pick",
+        "name": "pick",
+        "note": "With the heavy cube.",
+        "state": "stopped",
+        "error": "",
+        "started_at": "2026-11-22T09:15:00+00:00",
+        "first_cycle": 1201,
+        "last_cycle": 61200,
+        "cycles": 60000,
+        "lost": 0,
+        "duration": 59.999,
+        "size": 45000000,
+        "causes": [],
+    })
+
+    identifier: str
+    name: str
+    note: str
+    state: RecordingStateName
+    error: Reason
+    started_at: str
+    first_cycle: int
+    last_cycle: int
+    cycles: int
+    lost: int
+    duration: float
+    size: int
+    causes: Items[str] = Field(default_factory=list)
+
+
+class Recordings(ResponseModel):
+    """Recordings, the oldest first.
+
+    Attributes:
+        recordings: The recordings.
+    """
+
+    recordings: Items[Recording]
+
+
+class RecordingRequest(RequestModel):
+    """Begin to record with the next cycle.
+
+    Attributes:
+        name: What to call it: up to 80 letters, digits, `_`, `.` and `-`; it becomes a
+            part of the file's name.
+        note: For the record.
+    """
+
+    model_config = example({"name": "pick", "note": "With the heavy cube."})
+
+    name: str = Field(
+        default="", max_length=80, pattern=r"^([A-Za-z0-9_][A-Za-z0-9_.-]*)?$"
+    )
+    note: str = Field(default="", max_length=2000)
+
+
+class Trajectory(ResponseModel):
+    """The joint positions of a recording, some per second.
+
+    Attributes:
+        name: Joint names, shape (n,).
+        cycle: Numbers of the cycles, shape (m,).
+        time: Station time of each [s], shape (m,).
+        position: Positions in each [rad or m], shape (m, n); null where a reading was
+            not finite.
+    """
+
+    name: Items[str]
+    cycle: Items[int]
+    time: Items[float]
+    position: Items[Measurements]

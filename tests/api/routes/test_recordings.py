@@ -1,0 +1,118 @@
+"""Recordings and incidents over HTTP."""
+
+import pytest
+
+from station.api.app import Kept, create_app
+from station.client import ApiError, StationClient
+from station.records.record_store import RecordStore
+from station.records.recorder import Recorder
+from station.records.recording_reader import read_trajectory
+from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
+
+
+@pytest.fixture
+def recorder(station, tmp_path):
+    """Return a recorder that the tests drain."""
+    stores = RecordStore(tmp_path / "recordings"), RecordStore(tmp_path / "incidents")
+    recorder = Recorder(station, *stores)
+    yield recorder
+    recorder.close()
+
+
+@pytest.fixture
+def app(station, authenticator, recorder):
+    """Return the app with a recorder."""
+    return create_app(station, authenticator, kept=Kept(recorder=recorder))
+
+
+def _run(station, recorder, cycles):
+    for _ in range(0, cycles, 200):
+        station.loop.step(200)
+        recorder.drain()
+
+
+def test_a_recording_is_started_stopped_read_and_deleted(
+    client, station, recorder, tmp_path
+):
+    started = client.recordings.start("pick", "a note")
+    _run(station, recorder, 400)
+    assert client.status().recording.identifier == started.identifier
+    assert client.recordings.get(started.identifier).state == "recording"
+    stopped = client.recordings.stop()
+
+    assert (stopped.state, stopped.cycles, stopped.lost) == ("stopped", 400, 0)
+    assert client.recordings.list() == [stopped]
+    path = client.recordings.download(started.identifier, tmp_path / "x.mcap")
+    assert len(read_trajectory(path).cycle) == 400
+    found = client.recordings.trajectory(started.identifier, rate=100.0)
+    assert (found.name, len(found.time), found.position[0]) == (["j"], 40, [0.25])
+    assert client.recordings.delete(started.identifier) == stopped
+    assert client.recordings.list() == []
+
+
+def test_incidents_are_listed_and_read(client, station, recorder, tmp_path):
+    client.stop("a test")
+    _run(station, recorder, 2600)
+
+    (incident,) = client.incidents.list()
+    assert incident.causes == ["The station was stopped: a test."]
+    assert client.incidents.get(incident.identifier) == incident
+    path = client.incidents.download(incident.identifier, tmp_path / "i.mcap")
+    assert len(read_trajectory(path).cycle) == incident.cycles
+    assert client.incidents.trajectory(incident.identifier).name == ["j"]
+
+
+@pytest.mark.parametrize(
+    ("ask", "status"),
+    [
+        (lambda c: c.recordings.get("nothing"), 404),
+        (lambda c: c.recordings.stop("nothing"), 404),
+        (lambda c: c.recordings.delete("nothing"), 404),
+        (lambda c: c.recordings.trajectory("nothing"), 404),
+        (lambda c: c.recordings.trajectory("nothing", rate=-1.0), 422),
+        (lambda c: c.recordings.get("-x"), 422),
+        (lambda c: c.incidents.get("nothing"), 404),
+    ],
+)
+def test_what_is_not_possible_is_refused(client, ask, status):
+    with pytest.raises(ApiError) as caught:
+        ask(client)
+    assert caught.value.status == status
+
+
+def test_what_runs_is_neither_read_nor_deleted_nor_started_twice(client, tmp_path):
+    running = client.recordings.start().identifier
+    for ask in (
+        lambda: client.recordings.start(),
+        lambda: client.recordings.delete(running),
+        lambda: client.recordings.download(running, tmp_path / "x.mcap"),
+        lambda: client.recordings.trajectory(running),
+    ):
+        with pytest.raises(ApiError) as caught:
+            ask()
+        assert caught.value.status == 409
+    assert not (tmp_path / "x.mcap").exists()
+    with pytest.raises(LookupError, match="Nothing is being recorded"):
+        client.recordings.stop(client.recordings.stop().identifier and None)
+
+
+def test_viewers_read_and_change_nothing(http):
+    http.headers["Authorization"] = f"Bearer {VIEWER}"
+
+    assert http.get("/api/v1/recordings").json() == {"recordings": []}
+    assert http.get("/api/v1/incidents").json() == {"recordings": []}
+    for method, path in (
+        ("POST", "/recordings"),
+        ("POST", "/recordings/x/stop"),
+        ("DELETE", "/recordings/x"),
+    ):
+        assert http.request(method, f"/api/v1{path}").status_code == 403
+
+
+def test_a_station_without_recorder_says_so(station, authenticator):
+    transport = AppTransport(create_app(station, authenticator))
+    with StationClient(URL, OPERATOR, transport=transport) as client:
+        for ask in (client.recordings.list, client.incidents.list):
+            with pytest.raises(ApiError, match="records nothing"):
+                ask()
+        assert client.status().recording is None

@@ -1,0 +1,113 @@
+"""A recording stepped again gives the same trajectory bit for bit, or says where."""
+
+import json
+import struct
+
+import pytest
+
+import station
+from station.app import rerun as module
+from station.core.errors import RecordingFileError
+from station.records import recording_reader
+
+EFFORT = "effort_group_position_controller"
+
+
+def _move(robot):
+    """Ask for everything that a re-run can ask again."""
+    robot.move_to({"panda_joint1": 0.1}, duration=0.3)
+    robot.facade.stop("a test")
+    robot.run(0.05)
+    robot.facade.release_stop(arm=False)
+    robot.facade.release_stop(arm=True)
+    robot.switch(start=[EFFORT])
+    target = [*robot.latest().position[:7]]
+    target[0] += 0.02
+    robot.command(EFFORT, target)
+    robot.run(0.1)
+    gain = next(iter(robot.gains(EFFORT)))
+    robot.set_gains(EFFORT, {gain: 300.0})
+    robot.facade.loop.delay_next_cycle(3)
+    robot.run(0.1)
+    robot.reset()
+    robot.run(0.1)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """Return the file of a recording of all inputs."""
+    with (
+        station.open() as robot,
+        robot.record(tmp_path_factory.mktemp("recordings"), "all") as path,
+    ):
+        _move(robot)
+    return path
+
+
+def test_a_re_run_is_the_same_bit_for_bit(recording):
+    found = module.rerun(recording)
+
+    assert found.is_equal, found.text()
+    assert found.cycles > 600
+    assert found.not_repeated == ()
+    assert found.text() == f"Equal: {found.cycles} cycles are the same, bit for bit."
+
+
+def test_the_first_difference_is_told(recording, monkeypatch):
+    original = recording_reader.read_trajectory(recording)
+    last_bit = struct.unpack("<d", struct.pack("<q", 1))[0]
+    cycle = int(original.cycle[400])
+    value = original.position[400, 2]
+    original.position[400, 2] = value + abs(value) * 2.0**-52 + last_bit
+    monkeypatch.setattr("station.app.rerun.read_trajectory", lambda _: original)
+
+    found = module.rerun(recording)
+
+    assert not found.is_equal
+    assert (found.difference.cycle, found.difference.joint) == (cycle, "panda_joint3")
+    assert found.difference.rerun == value
+    assert f"Different from cycle {cycle} on" in found.text()
+    assert json.loads(json.dumps(found.as_json()))["is_equal"] is False
+
+
+def test_another_input_makes_a_difference(recording, monkeypatch):
+    inputs = recording_reader.read_inputs(recording)
+    changed = [
+        {**one, "changes": {EFFORT: {next(iter(one["changes"][EFFORT])): 301.0}}}
+        if one["kind"] == "gains"
+        else one
+        for one in inputs
+    ]
+    monkeypatch.setattr("station.app.rerun.read_inputs", lambda _: changed)
+
+    assert not module.rerun(recording).is_equal
+
+
+def test_what_cannot_be_asked_again_is_named(recording, monkeypatch):
+    inputs = recording_reader.read_inputs(recording)
+    inputs.append({"after": 50, "kind": "operation", "what": "a push of the arm"})
+    monkeypatch.setattr("station.app.rerun.read_inputs", lambda _: inputs)
+
+    (named,) = module.rerun(recording).not_repeated
+    assert named == "Cannot be asked again: a push of the arm, after cycle 50."
+
+
+def test_a_recording_without_all_inputs_is_refused(recording, monkeypatch):
+    lacking = [{"kind": "begin", "is_whole": False}]
+    monkeypatch.setattr("station.app.rerun.read_inputs", lambda _: lacking)
+
+    with pytest.raises(RecordingFileError, match="cannot be run again"):
+        module.rerun(recording)
+
+
+def test_the_fixture_of_users_passes(recording, rerun):
+    assert rerun(recording).is_equal
+
+
+def test_the_fixture_of_users_fails_at_a_difference(recording, rerun, monkeypatch):
+    changed = recording_reader.read_trajectory(recording)
+    changed.position[10, 0] += 1.0
+    monkeypatch.setattr("station.app.rerun.read_trajectory", lambda _: changed)
+
+    with pytest.raises(pytest.fail.Exception, match="panda_joint1"):
+        rerun(recording)

@@ -1,0 +1,213 @@
+"""Recording a stepped station: every cycle once, failures told, incidents kept."""
+
+import errno
+import json
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
+from station.core.control.switching import SwitchRequest
+from station.core.errors import RecordingRefusedError
+from station.records.mcap_file import DiskFile
+from station.records.record_store import FAILED, Quota, RecordStore
+from station.records.recorder import Recorder
+from station.records.recording_reader import (
+    read_inputs,
+    read_messages,
+    read_texts,
+    read_trajectory,
+)
+
+
+def _run(station, recorder, cycles, every=200):
+    for _ in range(0, cycles, every):
+        station.loop.step(every)
+        recorder.drain()
+
+
+def test_every_cycle_is_recorded_once(station, recorder, store):
+    started = recorder.start("demo", "a note")
+    _run(station, recorder, 1000)
+    stopped = recorder.stop(started.identifier)
+
+    assert (stopped.state, stopped.error, stopped.lost) == ("stopped", None, 0)
+    assert (stopped.first_cycle, stopped.last_cycle, stopped.cycles) == (1, 1000, 1000)
+    found = read_trajectory(store.file(stopped.identifier))
+    assert found.names == ("j",)
+    assert np.array_equal(found.cycle, np.arange(1, 1001))
+    assert np.all(found.position == 0.25)
+    assert store.info(stopped.identifier) == stopped
+
+
+def test_what_controllers_ask_for_and_what_is_sent_is_recorded(
+    station, recorder, store
+):
+    station.load_controller("arm", "test/Spring", {"joint": "j", "k": 2.0})
+    station.switch_controllers(SwitchRequest(start=["arm"]))
+    recorder.start()
+    station.motion.set_command("arm", [0.5])
+    _run(station, recorder, 10, every=5)
+    path = store.file(recorder.stop().identifier)
+
+    asked = [m for _, m in read_messages(path, ["/controllers/arm"])]
+    sent = [m for _, m in read_messages(path, ["/commands/effort"])]
+    assert [m["output"] for m in asked] == [[0.5]] * 10
+    assert [m["command"] for m in sent] == [[0.5]] * 10
+    assert (asked[0]["name"], asked[0]["desired"], asked[0]["actual"]) == (
+        ["j"], [0.5], [0.25],
+    )  # fmt: skip
+
+
+def test_an_independent_reader_reads_the_file(station, recorder, store):
+    recorder.start()
+    _run(station, recorder, 100, every=50)
+    path = store.file(recorder.stop().identifier)
+
+    states, cycles = [], []
+    with AnyReader([path], default_typestore=get_typestore(Stores.EMPTY)) as reader:
+        for connection, _, data in reader.messages():
+            message = reader.deserialize(data, connection.msgtype)
+            if connection.topic == "/joint_states":
+                states.append(message)
+            elif connection.topic == "/cycles":
+                cycles.append(message)
+
+    assert [list(s.position) for s in states] == [[0.25]] * 100
+    assert [c.cycle for c in cycles] == list(range(1, 101))
+    assert states[1].header.stamp.nanosec - states[0].header.stamp.nanosec == 1_000_000
+
+
+def test_gains_are_recorded_when_they_change_and_inputs_with_their_cycle(
+    station, recorder, store
+):
+    station.load_controller("arm", "test/Spring", {"joint": "j", "k": 2.0})
+    recorder.start()
+    _run(station, recorder, 10, every=5)
+    station.set_gains("arm", {"k": 3.0})
+    _run(station, recorder, 10, every=5)
+    path = store.file(recorder.stop().identifier)
+
+    gains = [json.loads(text) for text in read_texts(path, "/gains")]
+    assert gains == [{"arm": {"k": 2.0}}, {"arm": {"k": 3.0}}]
+    changes = [one for one in read_inputs(path) if one["kind"] == "gains"]
+    assert changes == [{"after": 10, "kind": "gains", "changes": {"arm": {"k": 3.0}}}]
+
+
+class _Events:
+    def listen(self, callback):
+        self.tell = callback
+
+
+def test_events_are_recorded(station, recorder, store):
+    events = _Events()
+    recorder.listen_to(events)
+    recorder.start()
+    _run(station, recorder, 2, every=1)
+    events.tell(0.001, "switch", "info", "Started arm.", '{"by": "ana"}')
+    _run(station, recorder, 2, every=1)
+    path = store.file(recorder.stop().identifier)
+
+    ((_, event),) = read_messages(path, ["/events"])
+    assert (event["kind"], event["text"], event["details"]) == (
+        "switch", "Started arm.", '{"by": "ana"}',
+    )  # fmt: skip
+
+
+def test_cycles_that_were_overwritten_are_counted(station, recorder):
+    recorder.start()
+    station.loop.step(5000)
+    stopped = recorder.stop()
+
+    assert stopped.cycles == 4096
+    assert stopped.lost >= 5000 - 4096
+
+
+def test_one_recording_runs_at_a_time(recorder):
+    first = recorder.start()
+    with pytest.raises(RecordingRefusedError, match=first.identifier):
+        recorder.start()
+    with pytest.raises(RecordingRefusedError, match="is being recorded"):
+        recorder.store.delete(first.identifier)
+    recorder.stop()
+    with pytest.raises(RecordingRefusedError, match="Nothing is being recorded"):
+        recorder.stop()
+
+
+class _FullDisk(DiskFile):
+    """A disk with room for so many bytes, of which it takes what fits."""
+
+    room = 0
+
+    def write(self, data):
+        left = self.room - self.size
+        if left <= 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return super().write(bytes(data)[:left])
+
+
+@pytest.mark.parametrize("room", [0, 1, 7, 8, 9, 60, 500, 1000, 1999, 2500, 4001, 6000])
+def test_a_full_disk_is_told_and_the_loop_goes_on(station, store, room, monkeypatch):
+    monkeypatch.setattr(_FullDisk, "room", room)
+    recorder = Recorder(station, store, open_file=_FullDisk)
+    identifier = recorder.start().identifier
+    for _ in range(20):
+        station.loop.step(100)
+        recorder.drain()
+    recorder.close()
+
+    last = recorder.last
+    assert (last.identifier, last.state) == (identifier, FAILED)
+    assert "No space left on device" in last.error
+    assert store.info(identifier) == last
+    assert station.loop.cycle == 2000
+    assert recorder.failure is None
+    assert store.file(identifier).stat().st_size == min(room, last.size)
+
+
+def test_the_quota_ends_a_recording_and_refuses_the_next(station, tmp_path):
+    store = RecordStore(tmp_path, Quota(bytes=2000))
+    recorder = Recorder(station, store)
+    recorder.start()
+    for _ in range(50):
+        station.loop.step(100)
+        recorder.drain()
+    recorder.close()
+
+    assert recorder.last.state == FAILED
+    assert "quota of 2000 bytes" in recorder.last.error
+    with pytest.raises(RecordingRefusedError, match="2000 bytes"):
+        recorder.start()
+
+
+def test_a_stop_is_kept_with_what_was_before_and_after(station, recorder, incidents):
+    _run(station, recorder, 11_000)
+    station.stop("somebody shouted")
+    _run(station, recorder, 2600)
+
+    (incident,) = incidents.infos()
+    assert incident.causes == ("The station was stopped: somebody shouted.",)
+    found = read_trajectory(incidents.file(incident.identifier))
+    assert found.time[0] == pytest.approx(1.0, abs=0.002)
+    assert found.time[-1] == pytest.approx(13.0, abs=0.002)
+    assert np.all(np.diff(found.cycle) == 1)
+
+
+def test_a_burst_of_overruns_is_kept(station, recorder, incidents):
+    _run(station, recorder, 200)
+    station.loop.delay_next_cycle(7)
+    _run(station, recorder, 2600)
+
+    (incident,) = incidents.infos()
+    assert "deadlines" in incident.causes[0]
+
+
+def test_incidents_are_bounded_in_number(station, recorder, incidents):
+    for number in range(4):
+        station.stop(f"stop {number}")
+        _run(station, recorder, 2600)
+
+    causes = [one.causes[0] for one in incidents.infos()]
+    assert len(causes) == 3
+    assert "stop 3" in causes[-1]

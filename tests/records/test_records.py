@@ -1,0 +1,106 @@
+"""Rows, messages and the reader of recordings, in small."""
+
+from array import array
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from mcap_ros2._dynamic import generate_dynamic
+
+from station.core.control.controller import ControllerSample
+from station.core.errors import RecordingFileError, RecordingNotFoundError
+from station.core.franka.franka_errors import ERROR_NAMES
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.hardware.interfaces.joint_group import Packed
+from station.records import messages
+from station.records.cycle_messages import CycleMessages
+from station.records.cycle_row import RowPacker
+from station.records.recording_reader import Trajectory, read_trajectory
+
+
+def _doubles(memory):
+    return array("d", bytes(memory)).tolist()
+
+
+def test_a_row_keeps_a_cycle():
+    packer = RowPacker(["a", "b"], {"arm": ["a", "b"], "other": []}.get)
+    packed = Packed(([1.0, 2.0], [3.0, 4.0], [5.0, 6.0]))
+    sample = ControllerSample(0.5, [1.0, 2.0], [3.0, 4.0], [5.0, 6.0], [7.0, 8.0])
+    one = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
+
+    packed_row = packer.pack((
+        7,
+        2,
+        0.5,
+        0.001,
+        "move",
+        packed,
+        {"arm": sample, "other": one},
+    ))
+    row = packer.unpack(packed_row)
+
+    assert isinstance(packed_row, bytes)
+    assert row[:4] == (7, 2, 0.5, 0.001)
+    assert _doubles(row.joints) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    assert [_doubles(m) for m in row.samples] == [
+        [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0],
+        [1.0, 2.0, 3.0, 4.0],
+    ]
+    assert (row.form.mode, row.form.joints) == ("move", ("a", "b"))
+    assert row.form.samples == (("arm", ("a", "b")), ("other", ("0",)))
+
+
+def test_a_franka_state_is_what_an_independent_decoder_reads():
+    state = RobotState()
+    lengths = {f.name: f.length for f in messages.FRANKA_STATE.fields if f.length}
+    names = [one.name for one in fields(RobotState) if one.name.lower() in lengths]
+    assert len(names) == len(lengths)
+    arrays = {name: lengths[name.lower()] for name in names}
+    for number, (name, size) in enumerate(arrays.items()):
+        setattr(state, name, [100.0 * number + i for i in range(size)])
+    state.time, state.m_ee, state.m_load, state.m_total = 1.5, 0.7, 0.2, 0.9
+    state.control_command_success_rate = 0.99
+    state.robot_mode = RobotMode.REFLEX
+    flags = [False] * len(ERROR_NAMES)
+    flags[ERROR_NAMES.index("power_limit_violation")] = True
+    state.last_motion_errors = flags
+
+    message = CycleMessages(0).of_arm("panda", 2.25, state.packed())
+
+    kind = messages.FRANKA_STATE
+    read = generate_dynamic(kind.name, kind.text)[kind.name](message.data)
+    assert message.topic == "/franka_state/panda"
+    assert (read.header.stamp.sec, read.header.stamp.nanosec) == (2, 250_000_000)
+    for name in (*arrays, "time", "m_ee", "m_load", "m_total"):
+        found = getattr(read, name.lower())
+        assert (list(found) if name in arrays else found) == getattr(state, name)
+    assert read.control_command_success_rate == 0.99
+    assert read.robot_mode == RobotMode.REFLEX.value
+    raised = [name for name in ERROR_NAMES if getattr(read.last_motion_errors, name)]
+    assert raised == ["power_limit_violation"]
+    assert not any(getattr(read.current_errors, name) for name in ERROR_NAMES)
+
+
+def test_a_trajectory_is_decimated_by_station_time():
+    time = np.arange(1, 1001) * 0.001
+    columns = np.arange(1000.0).reshape(1000, 1)
+    cycle = np.arange(1, 1001)
+    whole = Trajectory(("j",), cycle, time, time, columns, columns, columns)
+
+    found = whole.decimated(10.0)
+
+    assert found.cycle.tolist() == list(range(1, 1001, 100))
+    assert found.position[:, 0].tolist() == list(range(0, 1000, 100))
+
+
+def test_what_is_no_recording_cannot_be_read(tmp_path):
+    path = tmp_path / "x.mcap"
+    path.write_bytes(b"nothing of the kind, but long enough for a magic number")
+    with pytest.raises(RecordingFileError, match="cannot be read"):
+        read_trajectory(path)
+
+
+@pytest.mark.parametrize("identifier", ["nothing", "../x", "a/b", ""])
+def test_an_unknown_recording_is_refused(store, identifier):
+    with pytest.raises(RecordingNotFoundError, match="There is no recording"):
+        store.info(identifier)
