@@ -30,7 +30,7 @@ from station.experiments.metrics import Counts, measure
 from station.experiments.parameters import Overrides, sort_out
 from station.experiments.reference import Reference, make_reference
 from station.experiments.script import Push, Script
-from station.experiments.setup import Setup
+from station.experiments.setup import Setup, digest_of
 from station.experiments.trace import Array, Trace
 from station.experiments.trial import Trial, TrialResult
 from station.hw.mujoco.push import Push as WorldPush
@@ -46,6 +46,12 @@ class TrialWorld:
     Args:
         setup: The configuration.
 
+    Attributes:
+        setup: As given.
+        station: The station in which the trials run.
+        robot_digest: Digest of the robot's bodies and joints, which come from files
+            beside the setup: worlds with the same digest move alike.
+
     Raises:
         ExperimentError: The robot is not simulated with MuJoCo.
         StationError: The configuration cannot be used.
@@ -56,6 +62,9 @@ class TrialWorld:
         self.station = InProcessStation(setup.config())
         facade = self.station.facade
         self._world = world_of(facade.loop.hw)
+        model = self._world.model
+        bodies = (model.body_mass, model.body_inertia, model.body_pos, model.jnt_range)
+        self.robot_digest = digest_of("".join(v.tobytes().hex() for v in bodies))
         joints = self.station.joint_names
         self._mechanics = Mechanics(self._world, joints)
         self._delay = CommandDelay(facade.loop.hw)

@@ -86,6 +86,6 @@ def test_margin_and_violations_of_limits():
 
     assert found["limit_margin"] == pytest.approx(0.4, abs=1e-6)
     assert found["reflexes"] == 1.0
-    # The speed 0.1 * 2 pi |cos| is above 0.6 in acos(0.6 / 0.628) / (pi / 2) of the time.
+    # The speed 0.2 pi |cos| is above 0.6 in this share of the time.
     share = math.acos(0.6 / (0.2 * math.pi)) / (0.5 * math.pi)
     assert found["violations"] - 2 == pytest.approx(3000 * share, rel=0.02)
