@@ -18,6 +18,8 @@ _POINT_CYCLES = 20
 """Cycles between two points of a trajectory."""
 _DIFFERENCE = 1e-4
 """Half of the interval in which rates of a trajectory are computed [s]."""
+_REPEAT = 20
+"""Cycles after which a set-point is sent again: streaming controllers brake without."""
 _POSITION_UNITS = {"rad", "m"}
 
 
@@ -78,19 +80,20 @@ class _SetPoints(Reference):
     def command(self, cycle: int) -> None:
         index = int(np.searchsorted(self._changes, cycle))
         is_due = index < len(self._changes) and self._changes[index] == cycle
-        if not (is_due or self._relays):
+        if not (is_due or self._relays or cycle % _REPEAT == 0):
             return
         values = self._values[cycle].tolist()
         for relay in self._relays:
             values[relay.column] += relay.offset(cycle)
-        self._facade.motion.set_command(self._controller, values, timeout=0.0)
+        self._facade.motion.set_command(self._controller, values)
 
     @override
     def quiet_from(self, cycle: int) -> int:
         if self._relays:
             return cycle + 1
         index = int(np.searchsorted(self._changes, cycle, side="right"))
-        return int(self._changes[index]) if index < len(self._changes) else NEVER
+        change = int(self._changes[index]) if index < len(self._changes) else NEVER
+        return min(change, cycle + _REPEAT - cycle % _REPEAT)
 
 
 class _RelaySwitch:

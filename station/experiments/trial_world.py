@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
+import mujoco
 import numpy as np
 
 from station.app.in_process import InProcessStation
@@ -49,6 +50,7 @@ class TrialWorld:
     Attributes:
         setup: As given.
         station: The station in which the trials run.
+        begin_positions: Where the joints begin, by name [rad or m].
         robot_digest: Digest of the robot's bodies and joints, which come from files
             beside the setup: worlds with the same digest move alike.
 
@@ -70,6 +72,7 @@ class TrialWorld:
         self._delay = CommandDelay(facade.loop.hw)
         self._noise = MeasurementNoise(facade.loop.hw)
         self._gains = facade.tuning.all_gains()
+        self.begin_positions = self.station.positions()
 
     def __enter__(self) -> Self:
         return self
@@ -94,6 +97,14 @@ class TrialWorld:
         """
         self._check_loaded(controller)
         return dict(self._gains.get(controller, {}))
+
+    def model(self) -> mujoco.MjModel:
+        """Return MuJoCo's model of the robot; whoever changes it changes the world."""
+        return self._world.model
+
+    def joint_inertia(self, joint: str) -> float:
+        """Return the inertia of a joint in the present pose [kg m^2 or kg]."""
+        return self._world.joints([joint]).read_inertia()[0]
 
     def run(self, trial: Trial) -> TrialResult:
         """Run a trial and return what came out; a trial that is refused has failed."""
@@ -133,7 +144,7 @@ class TrialWorld:
         wanted = sort_out(trial.parameters)
         self._check_loaded(script.controller)
         gains = self._wanted_gains(wanted)
-        self._put_back()
+        self.put_back()
         facade.tuning.set_many(gains)
         joints = station.joint_names
         self._mechanics.change(
@@ -150,7 +161,7 @@ class TrialWorld:
         self._noise.begin(wanted.position_noise, wanted.velocity_noise, trial.seed)
         return reference
 
-    def _put_back(self) -> None:
+    def put_back(self) -> None:
         """Bring the station into the state in which every trial begins."""
         station, facade = self.station, self.station.facade
         self._noise.begin(0.0, 0.0, 0)
@@ -166,6 +177,23 @@ class TrialWorld:
         # Controllers compute with differences of station time, whose rounding depends
         # on how late it is. None runs now that would see time go back.
         facade.loop.time = 0.0
+
+    def gains_of(self, trial: Trial) -> dict[str, dict[str, float]]:
+        """Return the gains that a trial changes, by controller and name.
+
+        Raises:
+            StationError: A name or value of the trial is not allowed.
+        """
+        wanted = self._wanted_gains(sort_out(trial.parameters))
+        changed = {
+            controller: {
+                gain: value
+                for gain, value in gains.items()
+                if value != self._gains[controller][gain]
+            }
+            for controller, gains in wanted.items()
+        }
+        return {controller: gains for controller, gains in changed.items() if gains}
 
     def _wanted_gains(self, wanted: Overrides) -> dict[str, dict[str, float]]:
         """Return the gains of all controllers under a trial's parameters.

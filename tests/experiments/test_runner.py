@@ -9,7 +9,8 @@ from station.experiments.results import Results
 from station.experiments.runner import InThisProcess, Runner, make_pool, worker_count
 from station.experiments.script import Script
 from station.experiments.setup import Setup
-from station.experiments.workers import identity
+from station.experiments.trial import Trial
+from station.experiments.workers import compare, identity
 
 LOADS = [0.0, 0.5, 1.0]
 
@@ -117,8 +118,6 @@ def test_ctrl_c_keeps_what_is_done(results, trials):
 
 
 def test_worker_with_another_setup_is_refused(panda):
-    from station.experiments.workers import compare
-
     other = Setup.load(settings={"station.rate": 500})
 
     with pytest.raises(WorkerMismatchError, match="Worker w has setup"):
@@ -126,16 +125,13 @@ def test_worker_with_another_setup_is_refused(panda):
     assert identity(panda.text) == identity(panda.text)
 
 
-def test_impossible_setup_is_refused_before_any_trial(results, tmp_path):
+def test_impossible_setup_is_refused_before_any_trial(tmp_path):
     mock = Setup.load({"robot": {"type": "mock_hw/MockRobotHW", "joints": ["a"]}})
-    with (
-        Results.create(tmp_path / "mock.sqlite", "sweep", mock, {}) as opened,
-        pytest.raises(ExperimentError, match="is not simulated"),
-    ):
-        script = Script(controller="arm", duration=0.1)
-        from station.experiments.trial import Trial
-
-        Runner(opened, InThisProcess()).run([Trial(mock, script)], 1)
+    trial = Trial(mock, Script(controller="arm", duration=0.1))
+    with Results.create(tmp_path / "mock.sqlite", "sweep", mock, {}) as opened:
+        runner = Runner(opened, InThisProcess())
+        with pytest.raises(ExperimentError, match="is not simulated"):
+            runner.run([trial], 1)
 
 
 def test_pools():
