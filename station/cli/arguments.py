@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 import station
+from station.cli.experiment_arguments import add_experiment_verbs
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
 from station.cli.tuning_arguments import add_tuning_verbs
@@ -40,6 +41,7 @@ def build_parser() -> Parser:
     add_gripper_verb(verbs)
     _add_simulation_verbs(verbs)
     _add_robot(verbs)
+    add_experiment_verbs(verbs)
     return parser
 
 

@@ -15,6 +15,8 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "trimesh": ("sim", "ui"),
     **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
     "gymnasium": ("gym",),
+    **dict.fromkeys(("cma", "matplotlib", "pandas", "pyarrow"), ("experiments",)),
+    "distributed": ("cluster",),
 }
 """The extras of this distribution that bring a package which `station` imports."""
 

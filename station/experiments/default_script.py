@@ -17,7 +17,8 @@ def default_script(world: TrialWorld, controller: str) -> Script:
     """Return a script of 2 s in which all joints move to and fro, and rest.
 
     Raises:
-        StationError: The controller is not loaded, or commands no positions of joints.
+        ExperimentError: The controller commands no positions of joints.
+        StationError: It is not loaded.
     """
     motions = small_motions(world, controller, _TIMES, _SHARES)
     if not motions:

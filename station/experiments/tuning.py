@@ -167,7 +167,8 @@ class Search:
     """How the search is done.
 
     Attributes:
-        trials: Most trials, the first one among them, >= 2.
+        trials: Most trials, the first one among them, >= 2; a generation that does
+            not fit any more is left out.
         seed: Seed of CMA-ES, >= 0.
         spread: First standard deviation of the logarithms of the gains, > 0.
         farthest: Largest factor by which a gain may change either way, > 1.
@@ -263,7 +264,8 @@ def tune(
         "all trials have been run",
     )
     seen, idle = {first.hash}, 0
-    while len(seen) < search.trials and not progress.is_interrupted:
+    size = strategy.popsize
+    while len(seen) + size <= search.trials and not progress.is_interrupted:
         points = strategy.ask()
         candidates = [
             first.with_parameters({
