@@ -1,10 +1,10 @@
 """What experiments cost and find: the robustness table, efficiency, memory.
 
-Run `python benchmarks/bench_experiments.py [robustness|efficiency|memory] [--trials N]`.
+Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
 
 - `robustness`: the default effort trajectory controller under chance loads of 0 to 3 kg,
-  friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the worst
-  trial is played again from its hash. docs/experiments.md has this table.
+  friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
+  worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
 - `memory`: the memory of a process that runs 10,000 trials of 20 ms.
 """
@@ -94,12 +94,14 @@ def efficiency(trials: int, folder: Path) -> None:
 def _rate(base: Trial, trials: int, workers: int, folder: Path) -> float:
     """Return trials per second once every process has built its world."""
     path = folder / f"{workers}.sqlite"
-    with Results.create(path, "sweep", base.setup, {}) as results:
-        with make_pool(workers) as pool:
-            sweep(base, _loads(4 * workers), results, pool)
-            begin = time.perf_counter()
-            sweep(base, _loads(trials, first=1.0), results, pool)
-            return trials / (time.perf_counter() - begin)
+    with (
+        Results.create(path, "sweep", base.setup, {}) as results,
+        make_pool(workers) as pool,
+    ):
+        sweep(base, _loads(4 * workers), results, pool)
+        begin = time.perf_counter()
+        sweep(base, _loads(trials, first=1.0), results, pool)
+        return trials / (time.perf_counter() - begin)
 
 
 def _loads(count: int, first: float = 0.0) -> Sequence[dict[str, float]]:
