@@ -66,11 +66,11 @@ def robustness(trials: int, folder: Path) -> None:
         worst = ranked(results, "rms_error")[-1]
         with TrialWorld(setup) as world:
             again = world.run(results.trial(worst.result.hash))
-        same = again.metrics == worst.result.metrics
+        same = "the same" if again.metrics == worst.result.metrics else "OTHER"
         shown = ", ".join(f"{k} {v:.3g}" for k, v in worst.parameters.items())
         sys.stdout.write(
             f"{failed} failed. The worst, {worst.result.hash}: {shown}; played again "
-            f"from its hash it gives {'the same numbers' if same else 'OTHER numbers'}.\n"
+            f"from its hash it gives {same} numbers.\n"
         )
 
 
