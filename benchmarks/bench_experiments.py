@@ -2,7 +2,7 @@
 
 Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
 
-- `robustness`: the default effort trajectory controller under chance loads of 0 to 3 kg,
+- `robustness`: the default effort trajectory controller under loads of 0 to 3 kg,
   friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
   worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.

@@ -17,7 +17,7 @@ def add_experiment_verbs(verbs: "Verbs") -> None:
     _add_identify(verbs)
     validate = verbs.add(
         "validate",
-        "experiments:validate",
+        "validate:validate",
         "check a robot and its controllers; exit code 1 when a check fails",
         is_client=False,
     )

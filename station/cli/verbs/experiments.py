@@ -1,4 +1,4 @@
-"""Verbs `sweep`, `robustness`, `tune`, `identify` and `validate`."""
+"""Verbs `sweep`, `robustness`, `tune` and `identify`."""
 
 import sys
 import time
@@ -29,7 +29,6 @@ from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
 from station.experiments.tuning import Bound, Goal, Search, tunable_gains
 from station.experiments.tuning import tune as search_gains
-from station.experiments.validation import validate as check_robot
 
 INTERRUPTED = 130
 _FREQUENCIES = (0.5, 1.1, 1.9, 3.1)
@@ -141,31 +140,6 @@ def identify(options: Namespace) -> int:
     say_table(["parameter", "value", "95 %", "unit"], rows)
     say(f"{found.samples} samples; {found.residual:.3g} Nm or N are not explained.")
     return 0
-
-
-def validate(options: Namespace) -> int:
-    """Check a robot and its controllers."""
-    robot: Path = options.robot
-    config: Path | Mapping[str, object] = robot
-    if robot.suffix in {".urdf", ".xacro"}:
-        config = {
-            "robot": {
-                "type": "mujoco_hw/MujocoRobotHW",
-                "robot_description": str(robot.resolve()),
-            }
-        }
-    card = check_robot(Setup.load(config, controllers=options.controllers), robot.name)
-    if options.page is not None:
-        options.page.write_text(card.to_html(), encoding="utf-8")
-    if options.json:
-        say_json([
-            {"name": c.name, "outcome": c.outcome, "detail": c.detail}
-            for c in card.checks
-        ])
-    else:
-        rows = [[check.name, check.outcome, check.detail] for check in card.checks]
-        say_table(["check", "outcome", "what was seen"], rows)
-    return 0 if card.is_good else 1
 
 
 def _base(options: Namespace) -> tuple[Trial, dict[str, float]]:

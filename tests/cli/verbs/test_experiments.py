@@ -1,7 +1,6 @@
 """The verbs of experiments, in this process and with few trials."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,6 @@ controller: {GROUP}
 duration: 0.15
 commands: [{{kind: step, joint: panda_joint1, amplitude: 0.05, at: 0.01}}]
 """
-ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(autouse=True)
@@ -123,24 +121,3 @@ def test_identify_prints_what_it_finds(capsys, tmp_path):
     assert main(["identify", "panda_joint7", "--recording", str(file)]) == 0
     assert "Coulomb friction  0.5" in capsys.readouterr().out
     assert main(["identify", "panda_joint7", "--recording", str(tmp_path / "no")]) == 1
-
-
-def test_validate_writes_a_page_and_fails_when_a_check_does(capsys, tmp_path):
-    config, page = tmp_path / "robot.yaml", tmp_path / "card.html"
-    config.write_text(
-        "controllers: {lost: {type: position_controllers/JointGroupPositionController, "
-        "joints: [elbow]}}\nstart: []\n"
-    )
-
-    assert main(["validate", str(config), "--page", str(page)]) == 1
-    assert "controller lost loads" in capsys.readouterr().out
-    assert "<h1>Scorecard of robot.yaml</h1>" in page.read_text()
-
-
-def test_validate_takes_a_urdf(capsys):
-    urdf = ROOT / "examples" / "robots" / "differential_wrist.urdf"
-
-    main(["validate", str(urdf), "--json"])
-
-    checks = {c["name"]: c["outcome"] for c in json.loads(capsys.readouterr().out)}
-    assert checks["robot loads"] == "passed"
