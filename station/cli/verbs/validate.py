@@ -1,12 +1,15 @@
 """Verb `validate`: does a robot do what its description says?"""
 
 from argparse import Namespace
-from collections.abc import Mapping
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.cli.output import say_json, say_table
 from station.experiments.setup import Setup
 from station.experiments.validation import validate as check_robot
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
 
 
 def validate(options: Namespace) -> int:
