@@ -145,7 +145,8 @@ class Runner:
         try:
             while self._fill(waiting, left) or waiting:
                 done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-                for future in done:
+                # In the order in which they were given away: sets have none.
+                for future in [one for one in waiting if one in done]:
                     self._collect(future, waiting, progress)
         except KeyboardInterrupt:
             progress.is_interrupted = True
