@@ -16,7 +16,7 @@ from station.client.errors import MotionError
 from station.client.joint_goals import joint_positions, trajectory_goal
 from station.client.poses import Target
 from station.client.samples import Samples
-from station.config import load_config
+from station.config import StationConfig, load_config
 from station.core.clock import ManualClock
 from station.core.control.controller import ControllerState
 from station.core.control.controller_manager import ControllerStatus
@@ -57,7 +57,8 @@ class InProcessStation:
 
     Args:
         config: The station's YAML file, or what such a file would hold; None takes the
-            default: a simulated Panda.
+            default: a simulated Panda. A configuration that `load_config` has read is
+            taken as it is; `controllers` and `settings` are part of it.
         controllers: Parameter files written for ROS, added to the controllers.
         settings: Single values by dotted key, e.g. `{"station.rate": 500}`.
         threaded: Run the control thread.
@@ -70,17 +71,20 @@ class InProcessStation:
 
     def __init__(
         self,
-        config: Path | str | Mapping[str, object] | None = None,
+        config: Path | str | Mapping[str, object] | StationConfig | None = None,
         *,
         controllers: Sequence[Path | str] = (),
         settings: Mapping[str, object] | None = None,
         threaded: bool = False,
     ) -> None:
-        loaded = load_config(
-            Path(config) if isinstance(config, str) else config,
-            controller_files=[Path(file) for file in controllers],
-            flags=settings,
-        )
+        if isinstance(config, StationConfig):
+            loaded = config
+        else:
+            loaded = load_config(
+                Path(config) if isinstance(config, str) else config,
+                controller_files=[Path(file) for file in controllers],
+                flags=settings,
+            )
         self._config = loaded
         self._recorder: Recorder | None = None
         fetch_what_is_missing(loaded.robot_parameters(), _LOGGER.warning)

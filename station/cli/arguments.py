@@ -5,6 +5,7 @@ from pathlib import Path
 
 import station
 from station.cli.access_arguments import add_access_verbs
+from station.cli.experiment_arguments import add_experiment_verbs
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
 from station.cli.record_arguments import add_foxglove_option, add_record_verbs
@@ -44,6 +45,7 @@ def build_parser() -> Parser:
     add_record_verbs(verbs)
     _add_robot(verbs)
     add_access_verbs(verbs)
+    add_experiment_verbs(verbs)
     return parser
 
 

@@ -16,7 +16,9 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
     "gymnasium": ("gym",),
     **dict.fromkeys(("foxglove", "lz4", "mcap"), ("records",)),
-    "pyarrow": ("export",),
+    **dict.fromkeys(("cma", "matplotlib", "pandas"), ("experiments",)),
+    "pyarrow": ("export", "experiments"),
+    "distributed": ("cluster",),
 }
 """The extras of this distribution that bring a package which `station` imports."""
 

@@ -19,6 +19,7 @@ PART_OF = {"pydantic-core": "pydantic"}
 BROUGHT_BY_USERS = {
     ("station.testing", "pytest"),
     ("station.client", "pandas"),
+    ("station.experiments", "scipy"),
     ("station.pytest_plugin", "pytest"),
 }
 
@@ -102,6 +103,10 @@ def test_client_and_command_line_need_no_extra():
     ]
     # It is a server, of the dashboard.
     modules.remove("station.cli.verbs.ui")
+    # They simulate.
+    modules.remove("station.cli.verbs.experiments")
+    modules.remove("station.cli.verbs.experiment_results")
+    modules.remove("station.cli.verbs.validate")
 
     done = run_alone(f"for m in {modules}: __import__(m)")
 

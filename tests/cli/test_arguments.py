@@ -34,6 +34,12 @@ LINES = {
     "control": "control take --owner ada --force",
     "token": "token create ada --role viewer",
     "events": "events --follow --kind stop",
+    "sweep": "sweep arm load=0:3",
+    "robustness": "robustness arm --trials 5",
+    "tune": "tune arm --live",
+    "identify": "identify joint1",
+    "validate": "validate robot.urdf ros.yaml --page card.html",
+    "experiments": "experiments best x --count 3",
     "goto": "goto arm 1 -2 --duration 3",
     "stop": "stop",
     "release": "release --arm",
@@ -65,7 +71,13 @@ def test_verb_is_parsed_and_has_its_function(verb):
     assert options.json is False
 
 
-@pytest.mark.parametrize("verb", sorted(set(LINES) - {"run", "doctor", "fetch_robot"}))
+ALONE = {
+    *("run", "doctor", "fetch_robot"),
+    *("sweep", "robustness", "identify", "validate"),
+}
+
+
+@pytest.mark.parametrize("verb", sorted(set(LINES) - ALONE))
 def test_client_verbs_can_name_the_station(verb):
     line = f"{LINES[verb]} --url http://x --token t --json"
 

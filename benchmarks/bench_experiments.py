@@ -1,0 +1,157 @@
+"""What experiments cost and find: the robustness table, efficiency, memory.
+
+Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
+
+- `robustness`: the default effort trajectory controller under loads of 0 to 3 kg,
+  friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
+  worst trial is played again from its hash. docs/experiments.md has this table.
+- `efficiency`: trials per second on two processes over one, in runs that take turns.
+- `memory`: the memory of a process that runs 10,000 trials of 20 ms.
+"""
+
+import argparse
+import gc
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from measuring import print_table, print_title
+
+from station.experiments.analysis import ranked, summary
+from station.experiments.default_script import default_script
+from station.experiments.designs import parse_range, points
+from station.experiments.results import Results
+from station.experiments.runner import make_pool
+from station.experiments.script import Script, Step
+from station.experiments.setup import Setup
+from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
+from station.experiments.trial import Trial
+from station.experiments.trial_world import TrialWorld
+
+CONTROLLER = "effort_joint_trajectory_controller"
+GROUP = "effort_group_position_controller"
+SEED = 1
+ROUNDS = 3
+
+
+def short(setup: Setup, duration: float) -> Trial:
+    """Return a trial with a step of joint 1 in the effort group controller."""
+    motion = Step(joint="panda_joint1", amplitude=0.1)
+    return Trial(setup, Script(controller=GROUP, duration=duration, commands=(motion,)))
+
+
+def robustness(trials: int, folder: Path) -> None:
+    """Print the distribution of each metric, and play the worst trial again."""
+    setup = Setup.load()
+    with TrialWorld(setup) as world:
+        base = Trial(setup, default_script(world, CONTROLLER))
+    ranges = [parse_range(text) for text in ROBUSTNESS_RANGES]
+    places = points(ranges, "random", trials, SEED)
+    with (
+        Results.create(
+            folder / "robustness.sqlite", "robustness", setup, {}
+        ) as results,
+        make_pool() as pool,
+    ):
+        sweep(base, places, results, pool, has_seeds=True)
+        print_title(f"{trials} trials of {CONTROLLER}: {', '.join(ROBUSTNESS_RANGES)}")
+        print_table(
+            ["metric", "5 %", "median", "95 %", "worst"],
+            [[d.metric, d.p5, d.median, d.p95, d.worst] for d in summary(results)],
+        )
+        failed = sum(row.result.state == "failed" for row in results.rows())
+        worst = ranked(results, "rms_error")[-1]
+        with TrialWorld(setup) as world:
+            again = world.run(results.trial(worst.result.hash))
+        same = "the same" if again.metrics == worst.result.metrics else "OTHER"
+        shown = ", ".join(f"{k} {v:.3g}" for k, v in worst.parameters.items())
+        sys.stdout.write(
+            f"{failed} failed. The worst, {worst.result.hash}: {shown}; played again "
+            f"from its hash it gives {same} numbers.\n"
+        )
+
+
+def efficiency(trials: int, folder: Path) -> None:
+    """Print trials per second of one and two processes, in turns."""
+    setup = Setup.load()
+    base = short(setup, 1.0)
+    rates: dict[int, list[float]] = {1: [], 2: []}
+    for turn in range(ROUNDS):
+        for workers in (1, 2):
+            rates[workers].append(_rate(base, trials, workers, folder / f"{turn}"))
+    ratios = [two / one for one, two in zip(rates[1], rates[2], strict=True)]
+    print_title(f"{trials} trials of 1 s, {ROUNDS} turns")
+    print_table(
+        ["processes", "trials per s"],
+        [[workers, statistics.median(found)] for workers, found in rates.items()],
+    )
+    sys.stdout.write(f"two over one: {statistics.median(ratios):.2f} (median)\n")
+
+
+def _rate(base: Trial, trials: int, workers: int, folder: Path) -> float:
+    """Return trials per second once every process has built its world."""
+    path = folder / f"{workers}.sqlite"
+    with (
+        Results.create(path, "sweep", base.setup, {}) as results,
+        make_pool(workers) as pool,
+    ):
+        sweep(base, _loads(4 * workers), results, pool)
+        begin = time.perf_counter()
+        sweep(base, _loads(trials, first=1.0), results, pool)
+        return trials / (time.perf_counter() - begin)
+
+
+def _loads(count: int, first: float = 0.0) -> Sequence[dict[str, float]]:
+    return [{"load": first + number / (2.0 * count)} for number in range(count)]
+
+
+def memory(trials: int, folder: Path) -> None:
+    """Print the memory of a process as its trials go by."""
+    setup = Setup.load()
+    base = short(setup, 0.02)
+    rows: list[list[object]] = []
+    with (
+        Results.create(folder / "memory.sqlite", "sweep", setup, {}) as results,
+        TrialWorld(setup) as world,
+    ):
+        for number in range(trials + 1):
+            if number % max(1, trials // 5) == 0:
+                gc.collect()
+                rows.append([number, _resident()])
+            trial = base.with_parameters({"load": number / trials}, number)
+            results.add(trial, world.run(trial))
+    print_title("Memory of a process that runs trials of 20 ms")
+    print_table(["trials", "MB"], rows)
+
+
+def _resident() -> float:
+    """Return the memory of this process that is in use [MB]."""
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    (line,) = [line for line in status.splitlines() if line.startswith("VmRSS:")]
+    return float(line.split()[1]) / 1024.0
+
+
+PARTS = {
+    "robustness": (robustness, 500),
+    "efficiency": (efficiency, 40),
+    "memory": (memory, 10_000),
+}
+
+
+def main() -> None:
+    """Run the parts that are named, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("--trials", type=int, help="instead of the usual number")
+    options = parser.parse_args()
+    for name in options.parts or PARTS:
+        run, usual = PARTS[name]
+        with tempfile.TemporaryDirectory() as folder:
+            run(options.trials or usual, Path(folder))
+
+
+if __name__ == "__main__":
+    main()

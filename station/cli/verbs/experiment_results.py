@@ -1,0 +1,184 @@
+"""Verb `experiments`: what experiments have found, and what follows from it."""
+
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_json, say_table
+from station.cli.verbs.experiments import say_summary
+from station.experiments.analysis import compare, ranked
+from station.experiments.errors import ExperimentError
+from station.experiments.exports import export, table, write_gains
+from station.experiments.results import Results, default_folder, file_of, names
+from station.experiments.trial_world import TrialWorld
+
+
+def experiments(options: Namespace) -> int:
+    """List, show, draw, rank, apply, export or compare experiments.
+
+    Raises:
+        UsageError: A word is missing or too much.
+    """
+    action, fewest, most = _ACTIONS[options.action]
+    words = [word for word in (options.name, *options.words) if word is not None]
+    if not fewest <= len(words) <= most:
+        raise UsageError(
+            f"The words after `experiments {options.action}` are too few or too many.",
+            remedy="station experiments list, show|best NAME, plot|export NAME FILE, "
+            "apply NAME [HASH], compare NAME OTHER.",
+        )
+    return action(options)
+
+
+def _list(options: Namespace) -> int:
+    rows, found = [], []
+    for name in names():
+        with Results.open(file_of(name)) as results:
+            rows.append([name, results.kind, str(results.count())])
+            found.append({
+                "name": name,
+                "kind": results.kind,
+                "trials": results.count(),
+            })
+    if options.json:
+        say_json(found)
+    elif rows:
+        say_table(["experiment", "kind", "trials"], rows)
+    else:
+        say(f"There are no experiments in {default_folder()}.")
+    return 0
+
+
+def _show(options: Namespace) -> int:
+    with Results.open(file_of(options.name)) as results:
+        if options.json:
+            say_json(table(results))
+        else:
+            say(f"{options.name}: {results.kind} of setup {results.setup.digest}")
+            say_summary(results)
+    return 0
+
+
+def _best(options: Namespace) -> int:
+    with Results.open(file_of(options.name)) as results:
+        rows = ranked(results, _metric(options))[: options.count]
+    if options.json:
+        say_json([
+            {
+                "hash": row.result.hash,
+                "parameters": dict(row.parameters),
+                "metrics": dict(row.result.metrics),
+            }
+            for row in rows
+        ])
+        return 0
+    metrics = options.metric or ["rms_error", "effort_rms"]
+    say_table(
+        ["trial", *metrics, "parameters"],
+        [
+            [
+                row.result.hash,
+                *(f"{row.result.metrics.get(m, float('nan')):.4g}" for m in metrics),
+                " ".join(f"{k}={v:.4g}" for k, v in row.parameters.items()),
+            ]
+            for row in rows
+        ],
+    )
+    return 0
+
+
+def _plot(options: Namespace) -> int:
+    from station.experiments.plots import plot
+
+    with Results.open(file_of(options.name)) as results:
+        plot(results, options.kind, Path(options.words[0]), options.metric)
+    say(f"Wrote {options.words[0]}.")
+    return 0
+
+
+def _export(options: Namespace) -> int:
+    with Results.open(file_of(options.name)) as results:
+        export(results, Path(options.words[0]))
+    say(f"Wrote {options.words[0]}.")
+    return 0
+
+
+def _compare(options: Namespace) -> int:
+    one, other = file_of(options.name), file_of(options.words[0])
+    with Results.open(one) as first, Results.open(other) as second:
+        found = compare(first, second, options.metric)
+    if options.json:
+        say_json([
+            {"metric": c.metric, "means": c.means, "p_value": c.p_value} for c in found
+        ])
+        return 0
+    say_table(
+        ["metric", one.stem, other.stem, "p"],
+        [[c.metric, *(f"{m:.4g}" for m in c.means), f"{c.p_value:.4f}"] for c in found],
+    )
+    say("p: how probable means so far apart are by chance alone.")
+    return 0
+
+
+def _apply(options: Namespace) -> int:
+    """Show the gains of a trial beside those of a running station; set them with --yes.
+
+    Raises:
+        ExperimentError: The trial changes no gains.
+    """
+    with Results.open(file_of(options.name)) as results:
+        if options.words:
+            trial = results.trial(options.words[0])
+        else:
+            best = ranked(results, _metric(options))[0]
+            trial = results.trial(best.result.hash)
+    with TrialWorld(trial.setup) as world:
+        if options.yaml is not None:
+            write_gains(world, trial, options.yaml)
+            say(f"Wrote {options.yaml}.")
+            return 0
+        wanted = world.gains_of(trial)
+    if not wanted:
+        raise ExperimentError(f"Trial {trial.hash} changes no gains.")
+    with open_client(options) as client:
+        present = {name: client.gains(name) for name in wanted}
+        rows = [
+            [
+                name,
+                gain,
+                f"{present[name].values.get(gain, float('nan')):g}",
+                f"{new:g}",
+            ]
+            for name, gains in wanted.items()
+            for gain, new in gains.items()
+        ]
+        if options.yes:
+            for name, gains in wanted.items():
+                # Somebody may have changed them since they were shown.
+                client.set_gains(name, gains, etag=present[name].etag)
+            client.gain_sets.save(options.name, list(wanted))
+    say_table(["controller", "gain", "present", "new"], rows)
+    if options.yes:
+        say(f"Trial {trial.hash} is in force, and saved as gain set {options.name}.")
+        say("`station gains undo` takes it back.")
+    else:
+        say("Nothing has changed; with --yes the new gains are put into force.")
+    return 0
+
+
+def _metric(options: Namespace) -> str | None:
+    return options.metric[0] if options.metric else None
+
+
+_ACTIONS: dict[str, tuple[Callable[[Namespace], int], int, int]] = {
+    "list": (_list, 0, 0),
+    "show": (_show, 1, 1),
+    "plot": (_plot, 2, 2),
+    "best": (_best, 1, 1),
+    "apply": (_apply, 1, 2),
+    "export": (_export, 2, 2),
+    "compare": (_compare, 2, 2),
+}
+"""What each action does, and how many words it takes."""

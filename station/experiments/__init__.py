@@ -1,0 +1,1 @@
+"""Closed-loop trials of a simulated station, by the thousand."""

@@ -1,0 +1,118 @@
+"""An executor over the workers of a Dask scheduler."""
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import ParamSpec, TypeVar
+
+from distributed import Client
+from typing_extensions import override
+
+from station.core.errors import StationError
+from station.experiments.errors import ExperimentError
+from station.experiments.workers import Identity, compare, identity
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_LOOK = 1.0
+"""Time between two looks for workers that came [s]."""
+
+
+class ClusterExecutor(Executor):
+    """Gives work to the workers of a cluster that have what the caller has.
+
+    Dask repeats the tasks of a worker that is lost. Workers that come later are
+    compared with the caller before they get work; one that differs gets none, and
+    `refused` says why.
+
+    Args:
+        address: Address of the scheduler, such as `tcp://host:8786`.
+        setup_text: Text of the setup that the trials have.
+        timeout: How long to wait for the scheduler, and for a first worker [s], > 0.
+
+    Attributes:
+        refused: Why a worker gets no work, by its address.
+
+    Raises:
+        ExperimentError: The scheduler does not answer, or has no worker that fits.
+    """
+
+    def __init__(self, address: str, setup_text: str, timeout: float = 30.0) -> None:
+        self.refused: dict[str, str] = {}
+        self._setup_text = setup_text
+        self._expected = identity(setup_text)
+        self._good: set[str] = set()
+        self._looked = -_LOOK
+        try:
+            self._client = Client(address, timeout=timeout, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise ExperimentError(
+                f"The scheduler {address} does not answer in {timeout:g} s: {error}.",
+                remedy="Start one with `dask scheduler`; docs/experiments.md says how.",
+            ) from error
+        deadline = time.monotonic() + timeout
+        self._look_around()
+        while not self._good:
+            if time.monotonic() > deadline:
+                reasons = " ".join(self.refused.values()) or "No worker has come."
+                self._client.close()
+                raise ExperimentError(
+                    f"The scheduler {address} has no worker that fits. {reasons}",
+                    remedy=f"Start one with `dask worker {address} --nthreads 1`, "
+                    "where the same version of the station is installed.",
+                )
+            time.sleep(0.1)
+            self._look_around()
+
+    @property
+    def worker_count(self) -> int:
+        """How many workers get work."""
+        return max(1, len(self._good))
+
+    @override
+    def submit(
+        self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> Future[T]:
+        if time.monotonic() - self._looked >= _LOOK:
+            self._look_around()
+        # Preferred, not demanded: if all of them are lost, the task must not wait for
+        # ever. It compares its worker itself.
+        found: Future[T] = self._executor.submit(fn, *args, **kwargs)
+        return found
+
+    @override
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        self._client.close()
+
+    def _look_around(self) -> None:
+        """Compare the workers that came, and forget the ones that went."""
+        self._looked = time.monotonic()
+        present = set(self._client.scheduler_info(n_workers=-1)["workers"])
+        new = present - self._good - set(self.refused)
+        good = self._good & present
+        if new:
+            answers = self._client.run(
+                identity, self._setup_text, workers=list(new), on_error="return"
+            )
+            for worker, answer in answers.items():
+                reason = self._difference(worker, answer)
+                if reason is None:
+                    good.add(worker)
+                else:
+                    self.refused[worker] = reason
+        if good != self._good:
+            self._good = good
+            self._executor = self._client.get_executor(
+                workers=sorted(good) or None, allow_other_workers=True, pure=False
+            )
+
+    def _difference(self, worker: str, answer: object) -> str | None:
+        """Return why a worker does not fit; None when it does."""
+        if not isinstance(answer, Identity):
+            return f"Worker {worker} cannot run these trials: {answer!r}."
+        try:
+            compare(self._expected, answer, worker)
+        except StationError as error:
+            return f"{error.message} {error.remedy}"
+        return None

@@ -1,0 +1,241 @@
+"""What makes a simulated robot differ from its model: load, friction, delay, noise."""
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+
+import mujoco
+import numpy as np
+
+from station.core.errors import suggest
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.robot_hw import RobotHW
+from station.experiments.errors import ExperimentError, UnknownParameterError
+from station.hw.mujoco.shared_world import SharedWorld
+from station.hw.mujoco.world import World
+
+_COMMANDED = (EffortJointInterface, PositionJointInterface, VelocityJointInterface)
+_DENSITY = 2000.0
+"""Density of a load, a ball [kg/m^3]."""
+_SMALLEST_SHARE = 0.1
+"""A body that weighs less than this share of its parent carries no load: a finger."""
+
+
+def world_of(hw: RobotHW) -> World:
+    """Return the MuJoCo world of a robot.
+
+    Raises:
+        ExperimentError: The robot is not simulated with MuJoCo.
+    """
+    found = hw.simulated_world()
+    if not isinstance(found, SharedWorld):
+        raise ExperimentError(
+            f"The robot {type(hw).__name__} is not simulated with MuJoCo.",
+            remedy="Choose a configuration with franka_hw/FrankaHW or "
+            "mujoco_hw/MujocoRobotHW.",
+        )
+    return found.world
+
+
+class Mechanics:
+    """The load, friction and damping of a world; all changes can be taken back.
+
+    Call the methods before the world is reset: a model must not change in a motion.
+
+    Args:
+        world: The world, in which nothing has been changed yet.
+        joints: The joints that the robot commands, n >= 1 of them.
+    """
+
+    def __init__(self, world: World, joints: Sequence[str]) -> None:
+        self._model = model = world.model
+        # A data of its own, because computing the model's constants writes into it.
+        self._scratch = mujoco.MjData(model)
+        self._dofs = {
+            name: int(model.jnt_dofadr[model.joint(name).id]) for name in joints
+        }
+        self._carrier = _carrier(
+            model, int(model.jnt_bodyid[model.joint(joints[-1]).id])
+        )
+        self._pristine = {
+            name: np.copy(value)
+            for name in dir(model)
+            if name.startswith(("body_", "dof_"))
+            and isinstance(value := getattr(model, name), np.ndarray)
+        }
+
+    @property
+    def carrier(self) -> str:
+        """Name of the body that carries the load."""
+        return str(self._model.body(self._carrier).name)
+
+    def restore(self) -> None:
+        """Put the model back as it was, bit for bit."""
+        for name, value in self._pristine.items():
+            getattr(self._model, name)[...] = value
+
+    def change(
+        self, load: float, friction: Mapping[str, float], damping: Mapping[str, float]
+    ) -> None:
+        """Change the model as it was; `restore` comes first.
+
+        Args:
+            load: Mass at the centre of mass of the carrier [kg], >= 0. Neither the
+                robot nor its gravity compensation knows of it.
+            friction: Coulomb friction by joint, added to the model's [Nm or N], >= 0.
+            damping: Viscous damping by joint, added likewise [Nm s/rad or N s/m], >= 0.
+
+        Raises:
+            UnknownParameterError: A joint is not one of the robot's.
+        """
+        model, carrier = self._model, self._carrier
+        for values, target in (
+            (friction, model.dof_frictionloss),
+            (damping, model.dof_damping),
+        ):
+            for joint, value in values.items():
+                target[self._dof(joint)] += value
+        if load > 0.0:
+            before = float(model.body_mass[carrier])
+            radius = (3.0 * load / (4.0 * math.pi * _DENSITY)) ** (1.0 / 3.0)
+            model.body_mass[carrier] = before + load
+            model.body_inertia[carrier] += 0.4 * load * radius**2
+            # The compensation goes on carrying the weight that it knows.
+            model.body_gravcomp[carrier] *= before / (before + load)
+        if load > 0.0 or any(friction.values()) or any(damping.values()):
+            mujoco.mj_setConst(model, self._scratch)
+
+    def _dof(self, joint: str) -> int:
+        """Return the index of a joint's velocity.
+
+        Raises:
+            UnknownParameterError: The joint is not one of the robot's.
+        """
+        if joint not in self._dofs:
+            raise UnknownParameterError(
+                f"The robot has no joint '{joint}'.",
+                remedy=suggest(joint, self._dofs),
+                details={"joint": joint},
+            )
+        return self._dofs[joint]
+
+
+def _carrier(model: mujoco.MjModel, body: int) -> int:
+    """Return the body at the end of a chain: a hand rather than the last link."""
+    while True:
+        children = [
+            i
+            for i in range(model.nbody)
+            if model.body_parentid[i] == body and i != body
+        ]
+        masses = {child: float(model.body_mass[child]) for child in children}
+        heaviest = max(masses, key=masses.__getitem__, default=body)
+        smallest = _SMALLEST_SHARE * float(model.body_mass[body])
+        if heaviest == body or masses[heaviest] <= smallest:
+            return body
+        body = heaviest
+
+
+class CommandDelay:
+    """Lets a robot receive the commands of its joints some cycles late.
+
+    What the arm does by itself, such as holding its pose, is not delayed: the delay is
+    that of the way from the controllers to the robot.
+
+    Args:
+        hw: The robot; its `write` sends older commands from now on.
+    """
+
+    def __init__(self, hw: RobotHW) -> None:
+        self._cycles = 0
+        self._slots = [
+            (handle.command_storage, handle.command_index)
+            for kind in _COMMANDED
+            if (interface := hw.get(kind)) is not None
+            for handle in interface.handles()
+        ]
+        self._line: deque[list[float]] = deque()
+        self._write = hw.write
+        # A robot that wraps another one would have to repeat its whole interface.
+        hw.write = self.write  # type: ignore[method-assign]
+
+    def begin(self, cycles: int) -> None:
+        """Begin a trial; nothing is on its way.
+
+        Args:
+            cycles: The delay in cycles, >= 0.
+        """
+        self._cycles = cycles
+        self._line.clear()
+
+    def write(self, time: float, period: float) -> None:
+        """Send the commands of some cycles before to the robot.
+
+        Args:
+            time: Station time of this cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+        if self._cycles == 0:
+            self._write(time, period)
+            return
+        commands = [storage[index] for storage, index in self._slots]
+        self._line.append(commands)
+        is_full = len(self._line) > self._cycles
+        self._put(self._line.popleft() if is_full else self._line[0])
+        self._write(time, period)
+        self._put(commands)  # controllers find what they commanded
+
+    def _put(self, commands: list[float]) -> None:
+        for (storage, index), command in zip(self._slots, commands, strict=True):
+            storage[index] = command
+
+
+class MeasurementNoise:
+    """Adds Gaussian noise to what a robot's joints measure.
+
+    Controllers, limits and the record see the noise; the motors and the supervision
+    inside of a simulated arm do not.
+
+    Args:
+        hw: The robot; its `read` is followed by the noise from now on.
+    """
+
+    def __init__(self, hw: RobotHW) -> None:
+        interface = hw.get(JointStateInterface)
+        self._handles = interface.handles() if interface else []
+        self._position = self._velocity = 0.0
+        self._random = np.random.default_rng(0)
+        self._read = hw.read
+        # A robot that wraps another one would have to repeat its whole interface.
+        hw.read = self.read  # type: ignore[method-assign]
+
+    def begin(self, position: float, velocity: float, seed: int) -> None:
+        """Begin a trial.
+
+        Args:
+            position: Standard deviation of positions [rad or m], >= 0.
+            velocity: Standard deviation of velocities [rad/s or m/s], >= 0.
+            seed: Seed of the noise, >= 0.
+        """
+        self._position, self._velocity = position, velocity
+        self._random = np.random.default_rng(seed)
+
+    def read(self, time: float, period: float) -> None:
+        """Read the robot, then add the noise.
+
+        Args:
+            time: Station time of this cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+        self._read(time, period)
+        if self._position == 0.0 and self._velocity == 0.0:
+            return
+        draws = self._random.standard_normal(2 * len(self._handles)).tolist()
+        for i, handle in enumerate(self._handles):
+            handle.position_storage[handle.index] += self._position * draws[2 * i]
+            handle.velocity_storage[handle.index] += self._velocity * draws[2 * i + 1]

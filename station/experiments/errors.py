@@ -1,0 +1,43 @@
+"""The exceptions that experiments raise on purpose.
+
+```
+StationError
+└── ExperimentError            an experiment cannot be carried out
+    ├── UnknownParameterError  a trial names a parameter that there is not (KeyError)
+    ├── ImpossibleRangeError   a value or range is not allowed (ValueError)
+    ├── WorkerMismatchError    a worker has another version or configuration
+    └── ExperimentNotFoundError   there is no experiment of that name (KeyError)
+```
+"""
+
+from station.core.errors import StationError
+
+
+class ExperimentError(StationError):
+    """An experiment cannot be carried out."""
+
+    code = "experiment"
+
+
+class UnknownParameterError(ExperimentError, KeyError):
+    """A trial or a range names a parameter that there is not."""
+
+    code = "unknown_parameter"
+
+
+class ImpossibleRangeError(ExperimentError, ValueError):
+    """A value or a range of values is not allowed."""
+
+    code = "impossible_range"
+
+
+class WorkerMismatchError(ExperimentError):
+    """A worker has another version or another configuration than the caller."""
+
+    code = "worker_mismatch"
+
+
+class ExperimentNotFoundError(ExperimentError, KeyError):
+    """There is no experiment of that name."""
+
+    code = "experiment_not_found"

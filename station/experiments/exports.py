@@ -1,0 +1,88 @@
+"""Results as tables for other programs."""
+
+import csv
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import yaml
+
+from station.experiments.errors import ExperimentError
+from station.experiments.results import Results
+from station.experiments.trial import Trial
+from station.experiments.trial_world import TrialWorld
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_ABOUT = ("number", "hash", "state", "reason", "seed", "seconds", "worker")
+
+
+def table(results: Results) -> list[dict[str, object]]:
+    """Return a row per trial: what it is, its parameters, its metrics.
+
+    Columns of parameters are called `parameter:NAME`; a metric that a trial lacks is
+    None.
+    """
+    rows = results.rows()
+    parameters = sorted({name for row in rows for name in row.parameters})
+    metrics = list(dict.fromkeys(name for row in rows for name in row.result.metrics))
+    return [
+        {
+            "number": row.number,
+            "hash": row.result.hash,
+            "state": row.result.state,
+            "reason": row.result.reason,
+            "seed": row.seed,
+            "seconds": row.result.seconds,
+            "worker": row.result.worker,
+            **{f"parameter:{name}": row.parameters.get(name) for name in parameters},
+            **{name: row.result.metrics.get(name) for name in metrics},
+        }
+        for row in rows
+    ]
+
+
+def data_frame(results: Results) -> "DataFrame":
+    """Return `table` as a DataFrame of pandas, which must be installed."""
+    from pandas import DataFrame
+
+    return DataFrame(table(results))
+
+
+def export(results: Results, path: Path) -> None:
+    """Write the table as a `.csv` or `.parquet` file.
+
+    Raises:
+        ExperimentError: The file has another ending or cannot be written.
+    """
+    if path.suffix not in {".csv", ".parquet"}:
+        raise ExperimentError(
+            f"Results cannot be written as '{path.name}'.",
+            remedy="Choose a name that ends in .csv or .parquet.",
+        )
+    try:
+        if path.suffix == ".parquet":
+            data_frame(results).to_parquet(path)
+            return
+        rows = table(results)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, rows[0] if rows else _ABOUT)
+            writer.writeheader()
+            writer.writerows(rows)
+    except OSError as error:
+        raise ExperimentError(f"{path} cannot be written: {error}.") from error
+
+
+def write_gains(world: TrialWorld, trial: Trial, path: Path) -> None:
+    """Write the gains that a trial changes as a YAML file of a gain set.
+
+    Raises:
+        ExperimentError: The trial changes no gains, or the file cannot be written.
+    """
+    gains = world.gains_of(trial)
+    if not gains:
+        raise ExperimentError(f"Trial {trial.hash} changes no gains.")
+    try:
+        path.write_text(yaml.safe_dump({"gains": gains}), encoding="utf-8")
+    except OSError as error:
+        raise ExperimentError(f"{path} cannot be written: {error}.") from error

@@ -1,0 +1,181 @@
+"""Friction and inertia of a joint from a motion, by least squares."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from station.core.errors import suggest
+from station.experiments.errors import ExperimentError, UnknownParameterError
+from station.experiments.trace import Array, Trace
+
+_CONFIDENCE = 1.96
+"""Standard deviations of a normal distribution on either side of 95 %."""
+_LEAST_SPEED = 0.25
+"""Below this share of the largest speed, the sign of the Coulomb friction is unsure."""
+_WORST_CONDITION = 1e4
+_FEWEST = 50
+"""Fewest samples that are fitted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number with its confidence.
+
+    Attributes:
+        value: The number.
+        half_width: Half of the interval that has the true number with a probability of
+            95 %, as far as the residuals are noise, >= 0.
+        unit: Unit of both.
+    """
+
+    value: float
+    half_width: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class JointModel:
+    """`effort = inertia * ddq + viscous * dq + coulomb * sign(dq)`, beside the weight.
+
+    Attributes:
+        joint: The joint.
+        inertia: Inertia of all that moves with it [kg m^2 or kg]; without the motor's
+            rotor where the robot measures efforts behind the gear, as a Franka does.
+        viscous: Viscous friction [Nm s/rad or N s/m].
+        coulomb: Coulomb friction [Nm or N].
+        residual: RMS of what the model does not explain [Nm or N].
+        samples: How many samples were fitted.
+    """
+
+    joint: str
+    inertia: Estimate
+    viscous: Estimate
+    coulomb: Estimate
+    residual: float
+    samples: int
+
+
+def identify(trace: Trace, joint: str, smoothing: int = 5) -> JointModel:
+    """Return the model of a joint that fits a motion best.
+
+    The controller should hold the other joints. How their small motions and gravity act
+    on the joint is fitted, too: gravity as sine and cosine of its position, and the
+    coupling as a multiple of each other acceleration. Samples near rest, where Coulomb
+    friction is not defined, are left out.
+
+    Args:
+        trace: The motion, e.g. a multisine with many reversals.
+        joint: The joint.
+        smoothing: Half-width of the mean over which velocity is smoothed before it is
+            differentiated [cycles], >= 0. The same mean is taken of everything.
+
+    Raises:
+        UnknownParameterError: The motion has no such joint.
+        ExperimentError: The motion does not tell the parameters apart.
+    """
+    if joint not in trace.joints:
+        raise UnknownParameterError(
+            f"The motion has no joint '{joint}'.", remedy=suggest(joint, trace.joints)
+        )
+    column = trace.joints.index(joint)
+    # The effort measured in a cycle has acted since the one before: it goes with the
+    # acceleration over that period, and the position and velocity in its middle.
+    accelerations = np.diff(trace.velocity, axis=0) / trace.period
+    velocity = 0.5 * (trace.velocity[1:, column] + trace.velocity[:-1, column])
+    position = 0.5 * (trace.position[1:, column] + trace.position[:-1, column])
+    largest = float(np.abs(velocity).max()) if velocity.size else 0.0
+    known = np.column_stack([
+        np.sin(position),
+        np.cos(position),
+        np.delete(accelerations, column, axis=1),
+    ])
+    wanted = np.column_stack([accelerations[:, column], velocity, np.sign(velocity)])
+    everything = np.column_stack([wanted, known, trace.effort[1:, column], velocity])
+    smooth = _smooth(everything, smoothing)
+    # A smoothed sign that is not 1 or -1 is that of a reversal.
+    moving = np.abs(smooth[:, -1]) > _LEAST_SPEED * largest
+    moving &= np.abs(np.abs(smooth[:, 2]) - 1.0) < 1e-9
+    if largest == 0.0 or moving.sum() < _FEWEST:
+        raise ExperimentError(
+            f"Joint '{joint}' moves in {int(moving.sum())} cycles; at least {_FEWEST} "
+            "are needed.",
+            remedy="Excite it for longer, e.g. with a multisine.",
+        )
+    rows = smooth[moving]
+    return _fit(joint, rows[:, :3], rows[:, 3:-2], rows[:, -2])
+
+
+def _fit(joint: str, wanted: Array, known: Array, effort: Array) -> JointModel:
+    """Return the least-squares fit.
+
+    Args:
+        joint: The joint.
+        wanted: Acceleration, velocity and its sign, shape (k, 3).
+        known: What else acts, shape (k, m).
+        effort: The measured efforts [Nm or N], shape (k,).
+
+    Raises:
+        ExperimentError: The regressors depend on each other.
+    """
+    # What the other regressors explain is taken out first (Frisch and Waugh), so that
+    # the fit has the three parameters alone.
+    regressors = _without(known, wanted)
+    target = _without(known, effort[:, None])[:, 0]
+    scale = np.linalg.norm(wanted, axis=0)
+    shares = np.linalg.norm(regressors, axis=0) / np.where(scale > 0.0, scale, 1.0)
+    condition = float(np.linalg.cond(regressors / np.where(scale > 0.0, scale, 1.0)))
+    if shares.min() < 1e-6 or condition > _WORST_CONDITION:
+        raise ExperimentError(
+            f"The motion of '{joint}' does not tell inertia and friction apart: the "
+            f"condition number is {condition:.3g}, at most {_WORST_CONDITION:g} is "
+            "usable.",
+            remedy="Use several frequencies and both directions, e.g. a multisine.",
+        )
+    found, *_ = np.linalg.lstsq(regressors, target, rcond=None)
+    residuals = target - regressors @ found
+    freedom = len(target) - len(found) - known.shape[1]
+    # Neighbouring residuals are alike; only so many of them are independent.
+    variance = float(residuals @ residuals) / freedom * _correlation_time(residuals)
+    covariance = variance * np.linalg.inv(regressors.T @ regressors)
+    widths = _CONFIDENCE * np.sqrt(np.diag(covariance))
+    units = ("kg m^2 or kg", "Nm s/rad or N s/m", "Nm or N")
+    inertia, viscous, coulomb = (
+        Estimate(float(value), float(width), unit)
+        for value, width, unit in zip(found, widths, units, strict=True)
+    )
+    residual = math.sqrt(float(np.mean(residuals**2)))
+    return JointModel(joint, inertia, viscous, coulomb, residual, len(target))
+
+
+def _without(known: Array, values: Array) -> Array:
+    """Return what of the columns of `values` the columns of `known` do not explain."""
+    scale = np.linalg.norm(known, axis=0)
+    scaled = known / np.where(scale > 0.0, scale, 1.0)
+    explained, *_ = np.linalg.lstsq(scaled, values, rcond=None)
+    left: Array = values - scaled @ explained
+    return left
+
+
+def _correlation_time(residuals: Array) -> float:
+    """Return over how many samples residuals are alike, >= 1."""
+    centred = residuals - residuals.mean()
+    power = float(centred @ centred)
+    if power == 0.0:
+        return 1.0
+    total = 1.0
+    for lag in range(1, len(centred) // 4):
+        correlation = float(centred[:-lag] @ centred[lag:]) / power
+        if correlation <= 0.05:
+            break
+        total += 2.0 * correlation
+    return total
+
+
+def _smooth(values: Array, half_width: int) -> Array:
+    """Return moving means of the columns, shape (k - 2 * half_width, m)."""
+    width = 2 * half_width + 1
+    kernel = np.full(width, 1.0 / width)
+    return np.column_stack([
+        np.convolve(column, kernel, mode="valid") for column in values.T
+    ])

@@ -1,0 +1,356 @@
+"""A simulated station that runs one trial after the other.
+
+A world is built once and put back between trials: models, gains, noise and time begin
+anew, so that a trial gives the same numbers, bit for bit, in a world that has run
+others before.
+"""
+
+import os
+import platform
+import time
+from collections.abc import Mapping, Sequence
+from types import TracebackType
+from typing import Self
+
+import mujoco
+import numpy as np
+
+from station.app.in_process import InProcessStation
+from station.core.control.controller import ControllerState
+from station.core.errors import StationError, suggest
+from station.core.facade.station import Station
+from station.core.franka.arms import Arms
+from station.experiments.disturbances import (
+    CommandDelay,
+    MeasurementNoise,
+    Mechanics,
+    world_of,
+)
+from station.experiments.errors import UnknownParameterError
+from station.experiments.metrics import Counts, measure
+from station.experiments.parameters import Overrides, sort_out
+from station.experiments.reference import Reference, make_reference
+from station.experiments.script import Push, Script
+from station.experiments.setup import Setup, digest_of
+from station.experiments.trace import Array, Trace
+from station.experiments.trial import Trial, TrialResult
+from station.hw.mujoco.push import Push as WorldPush
+
+_LOOK = 100
+"""Cycles between two looks at how the trial goes. The ring of snapshots keeps 4096."""
+_REFLEX = "reflex"
+
+
+class TrialWorld:
+    """Runs the trials of one setup. One thread.
+
+    Args:
+        setup: The configuration.
+
+    Attributes:
+        setup: As given.
+        station: The station in which the trials run.
+        begin_positions: Where the joints begin, by name [rad or m].
+        robot_digest: Digest of the robot's bodies and joints, which come from files
+            beside the setup: worlds with the same digest move alike.
+
+    Raises:
+        ExperimentError: The robot is not simulated with MuJoCo.
+        StationError: The configuration cannot be used.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+        self.station = InProcessStation(setup.config())
+        facade = self.station.facade
+        self._world = world_of(facade.loop.hw)
+        model = self._world.model
+        bodies = (model.body_mass, model.body_inertia, model.body_pos, model.jnt_range)
+        self.robot_digest = digest_of("".join(v.tobytes().hex() for v in bodies))
+        joints = self.station.joint_names
+        self._mechanics = Mechanics(self._world, joints)
+        self._delay = CommandDelay(facade.loop.hw)
+        self._noise = MeasurementNoise(facade.loop.hw)
+        self._gains = facade.tuning.all_gains()
+        self.begin_positions = self.station.positions()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop the robot."""
+        self.station.close()
+
+    def gains(self, controller: str) -> dict[str, float]:
+        """Return the gains of a controller in the configuration.
+
+        Raises:
+            ControllerNotFoundError: No controller of that name is loaded.
+        """
+        self._check_loaded(controller)
+        return dict(self._gains.get(controller, {}))
+
+    def model(self) -> mujoco.MjModel:
+        """Return MuJoCo's model of the robot; whoever changes it changes the world."""
+        return self._world.model
+
+    def joint_inertia(self, joint: str) -> float:
+        """Return the inertia of a joint in the present pose [kg m^2 or kg]."""
+        return self._world.joints([joint]).read_inertia()[0]
+
+    def run(self, trial: Trial) -> TrialResult:
+        """Run a trial and return what came out; a trial that is refused has failed."""
+        return self.record(trial)[0]
+
+    def record(self, trial: Trial) -> tuple[TrialResult, Trace | None]:
+        """Run a trial; return what came out, and every cycle of it.
+
+        The trace is None when the trial was refused before it began.
+        """
+        began = time.perf_counter()
+        trace, counts, reason = None, Counts(), None
+        try:
+            reference = self._begin(trial)
+            trace, counts, reason = self._play(trial.script, reference)
+        except StationError as error:
+            reason = f"{error.message} {error.remedy}".strip()
+        limits = self.station.facade.loop.hw.joint_limits()
+        metrics = {} if trace is None else measure(trace, trial.script, limits, counts)
+        result = TrialResult(
+            trial.hash,
+            "done" if reason is None else "failed",
+            reason,
+            metrics,
+            time.perf_counter() - began,
+            f"{platform.node()}:{os.getpid()}",
+        )
+        return result, trace
+
+    def _begin(self, trial: Trial) -> Reference:
+        """Put everything back, apply the trial's parameters, start its controller.
+
+        Raises:
+            StationError: A name or value of the trial is not allowed.
+        """
+        station, facade, script = self.station, self.station.facade, trial.script
+        wanted = sort_out(trial.parameters)
+        self._check_loaded(script.controller)
+        gains = self._wanted_gains(wanted)
+        self.put_back()
+        facade.tuning.set_many(gains)
+        joints = station.joint_names
+        self._mechanics.change(
+            wanted.load,
+            _by_joint(wanted.friction, joints),
+            _by_joint(wanted.damping, joints),
+        )
+        self._delay.begin(wanted.delay)
+        station.reset(script.begin)
+        station.step()
+        station.switch(start=[script.controller])
+        # What the joints begin at is settled without noise.
+        reference = make_reference(facade, script)
+        self._noise.begin(wanted.position_noise, wanted.velocity_noise, trial.seed)
+        return reference
+
+    def put_back(self) -> None:
+        """Bring the station into the state in which every trial begins."""
+        station, facade = self.station, self.station.facade
+        self._noise.begin(0.0, 0.0, 0)
+        self._delay.begin(0)
+        running = [
+            c.name for c in facade.controllers() if c.state is ControllerState.RUNNING
+        ]
+        if running:
+            station.switch(stop=running)
+        self._mechanics.restore()
+        station.reset()
+        facade.robots.recover_all()
+        # Controllers compute with differences of station time, whose rounding depends
+        # on how late it is. None runs now that would see time go back.
+        facade.loop.time = 0.0
+
+    def gains_of(self, trial: Trial) -> dict[str, dict[str, float]]:
+        """Return the gains that a trial changes, by controller and name.
+
+        Raises:
+            StationError: A name or value of the trial is not allowed.
+        """
+        wanted = self._wanted_gains(sort_out(trial.parameters))
+        changed = {
+            controller: {
+                gain: value
+                for gain, value in gains.items()
+                if value != self._gains[controller][gain]
+            }
+            for controller, gains in wanted.items()
+        }
+        return {controller: gains for controller, gains in changed.items() if gains}
+
+    def _wanted_gains(self, wanted: Overrides) -> dict[str, dict[str, float]]:
+        """Return the gains of all controllers under a trial's parameters.
+
+        Raises:
+            ControllerNotFoundError: A controller is not loaded.
+            UnknownParameterError: No gain has that name or suffix.
+        """
+        found = {name: dict(values) for name, values in self._gains.items()}
+        for controller, factors in wanted.scales.items():
+            self._check_loaded(controller)
+            for suffix, factor in factors.items():
+                named = [
+                    g for g in found.get(controller, {}) if g.endswith(f"/{suffix}")
+                ]
+                if not named:
+                    known = {g.rpartition("/")[2] for g in found.get(controller, {})}
+                    raise UnknownParameterError(
+                        f"No gain of '{controller}' ends in '/{suffix}'.",
+                        remedy=suggest(suffix, sorted(known)),
+                        details={"controller": controller, "gain": suffix},
+                    )
+                for gain in named:
+                    found[controller][gain] *= factor
+        for controller, values in wanted.gains.items():
+            self._check_loaded(controller)
+            known_gains = found.get(controller, {})
+            for gain, value in values.items():
+                if gain not in known_gains:
+                    raise UnknownParameterError(
+                        f"Controller '{controller}' has no gain '{gain}'.",
+                        remedy=suggest(gain, known_gains),
+                        details={"controller": controller, "gain": gain},
+                    )
+                known_gains[gain] = value
+        return found
+
+    def _check_loaded(self, controller: str) -> None:
+        """Refuse a controller that is not loaded, and say why it is not.
+
+        Raises:
+            StationError: The error of its loading, or that there is none.
+        """
+        not_loaded = self.station.not_loaded.get(controller)
+        if not_loaded is not None:
+            raise not_loaded
+        self.station.facade.controller(controller)
+
+    def _play(
+        self, script: Script, reference: Reference
+    ) -> tuple[Trace, Counts, str | None]:
+        """Play the script; return the cycles, the counts, and why it ended early."""
+        station, facade = self.station, self.station.facade
+        recorder = _Recorder(facade, script.controller)
+        violations = facade.manager.command_violations[0]
+        cycles = max(1, round(script.duration / facade.loop.period))
+        pushes = _at_cycles(script, facade.loop.period, cycles)
+        cycle, look, reason = 0, 0, None
+        while cycle < cycles and reason is None:
+            for push in pushes.get(cycle, ()):
+                self._push(push)
+            reference.command(cycle)
+            ahead = min(reference.quiet_from(cycle), cycles) - cycle
+            later = [c - cycle for c in pushes if c > cycle]
+            ahead = max(1, min([ahead, _LOOK, *later]))
+            station.step(ahead)
+            cycle += ahead
+            if cycle >= min(look, cycles):
+                look = cycle + _LOOK
+                recorder.take()
+                reason = self._why_ended(script.controller)
+        refused = facade.manager.command_violations[0] - violations
+        return recorder.trace(), Counts(recorder.reflexes, refused), reason
+
+    def _push(self, push: Push) -> None:
+        steps = max(1, round(push.lasts / self._world.timestep))
+        self._world.push(WorldPush(push.link, push.force), steps)
+
+    def _why_ended(self, controller: str) -> str | None:
+        """Return why the controller does not run any more; None while it runs."""
+        facade = self.station.facade
+        if self._world.diverged_because is not None:
+            return self._world.diverged_because
+        status = facade.controller(controller)
+        if status.state is ControllerState.RUNNING:
+            return None
+        errors = [
+            error.description
+            for report in Arms(facade.robots).reports()
+            for error in report.errors
+        ]
+        found = status.fault or "; ".join(errors)
+        return found or f"Controller '{controller}' is {status.state.value}."
+
+
+class _Recorder:
+    """Collects the cycles of a trial from the station's ring of snapshots.
+
+    Attributes:
+        reflexes: How often an arm fell into its reflex.
+    """
+
+    def __init__(self, facade: Station, controller: str) -> None:
+        self._facade = facade
+        self._controller = controller
+        names = facade.joint_names
+        self._joints = facade.manager.get_controller(controller).joint_names
+        self._columns = [names.index(joint) for joint in self._joints if joint in names]
+        self._first = self._cycle = facade.loop.cycle
+        self._parts: list[dict[str, Array]] = []
+        self._mode = ""
+        self.reflexes = 0
+
+    def take(self) -> None:
+        """Take the cycles since the last call, 4096 at most."""
+        snapshots, _ = self._facade.snapshots.read_since(self._cycle)
+        self._cycle = snapshots[-1].cycle
+        for one in snapshots:
+            self.reflexes += one.mode == _REFLEX != self._mode
+            self._mode = one.mode
+        width = len(self._joints)
+        blank = np.full(width, np.nan)
+        samples = [one.samples.get(self._controller) for one in snapshots]
+        columns = self._columns
+        part = {
+            name: np.array([getattr(one, name) for one in snapshots])[:, columns]
+            for name in ("position", "velocity", "effort")
+        }
+        for name in ("desired", "error", "output"):
+            rows = [blank if s is None else getattr(s, name) for s in samples]
+            part[name] = np.array([row if len(row) == width else blank for row in rows])
+        self._parts.append(part)
+
+    def trace(self) -> Trace:
+        """Return everything taken so far."""
+        period = self._facade.loop.period
+        cycles = self._cycle - self._first
+        joined = {
+            name: np.concatenate([part[name] for part in self._parts])
+            for name in self._parts[0]
+        }
+        joints = [self._facade.joint_names[column] for column in self._columns]
+        time = np.array([cycle * period for cycle in range(cycles)])
+        return Trace(tuple(joints), period, time, **joined)
+
+
+def _by_joint(values: Mapping[str, float], joints: Sequence[str]) -> dict[str, float]:
+    """Return values for single joints; the value of "" is that of all others."""
+    common = {} if "" not in values else dict.fromkeys(joints, values[""])
+    return common | {joint: value for joint, value in values.items() if joint}
+
+
+def _at_cycles(script: Script, period: float, cycles: int) -> dict[int, list[Push]]:
+    """Return the pushes of a script by the cycle in which they begin."""
+    found: dict[int, list[Push]] = {}
+    for push in script.pushes:
+        cycle = round(push.at / period)
+        if cycle < cycles:
+            found.setdefault(cycle, []).append(push)
+    return found

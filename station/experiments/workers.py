@@ -1,0 +1,120 @@
+"""What runs in a worker process: trials, in worlds that are kept from one to the next.
+
+Only plain text travels to a worker and back, so that any executor can carry it.
+"""
+
+import os
+import platform
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass, fields
+from importlib.metadata import version
+
+import mujoco
+
+from station.experiments.errors import WorkerMismatchError
+from station.experiments.setup import Setup
+from station.experiments.trial import Trial, TrialResult
+from station.experiments.trial_world import TrialWorld
+from station.kernel.manifest import source_digest
+
+_WORLDS = 2
+"""How many worlds a worker keeps."""
+WORKER = f"{platform.node()}:{os.getpid()}"
+"""This process: host and process."""
+_one_at_a_time = threading.Lock()
+"""A worker of a cluster may have several threads; a world has one."""
+_checked: set[str] = set()
+"""The setups for which this process has been compared with the experiment."""
+_worlds: "OrderedDict[str, TrialWorld]" = OrderedDict()
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """What must be the same wherever the trials of an experiment run.
+
+    Attributes:
+        station: Version of the station, and a digest of its arithmetic.
+        mujoco: Version of MuJoCo.
+        setup: Digest of the setup as the worker has read it, and the masses of its
+            robot, which come from files that do not travel.
+    """
+
+    station: str
+    mujoco: str
+    setup: str
+
+
+def identity(setup_text: str) -> Identity:
+    """Return what this process would run trials with.
+
+    Raises:
+        StationError: The setup cannot be used here.
+    """
+    world = _world(Setup(setup_text))
+    return Identity(
+        f"{version('control-station')}+{source_digest()[:12]}",
+        mujoco.mj_versionString(),
+        f"{world.setup.digest}+{world.robot_digest}",
+    )
+
+
+def run_trial(
+    setup_text: str, trial_text: str, expected: Identity | None = None
+) -> TrialResult:
+    """Run one trial; whatever is wrong with the trial is in the result.
+
+    Args:
+        setup_text: Text of the setup.
+        trial_text: `Trial.to_json` of the trial.
+        expected: What this process must run trials with; anything when None.
+
+    Raises:
+        WorkerMismatchError: This process has something else.
+        StationError: The setup cannot be used here.
+    """
+    with _one_at_a_time:
+        if expected is not None and setup_text not in _checked:
+            compare(expected, identity(setup_text), WORKER)
+            _checked.add(setup_text)
+        setup = Setup(setup_text)
+        return _world(setup).run(Trial.from_json(setup, trial_text))
+
+
+def compare(expected: Identity, found: Identity, worker: str) -> None:
+    """Refuse a worker that would give other numbers.
+
+    Raises:
+        WorkerMismatchError: It would, and why.
+    """
+    for field in fields(Identity):
+        wanted, has = getattr(expected, field.name), getattr(found, field.name)
+        if wanted != has:
+            raise WorkerMismatchError(
+                f"Worker {worker} has {field.name} {has}; the experiment has {wanted}.",
+                remedy="Install the same versions and files there, and start it again.",
+                details={"worker": worker, "what": field.name},
+            )
+
+
+def begin_worker(niceness: int) -> None:
+    """Prepare a process of its own: it is polite, and ends with Ctrl-C of its parent.
+
+    Args:
+        niceness: How much lower its priority is, 0 to 19.
+    """
+    import signal
+
+    os.nice(niceness)
+    # The parent decides what Ctrl-C means: trials that run may end.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _world(setup: Setup) -> TrialWorld:
+    world = _worlds.pop(setup.digest, None)
+    if world is None:
+        world = TrialWorld(setup)
+    _worlds[setup.digest] = world
+    while len(_worlds) > _WORLDS:
+        _worlds.popitem(last=False)[1].close()
+    return world

@@ -1,0 +1,126 @@
+"""What the command line says about experiments that have ended."""
+
+import json
+
+import pytest
+
+from station.cli.main import main
+from station.experiments.results import Results, file_of
+from station.experiments.script import Script
+from station.experiments.setup import Setup
+from station.experiments.trial import Trial, TrialResult
+
+GROUP = "effort_group_position_controller"
+
+
+@pytest.fixture
+def hashes(tmp_path, monkeypatch):
+    """Make the experiments `one` and `two`; return the hashes of `one`."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    base = Trial(Setup.load(), Script(controller=GROUP, duration=0.1))
+    found = []
+    for name in ("one", "two"):
+        with Results.create(file_of(name), "sweep", base.setup, {}) as results:
+            for factor in (0.5, 0.8, 0.9):
+                trial = base.with_parameters({f"scale/{GROUP}/p": factor})
+                metrics = {"rms_error": factor / 10.0, "effort_rms": 2.0}
+                result = TrialResult(trial.hash, "done", None, metrics, 0.1, "w")
+                results.add(trial, result)
+                found.append(trial.hash)
+    return found[:3]
+
+
+def say(capsys, *words):
+    assert main(["experiments", *words]) == 0
+    return capsys.readouterr().out
+
+
+def test_experiments_are_listed_and_shown(hashes, capsys):
+    assert json.loads(say(capsys, "list", "--json")) == [
+        {"name": "one", "kind": "sweep", "trials": 3},
+        {"name": "two", "kind": "sweep", "trials": 3},
+    ]
+    assert "one         sweep  3" in say(capsys, "list")
+    assert hashes[2] in say(capsys, "show", "one")
+    assert len(json.loads(say(capsys, "show", "one", "--json"))) == 3
+
+
+def test_best_trials_are_ranked(hashes, capsys):
+    best = json.loads(say(capsys, "best", "one", "--count", "2", "--json"))
+
+    assert [row["hash"] for row in best] == hashes[:2]
+    assert f"{hashes[0]}  0.05       2" in say(capsys, "best", "one")
+
+
+@pytest.mark.usefixtures("hashes")
+def test_results_are_exported_drawn_and_compared(capsys, tmp_path):
+    say(capsys, "export", "one", str(tmp_path / "one.csv"))
+    say(capsys, "plot", "one", str(tmp_path / "one.png"))
+
+    assert (tmp_path / "one.csv").read_text().startswith("number,hash,state")
+    assert (tmp_path / "one.png").stat().st_size > 1000
+    compared = json.loads(say(capsys, "compare", "one", "two", "--json"))
+    assert {c["metric"]: c["p_value"] for c in compared}["rms_error"] == 1.0
+    assert "by chance alone" in say(capsys, "compare", "one", "two")
+
+
+@pytest.mark.usefixtures("hashes")
+def test_gains_are_written_to_a_file(capsys, tmp_path):
+    say(capsys, "apply", "one", "--yaml", str(tmp_path / "gains.yaml"))
+
+    assert "panda_joint1/p: 300.0" in (tmp_path / "gains.yaml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "reason", "code"),
+    [
+        (["show"], "too few or too many", 2),
+        (["list", "one"], "too few or too many", 2),
+        (["show", "three"], "There is no experiment 'three'", 1),
+        (["apply", "one", "abc"], "no trial 'abc'", 1),
+    ],
+)
+@pytest.mark.usefixtures("hashes")
+def test_wrong_words_are_refused(capsys, words, reason, code):
+    assert main(["experiments", *words]) == code
+    assert reason in capsys.readouterr().err
+
+
+class FakeGains:
+    """A running station whose gains are read and set."""
+
+    def __init__(self):
+        self.calls = []
+        self.gain_sets = self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def gains(self, name):
+        self.etag = "7"
+        self.values = {"panda_joint1/p": 600.0}
+        return self
+
+    def set_gains(self, name, values, etag):
+        self.calls.append((name, values["panda_joint1/p"], etag))
+
+    def save(self, name, controllers):
+        self.calls.append((name, controllers))
+
+
+def test_apply_shows_first_and_sets_when_told_so(hashes, capsys, monkeypatch):
+    fake = FakeGains()
+    monkeypatch.setattr(
+        "station.cli.verbs.experiment_results.open_client", lambda _: fake
+    )
+
+    shown = say(capsys, "apply", "one", hashes[1])
+    assert "panda_joint1/p  600" in shown
+    assert "Nothing has changed" in shown
+    assert fake.calls == []
+
+    say(capsys, "apply", "one", hashes[1], "--yes")
+    assert fake.calls == [(GROUP, 480.0, "7"), ("one", [GROUP])]

@@ -1,0 +1,123 @@
+"""The verbs of experiments, in this process and with few trials."""
+
+import json
+
+import pytest
+
+from station.cli.main import main
+from station.experiments.results import Results, file_of
+
+GROUP = "effort_group_position_controller"
+SCRIPT = f"""
+controller: {GROUP}
+duration: 0.15
+commands: [{{kind: step, joint: panda_joint1, amplitude: 0.05, at: 0.01}}]
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    """Keep the experiments of each test apart."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Write a script of 0.15 s."""
+    path = tmp_path / "script.yaml"
+    path.write_text(SCRIPT)
+    return str(path)
+
+
+@pytest.fixture
+def run(capsys, script):
+    """Return a function that runs a verb in this process and returns its JSON."""
+
+    def call(verb, *words, code=0):
+        extra = ("--script", script, "--workers", "0", "--name", "x", "--json")
+        assert main([verb, GROUP, *words, *extra]) == code
+        out = capsys.readouterr()
+        return json.loads(out.out) if code == 0 else out.err
+
+    return call
+
+
+def test_sweep_runs_every_point_and_goes_on(run):
+    found = run("sweep", "load=0:2:3", "--method", "grid")
+
+    assert (found["ended"], found["failed"]) == (3, 0)
+    assert found["metrics"]["rms_error"]["worst"] > 0.0
+    run("sweep", "load=0:2:3", "--method", "grid")
+    with Results.open(file_of("x")) as results:
+        assert results.count() == 3
+        assert {row.parameters["load"] for row in results.rows()} == {0.0, 1.0, 2.0}
+
+
+def test_another_sweep_of_the_same_name_is_refused(run):
+    run("sweep", "load=0:2:1", "--method", "grid")
+
+    error = run("sweep", "load=0:2:2", "--method", "grid", code=1)
+
+    assert "'x' exists, and is another one" in error
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["weight=0:1"], "no parameter 'weight'"),
+        (["load=2:1"], "is empty"),
+        (["load=0:1", "--with", "load"], "is not NAME=VALUE"),
+        (["load=0:1", "--with", "mass=1"], "no parameter 'mass'"),
+    ],
+)
+def test_impossible_sweep_is_refused_and_leaves_nothing(run, words, reason):
+    code = 2 if "NAME=VALUE" in reason else 1
+
+    assert reason in run("sweep", *words, code=code)
+    assert not file_of("x").exists()
+
+
+def test_script_of_another_controller_is_refused(script, capsys):
+    words = ["sweep", "position_group_controller", "load=0:1", "--script", script]
+
+    assert main(words) == 2
+    assert (
+        "is a script of 'effort_group_position_controller'" in capsys.readouterr().err
+    )
+
+
+def test_robustness_keeps_its_worst_trials(run):
+    found = run("robustness", "--trials", "3", "--keep-worst", "1")
+
+    assert found["ended"] == 3
+    with Results.open(file_of("x")) as results:
+        assert results.kind == "robustness"
+        assert list(results.recordings()) == [
+            max(results.rows(), key=lambda r: r.result.metrics["rms_error"]).result.hash
+        ]
+        assert len({row.seed for row in results.rows()}) == 3
+
+
+def test_tune_begins_with_the_gains_of_its_start(run):
+    found = run(
+        *("tune", "--trials", "13", "--gains", "p"),
+        *("--with", f"scale/{GROUP}/p=0.2", "--at-most", "effort_rms=1.2x"),
+    )
+
+    with Results.open(file_of("x")) as results:
+        first = results.trial(results.plan["first"])
+    assert first.parameters[f"gains/{GROUP}/panda_joint1/p"] == pytest.approx(120.0)
+    assert found["cost"] <= 1.0
+    assert set(found["gains"]) == set(first.parameters)
+
+
+def test_identify_prints_what_it_finds(capsys, tmp_path):
+    file = tmp_path / "motion.npz"
+    words = ["identify", "panda_joint7", "--with", "friction/panda_joint7=0.5"]
+    assert main([*words, "--record", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+
+    assert found["Coulomb friction"]["value"] == pytest.approx(0.5, abs=0.02)
+    assert main(["identify", "panda_joint7", "--recording", str(file)]) == 0
+    assert "Coulomb friction  0.5" in capsys.readouterr().out
+    assert main(["identify", "panda_joint7", "--recording", str(tmp_path / "no")]) == 1

@@ -1,0 +1,29 @@
+"""The scorecard on the command line."""
+
+import json
+from pathlib import Path
+
+from station.cli.main import main
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_validate_writes_a_page_and_fails_when_a_check_does(capsys, tmp_path):
+    config, page = tmp_path / "robot.yaml", tmp_path / "card.html"
+    config.write_text(
+        "controllers: {lost: {type: position_controllers/JointGroupPositionController, "
+        "joints: [elbow]}}\nstart: []\n"
+    )
+
+    assert main(["validate", str(config), "--page", str(page)]) == 1
+    assert "controller lost loads" in capsys.readouterr().out
+    assert "<h1>Scorecard of robot.yaml</h1>" in page.read_text()
+
+
+def test_validate_takes_a_urdf(capsys):
+    urdf = ROOT / "examples" / "robots" / "differential_wrist.urdf"
+
+    main(["validate", str(urdf), "--json"])
+
+    checks = {c["name"]: c["outcome"] for c in json.loads(capsys.readouterr().out)}
+    assert checks["robot loads"] == "passed"

@@ -1,0 +1,62 @@
+"""Friction and inertia come out as they are in MuJoCo."""
+
+import numpy as np
+import pytest
+
+from station.experiments.errors import ExperimentError, UnknownParameterError
+from station.experiments.identification import identify
+from station.experiments.script import Multisine, Script
+from station.experiments.trial import Trial
+from tests.experiments.conftest import GROUP
+
+JOINT = "panda_joint7"
+MOTION = Multisine(joint=JOINT, amplitude=0.3, frequencies=(0.7, 1.7, 3.1))
+
+
+def move(world, **parameters):
+    script = Script(controller=GROUP, duration=2.0, commands=(MOTION,))
+    return world.record(Trial(world.setup, script, parameters))[1]
+
+
+def test_known_friction_is_found(world):
+    found = identify(
+        move(world, **{f"friction/{JOINT}": 0.5, f"damping/{JOINT}": 1.5}), JOINT
+    )
+
+    # Half a cycle of the implicit integration is left between force and velocity.
+    assert found.coulomb.value == pytest.approx(0.5, abs=0.01)
+    assert found.viscous.value == pytest.approx(1.5, abs=0.01)
+    assert found.residual < 0.01
+
+
+def test_known_inertia_is_found(world):
+    inertia = world.joint_inertia(JOINT)
+
+    found = identify(move(world), JOINT)
+
+    # The measured torque is that behind the rotor, as on a Franka.
+    rotor = world.model().dof_armature[6]
+    assert found.inertia.value == pytest.approx(inertia - rotor, rel=0.01)
+    assert abs(found.coulomb.value) < 1e-3
+    assert abs(found.viscous.value) < 1e-2
+
+
+def test_confidence_covers_the_noise(world):
+    parameters = {f"friction/{JOINT}": 0.5, "noise/velocity": 2e-3}
+
+    found = identify(move(world, **parameters), JOINT, smoothing=15)
+
+    assert found.coulomb.half_width > 1e-3
+    assert found.coulomb.value == pytest.approx(0.5, abs=3.0 * found.coulomb.half_width)
+
+
+def test_motions_that_tell_nothing_are_refused(world):
+    trace = move(world)
+
+    with pytest.raises(UnknownParameterError, match="no joint 'elbow'"):
+        identify(trace, "elbow")
+    still = Script(controller=GROUP, duration=0.2)
+    resting = world.record(Trial(world.setup, still))[1]
+    with pytest.raises(ExperimentError, match=r"moves in|does not tell"):
+        identify(resting, JOINT)
+    assert np.isfinite(trace.output).all()

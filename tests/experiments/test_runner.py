@@ -1,0 +1,152 @@
+"""Trials are handed to an executor, and each that ends is kept once."""
+
+from concurrent.futures import Executor, Future
+
+import pytest
+
+from station.experiments.errors import ExperimentError, WorkerMismatchError
+from station.experiments.results import Results
+from station.experiments.runner import InThisProcess, Runner, make_pool, worker_count
+from station.experiments.script import Script
+from station.experiments.setup import Setup
+from station.experiments.trial import Trial
+from station.experiments.workers import compare, identity
+
+LOADS = [0.0, 0.5, 1.0]
+
+
+@pytest.fixture
+def results(tmp_path, panda):
+    with Results.create(tmp_path / "runs.sqlite", "sweep", panda, {}) as opened:
+        yield opened
+
+
+@pytest.fixture
+def trials(step):
+    return [step.with_parameters({"load": load}) for load in LOADS]
+
+
+def test_every_trial_is_kept_and_watched(results, trials):
+    seen = []
+    runner = Runner(results, InThisProcess(), lambda p: seen.append(p.ended))
+
+    progress = runner.run(trials, len(trials))
+
+    assert seen == [1, 2, 3]
+    assert (progress.failed, progress.resumed) == (0, 0)
+    assert [row.parameters["load"] for row in results.rows()] == LOADS
+
+
+def test_failed_trial_is_counted_and_the_others_go_on(results, trials):
+    trials.insert(1, trials[0].with_parameters({"weight": 1.0}))
+
+    progress = Runner(results, InThisProcess()).run(trials, len(trials))
+
+    assert (progress.ended, progress.failed) == (4, 1)
+    assert "no parameter 'weight'" in results.find(trials[1].hash).reason
+
+
+def test_trials_that_have_ended_are_not_run_again(results, trials):
+    Runner(results, InThisProcess()).run(trials[:2], 2)
+    counting = Counting()
+
+    progress = Runner(results, counting).run(trials, 3)
+
+    assert counting.submitted == 1
+    assert (progress.ended, progress.resumed) == (3, 2)
+
+
+class Counting(InThisProcess):
+    """Counts what is submitted."""
+
+    submitted = 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.submitted += 1
+        return super().submit(fn, *args, **kwargs)
+
+
+class Losing(Counting):
+    """Loses the worker of the first trials, or refuses as another version would."""
+
+    losses = 2
+
+    def submit(self, fn, /, *args, **kwargs):
+        if self.submitted >= self.losses:
+            return super().submit(fn, *args, **kwargs)
+        self.submitted += 1
+        future = Future()
+        future.set_exception(WorkerMismatchError("Worker x has mujoco 1; not 4."))
+        return future
+
+
+def test_trial_of_a_worker_that_refuses_is_repeated_and_counted_once(results, trials):
+    progress = Runner(results, Losing()).run(trials, 3)
+
+    assert progress.repeated == 2
+    assert progress.refused == ["Worker x has mujoco 1; not 4."]
+    assert len(results.rows()) == progress.ended == 3
+
+
+def test_workers_that_refuse_for_ever_end_the_run(results, trials):
+    losing = Losing()
+    losing.losses = 100
+
+    with pytest.raises(ExperimentError, match="given away 5 times: Worker x has"):
+        Runner(results, losing).run(trials[:1], 1)
+
+
+class Interrupting(Executor):
+    """Is interrupted by Ctrl-C while the second trial runs."""
+
+    def __init__(self):
+        self.inner = InThisProcess()
+        self.count = 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.count += 1
+        if self.count == 2:
+            raise KeyboardInterrupt
+        return self.inner.submit(fn, *args, **kwargs)
+
+
+def test_ctrl_c_keeps_what_is_done(results, trials):
+    progress = Runner(results, Interrupting()).run(trials, 3)
+
+    assert progress.is_interrupted
+    assert [row.parameters["load"] for row in results.rows()] == LOADS[:1]
+
+
+def test_worker_with_another_setup_is_refused(panda):
+    other = Setup.load(settings={"station.rate": 500})
+
+    with pytest.raises(WorkerMismatchError, match="Worker w has setup"):
+        compare(identity(panda.text), identity(other.text), "w")
+    assert identity(panda.text) == identity(panda.text)
+
+
+def test_impossible_setup_is_refused_before_any_trial(tmp_path):
+    mock = Setup.load({"robot": {"type": "mock_hw/MockRobotHW", "joints": ["a"]}})
+    trial = Trial(mock, Script(controller="arm", duration=0.1))
+    with Results.create(tmp_path / "mock.sqlite", "sweep", mock, {}) as opened:
+        runner = Runner(opened, InThisProcess())
+        with pytest.raises(ExperimentError, match="is not simulated"):
+            runner.run([trial], 1)
+
+
+def test_pools():
+    assert isinstance(make_pool(0), InThisProcess)
+    assert worker_count(make_pool(0)) == 1
+    with pytest.raises(ExperimentError, match="cannot be -1 workers"):
+        make_pool(-1)
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_numbers(results, trials, world):
+    with make_pool(2) as pool:
+        assert worker_count(pool) == 2
+        Runner(results, pool).run(trials, 3)
+
+    for trial in trials:
+        assert results.find(trial.hash).metrics == world.run(trial).metrics
+    assert {row.result.worker for row in results.rows()}

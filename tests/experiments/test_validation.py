@@ -1,0 +1,65 @@
+"""The scorecard of a robot."""
+
+import pytest
+
+from station.experiments.setup import Setup
+from station.experiments.validation import Check, Scorecard, validate
+
+ONE = "effort_group_position_controller"
+
+
+@pytest.fixture(scope="module")
+def wrong():
+    """A Panda with a controller without stiffness, and one of unknown joints."""
+    default = Setup.load().config().model_dump()["controllers"][ONE]
+    pid = {"pid": {"p": 1.0, "i": 0.0, "d": 0.0}}
+    weak = {**default, **dict.fromkeys(default["joints"], pid)}
+    lost = {**default, "joints": ["elbow"]}
+    controllers = {"weak": weak, "lost": lost}
+    return validate(Setup.load({"controllers": controllers, "start": []}), "weak panda")
+
+
+def outcomes(card):
+    return {check.name: check.outcome for check in card.checks}
+
+
+def test_what_is_wrong_is_found(wrong):
+    found = outcomes(wrong)
+
+    assert not wrong.is_good, wrong
+    assert found["controller lost loads"] == "failed"
+    assert found["weak keeps still"] == "passed"
+    assert found["weak reaches a goal"] == "failed"
+    assert found["energy of free motion"] == "passed"
+    assert found["limits of joints"] == "passed"
+    assert found["holds its weight without a controller"] == "passed"
+
+
+def test_robot_that_cannot_be_built_is_a_scorecard_too():
+    missing = {"type": "mujoco_hw/MujocoRobotHW", "robot_description": "/no/such.urdf"}
+
+    card = validate(Setup.load({"robot": missing}), "nothing")
+
+    assert [check.name for check in card.checks] == ["robot loads"]
+    assert not card.is_good
+    assert "cannot be read" in card.checks[0].detail
+
+
+def test_page_shows_every_check_and_escapes_what_it_shows():
+    check = Check("a <b>", "failed", "1 > 0")
+    page = Scorecard("<robot>", "abc", (check, Check("c", "skipped", "-"))).to_html()
+
+    assert "<b>" not in page
+    assert "a &lt;b&gt;" in page
+    assert "1 checks failed." in page
+    assert '<tr class="skipped">' in page
+
+
+@pytest.mark.slow
+def test_default_station_is_good():
+    card = validate(Setup.load(), "panda")
+
+    assert [c for c in card.checks if c.outcome == "failed"] == []
+    assert (
+        outcomes(card)["effort_joint_trajectory_controller reaches a goal"] == "passed"
+    )
