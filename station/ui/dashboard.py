@@ -27,6 +27,7 @@ from station.ui.robot_model import RobotModel, RobotModelError
 from station.ui.scene import RobotScene
 from station.ui.scene_objects import SceneObjects
 from station.ui.station_link import StationLink
+from station.ui.station_view import StationView
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -125,6 +126,10 @@ class Dashboard:
         """Return the present content of the status strip; callable by any thread."""
         return bar_state(self._link.view(), self._reporter.message)
 
+    def view(self) -> StationView:
+        """Return what is known of the station; callable by any thread."""
+        return self._link.view()
+
     async def _run(self) -> None:
         self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
@@ -171,3 +176,5 @@ def _set_theme(server: viser.ViserServer) -> None:
     )
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(_PANEL_WIDTH)
+    # The docks of the page do what this panel does; a click on its rail opens it.
+    server.gui.main_panel.minimize()

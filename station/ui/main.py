@@ -13,15 +13,17 @@ from starlette.applications import Starlette
 from typing_extensions import override
 
 from station.client import ApiError, AsyncStationClient
+from station.ui.api_relay import ApiRelay
 from station.ui.dashboard import Dashboard
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
 from station.ui.robot_model import RobotModel, RobotModelError, load_robot
-from station.ui.sessions import Role, Sessions
+from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_follower import StationAccess, StationFollower
 from station.ui.stop_button import StopButton
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
+from station.ui.workspace_routes import WorkspaceParts
 from station.web.limited_server import LimitedServer, connection_share
 
 _logger = logging.getLogger(__name__)
@@ -112,11 +114,13 @@ async def _serve(
     shown = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     dashboard = Dashboard(guarded.server, shown, robot, not_drawn)
     button = StopButton(api, config.token, config.watchdog_url)
-    server = _Server(_gateway(config, api, button, dashboard, relay))
+    forwarded = ApiRelay(config.url, config.token)
+    server = _Server(_gateway(config, api, button, dashboard, relay, forwarded))
 
     def move_to(access: StationAccess) -> None:
         api.talk_to(access.url, access.token)
         button.move_to(access.token, access.watchdog_url)
+        forwarded.move_to(access.url, access.token)
         # That client belongs to Viser's event loop.
         viser_loop = guarded.server.get_event_loop()
         viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
@@ -132,6 +136,7 @@ async def _serve(
         await dashboard.stop()
         guarded.stop()
         await relay.close()
+        await forwarded.close()
         await api.close()
 
 
@@ -173,9 +178,14 @@ def _gateway(
     button: StopButton,
     dashboard: Dashboard,
     relay: ViserRelay,
+    forwarded: ApiRelay,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
         return await ask_role(api.url, token)
+
+    def client_of(session: Session) -> AsyncStationClient:
+        token = forwarded.credential(session)
+        return AsyncStationClient(api.url, token, timeout=_REQUEST_TIMEOUT)
 
     return build_gateway(
         GatewayParts(
@@ -184,6 +194,8 @@ def _gateway(
             release=lambda arm: api.release_stop(arm=arm),
             bar=dashboard.bar,
             relay=relay,
+            api=forwarded,
+            workspace=WorkspaceParts(dashboard.view, client_of),
             origins=OriginPolicy(config.host, config.host_names),
             sessions=Sessions(),
         )
