@@ -5,6 +5,7 @@ that browser logged in, so the station sees who acts and decides by that role.
 """
 
 import asyncio
+import contextlib
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import TYPE_CHECKING
 
@@ -151,14 +152,18 @@ class ApiRelay:
             await _refuse(browser, _STATION_GONE, "the station does not answer")
             return
         async with upstream:
-            await browser.accept()
+            try:
+                await browser.accept()
+            except WebSocketDisconnect:
+                return  # The browser has gone while the station was asked.
             await _pass_frames(browser, upstream, wait_for_end)
 
 
 async def _refuse(browser: WebSocket, code: int, reason: str) -> None:
     # A browser learns the code only of a socket that was opened.
-    await browser.accept()
-    await browser.close(code, reason)
+    with contextlib.suppress(WebSocketDisconnect):  # It may have gone meanwhile.
+        await browser.accept()
+        await browser.close(code, reason)
 
 
 async def _pass_frames(
@@ -182,7 +187,10 @@ async def _pass_frames(
     if listening.done() and not listening.cancelled():
         return
     code = _SESSION_ENDED if is_over else upstream.close_code or _STATION_GONE
-    await browser.close(code if code >= 3000 else _STATION_GONE, "the stream has ended")
+    with contextlib.suppress(WebSocketDisconnect):
+        await browser.close(
+            code if code >= 3000 else _STATION_GONE, "the stream has ended"
+        )
 
 
 async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:

@@ -121,7 +121,7 @@ class DeskSocket:
             if not end.cancelled() and (error := end.exception()) is not None:
                 raise error
         if self._socket.application_state is WebSocketState.CONNECTED:
-            with contextlib.suppress(RuntimeError):  # The browser may have closed it.
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
                 await self._socket.close(_SESSION_ENDED, "the session has ended")
 
     async def _listen(self) -> None:

@@ -92,6 +92,20 @@ def _trouble(view: StationView) -> str:
     return "Recover the arm first." if choose_rescue(view).trouble else ""
 
 
+def _short_claims(controller: ControllerState) -> str:
+    """Return the claims in one or two words a claim, e.g. `effort 1-7`."""
+    parts = []
+    for claim in controller.claimed_resources:
+        kind = claim.hardware_interface.rpartition("::")[2].removesuffix("Interface")
+        kind = kind.removesuffix("Joint").removeprefix("Franka").lower()
+        numbers = [name[-1] for name in claim.resources if name[-1:].isdigit()]
+        if len(numbers) == len(claim.resources) and len(numbers) > 1:
+            parts.append(f"{kind} {numbers[0]}-{numbers[-1]}")
+        elif claim.resources:
+            parts.append(f"{kind} {', '.join(claim.resources)}")
+    return "; ".join(parts) or "nothing"
+
+
 def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
     offer = offer_for(view, controller.name)
     return {
@@ -100,6 +114,7 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
         "state": controller.state,
         "fault": controller.fault,
         "claims": claims_text(controller),
+        "claims_short": _short_claims(controller),
         "resources": sorted({
             resource
             for claim in controller.claimed_resources
