@@ -35,6 +35,21 @@ _REQUEST_TIMEOUT = 2.0
 
 
 @dataclass(frozen=True, slots=True)
+class DrawnRobot:
+    """A robot to draw beside the first one.
+
+    Attributes:
+        robot_description: `example-robot-data:<robot>` or a URDF.
+        arm_id: Takes the place of `panda` in a Panda's joint names.
+        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+    """
+
+    robot_description: str
+    arm_id: str
+    base: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class DashboardConfig:
     """What the dashboard needs to know.
 
@@ -47,6 +62,7 @@ class DashboardConfig:
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        beside: Further robots of the same station, e.g. the second arm.
         host_names: Further names under which users reach the dashboard.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
         follower: Tells which station takes the place of one that has crashed, and when
@@ -60,6 +76,7 @@ class DashboardConfig:
     robot_description: str = "example-robot-data:panda"
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    beside: tuple[DrawnRobot, ...] = ()
     host_names: tuple[str, ...] = ()
     watchdog_url: str = ""
     follower: StationFollower | None = None
@@ -107,12 +124,14 @@ async def _serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    robot, not_drawn = _load(config)
+    robots, not_drawn = _load(config)
     guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)
     shown = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
-    dashboard = Dashboard(guarded.server, shown, robot, not_drawn)
+    dashboard = Dashboard(
+        guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
+    )
     button = StopButton(api, config.token, config.watchdog_url)
     forwarded = ApiRelay(config.url, config.token)
     server = _Server(_gateway(config, api, button, dashboard, relay, forwarded))
@@ -140,15 +159,18 @@ async def _serve(
         await api.close()
 
 
-def _load(config: DashboardConfig) -> tuple[RobotModel | None, str]:
-    """Return the robot, or None and why it cannot be drawn."""
-    if not config.robot_description:
-        return None, ""
+def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
+    """Return the robots, or none and why they cannot be drawn."""
+    first = DrawnRobot(config.robot_description, config.arm_id, config.base)
     try:
-        return load_robot(config.robot_description, config.arm_id, config.base), ""
+        return [
+            load_robot(robot.robot_description, robot.arm_id, robot.base)
+            for robot in (first, *config.beside)
+            if robot.robot_description
+        ], ""
     except RobotModelError as error:
         _logger.warning("%s", error)
-        return None, str(error)
+        return [], str(error)
 
 
 async def _wait_for_end(
