@@ -26,6 +26,12 @@ class ViserPage:
             timeout=timeout,
         )
 
+    def unfold_panel(self):
+        """Open Viser's own panel, which is folded at first."""
+        self.frame.get_by_text("Controls", exact=True).first.click()
+        self.frame.get_by_role("tab").first.wait_for()
+        self._settle()
+
     def open_tab(self, name):
         """Show a tab."""
         self.frame.get_by_role("tab", name=name, exact=True).click()

@@ -1,0 +1,45 @@
+// The progress line over the 3D view, and the notice of Viser that would cover it.
+import { show } from "./dom.js";
+
+const LOOK_MS = 250;
+const LONG_MS = 15000;
+const A_ROBOT = 20000; // triangles; the floor and the axes have far fewer
+const SETTLED_LOOKS = 12;
+
+/** Say what of the 3D view is still loading until the robot is drawn. */
+export function watchScene(view, line) {
+  const began = Date.now();
+  let last = 0;
+  let same = 0;
+  const look = () => {
+    const inside = view.contentWindow;
+    foldNotice(inside.document);
+    const triangles = inside.__viserTestpoints?.rendererInfo?.render?.triangles ?? 0;
+    same = triangles > 0 && triangles === last ? same + 1 : 0;
+    last = triangles;
+    if (triangles > A_ROBOT || same > SETTLED_LOOKS) {
+      line.hidden = true;
+      return;
+    }
+    const late = Date.now() - began > LONG_MS ? " This takes long; everything else works already." : "";
+    const step = !inside.__viserTestpoints
+      ? "Loading the 3D view …"
+      : triangles === 0
+        ? "3D view: connecting …"
+        : `3D view: loading the robot (${triangles.toLocaleString("en")} triangles so far) …`;
+    show(line, step + late);
+    setTimeout(look, LOOK_MS);
+  };
+  look();
+  setInterval(() => foldNotice(view.contentWindow.document), 1000);
+}
+
+// Viser says in a card over the picture that no GPU is used. That is worth knowing and
+// not worth the picture, so the card is closed and its words go into the view's title.
+function foldNotice(page) {
+  for (const card of page.querySelectorAll(".mantine-Notification-root")) {
+    if (!card.textContent.includes("Software WebGL")) continue;
+    card.querySelector("button")?.click();
+    document.getElementById("view").title = "Robot and controls. Drawn in software, without a GPU.";
+  }
+}
