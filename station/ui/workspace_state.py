@@ -92,18 +92,20 @@ def _trouble(view: StationView) -> str:
     return "Recover the arm first." if choose_rescue(view).trouble else ""
 
 
-def _short_claims(controller: ControllerState) -> str:
-    """Return the claims in one or two words a claim, e.g. `effort 1-7`."""
+def _short_claims(controller: ControllerState) -> list[str]:
+    """Return each claim in one or two words, e.g. `effort 1-7`."""
     parts = []
     for claim in controller.claimed_resources:
         kind = claim.hardware_interface.rpartition("::")[2].removesuffix("Interface")
-        kind = kind.removesuffix("Joint").removeprefix("Franka").lower()
+        kind = kind.removeprefix("Franka").removesuffix("Joint")
+        kind = kind.removesuffix("Cartesian").lower()
         numbers = [name[-1] for name in claim.resources if name[-1:].isdigit()]
         if len(numbers) == len(claim.resources) and len(numbers) > 1:
             parts.append(f"{kind} {numbers[0]}-{numbers[-1]}")
         elif claim.resources:
-            parts.append(f"{kind} {', '.join(claim.resources)}")
-    return "; ".join(parts) or "nothing"
+            names = (name.partition("_")[2] or name for name in claim.resources)
+            parts.append(f"{kind} {', '.join(names)}")
+    return parts or ["nothing"]
 
 
 def _row(view: StationView, controller: ControllerState) -> dict[str, object]:

@@ -5,6 +5,7 @@ import time
 import httpx
 import pytest
 
+from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 from tests.browser.workspace_page import WorkspacePage
 
@@ -87,7 +88,7 @@ def test_a_typed_value_keeps_its_precision(workspace, enabled):
     workspace.type_into("joints", "Command of joint1", "0.3217")
     sent = 0.3217
     assert _wait_until(
-        lambda: enabled.last_command(CONTROLLER).last[0] == pytest.approx(sent, abs=0)
+        lambda: (enabled.last_command(CONTROLLER).last or [None])[0] == sent
     )
     assert _wait_until(lambda: abs(_position(enabled, "panda_joint1") - sent) < 0.02)
     field = workspace.dock("joints").get_by_label("Command of joint1", exact=True)
@@ -213,6 +214,16 @@ def test_the_gripper_opens_and_closes(workspace, client):
     assert _wait_until(lambda: panda.gripper.state().width < 0.01)
     workspace.button("gripper", "Open").click()
     assert _wait_until(lambda: panda.gripper.state().width > 0.07)
+
+
+def test_an_arm_that_stopped_itself_is_recovered_by_one_click(workspace, client):
+    panda = client.robot("panda")
+    panda.inject(Fault(kind="collision", cycles=30))
+    line = workspace.page.locator("#trouble")
+    line.get_by_text("panda stopped itself").wait_for()
+    line.get_by_role("button", name="Recover panda").click()
+    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
+    line.wait_for(state="hidden")
 
 
 def test_the_simulation_pauses_and_steps(workspace, client):

@@ -68,6 +68,7 @@ class ViserPage:
     def drag_slider(self, label, fraction):
         """Drag a slider's thumb to a fraction of its track."""
         row = self.row(label)
+        row.scroll_into_view_if_needed()
         track = row.locator(".mantine-Slider-trackContainer").first.bounding_box()
         thumb = row.get_by_role("slider").bounding_box()
         y = thumb["y"] + thumb["height"] / 2

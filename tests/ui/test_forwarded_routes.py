@@ -25,6 +25,7 @@ def test_what_a_panel_needs_is_forwarded(method, path):
     [
         ("POST", "/login"),
         ("POST", "/stream-tickets"),
+        ("POST", "/tokens"),
         ("GET", "/session"),
         ("PUT", "/parameters/x"),
         ("POST", "/controller-types/reload"),

@@ -51,7 +51,7 @@ def test_the_state_is_json_with_all_that_the_docks_need():
     shown = view(_group("one"), limits={"joint1": (-1.0, 1.0)})
     told = json.loads(json.dumps(workspace_state(shown)))
     row = told["controllers"][0]
-    assert (row["name"], row["claims_short"]) == ("one", "effort 1-2")
+    assert (row["name"], row["claims_short"]) == ("one", ["effort 1-2"])
     assert told["limits"] == {"joint1": [-1.0, 1.0]}
     assert told["enabling"]["name"] == "one"
 

@@ -127,10 +127,30 @@ export function openDock(id) {
   section.scrollIntoView({ block: "nearest" });
 }
 
+// An arm that stopped itself says so in a line of its own, with the button that helps.
+async function recover() {
+  const { action, arms } = store.docks.rescue;
+  if (action === "release")
+    for (const arm of arms) await act("POST", `/robots/${arm}/user_stop`, { pressed: false });
+  await act("POST", "/robots/error_recovery");
+  await store.refresh();
+}
+
+function showTrouble() {
+  const { trouble, reason, label, action } = store.docks.rescue;
+  const line = element("trouble");
+  const key = `${trouble}|${reason}|${action}`;
+  if (line.dataset.key === key) return;
+  line.dataset.key = key;
+  line.hidden = !trouble;
+  const button = action && store.isOperator ? h("button", { class: "s primary", type: "button", onclick: recover }, label) : null;
+  line.replaceChildren(h("b", {}, `✖ ${trouble}`), h("span", {}, reason), ...(button ? [button] : []));
+}
+
 const remedies = {
   release: () => window.dispatchEvent(new CustomEvent("station-act", { detail: "/release" })),
   arm: () => window.dispatchEvent(new CustomEvent("station-act", { detail: "/arm" })),
-  recover: () => act("POST", "/robots/error_recovery"),
+  recover,
   enable: enableSliders,
   switchTo,
   stopController,
@@ -197,19 +217,13 @@ function showAge() {
 // in as operator may act, and the strip says so.
 async function showControl() {
   let text = "any operator";
-  let mine = null;
   try {
-    const told = await api("GET", "/control");
-    text = told.owner ? String(told.owner) : "nobody";
-    mine = told.owner ? Boolean(told.yours ?? told.mine) : false;
+    const { owner, mine } = await api("GET", "/control");
+    if (owner) text = mine ? `you (${owner})` : owner;
   } catch (error) {
     if (error.status !== 404) text = "–";
   }
   show(element("control"), text);
-  const button = element("lease");
-  button.hidden = mine === null || !store.isOperator;
-  show(button, mine ? "Give control back" : "Take control");
-  button.onclick = () => act(mine ? "DELETE" : "POST", "/control", mine ? undefined : {});
   setTimeout(showControl, LEASE_MS);
 }
 
@@ -236,6 +250,7 @@ function start() {
   refusals.addEventListener("change", showRefusal);
   element("enable").addEventListener("click", enableSliders);
   store.addEventListener("docks", showEnable);
+  store.addEventListener("docks", showTrouble);
   store.start();
   setInterval(showAge, 100);
   showControl();

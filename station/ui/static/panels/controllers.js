@@ -69,9 +69,9 @@ class Controllers extends Panel {
     return h(
       "tr",
       { class: c.state },
-      h("th", { scope: "row", title: `${c.name}\n${c.type}` }, c.name, h("small", {}, c.type), fault),
+      h("th", { scope: "row", title: `${c.name}\n${c.type}` }, ...breakable(c.name, "_"), h("small", {}, ...breakable(c.type, "/")), fault),
       h("td", { class: "state", title: c.state }, `${SYMBOLS[c.state] ?? "○"} ${c.state === "initialized" ? "ready" : c.state}`),
-      h("td", { class: "claims", title: c.claims }, c.claims_short),
+      h("td", { class: "claims", title: c.claims }, ...c.claims_short.map((claim) => h("div", {}, claim.replace("-", "\u2011")))),
       update,
       h("td", { class: "actions" }, ...actions),
     );
@@ -92,7 +92,7 @@ class Controllers extends Panel {
       const [joint, size] = steps.reduce((most, one) => (Math.abs(one[1]) > Math.abs(most[1]) ? one : most), ["", 0]);
       const stops = restart ? "" : plan.stopped.length ? `stops ${plan.stopped.join(", ")}; ` : "stops nothing; ";
       const jump = steps.length ? `largest step ${Math.abs(size).toFixed(4)} rad${joint ? ` (${joint})` : ""}` : "the step is known when it runs";
-      show(this.preview, `${verb} ${c.name}: ${stops}starts ${plan.started.join(", ") || "nothing"}; ${jump}.`);
+      show(this.preview, `${verb} ${c.name}: ${stops}${jump}.`);
       this.preview.title = steps.map(([name, step]) => `${name}: ${step}`).join("\n");
     } catch (error) {
       show(this.preview, `${verb} ${c.name} would be refused: ${error.detail ?? error.message} ${error.remedy ?? ""}`);
@@ -169,6 +169,11 @@ class Controllers extends Panel {
       h("div", { class: "line" }, button("Load", false), button("Load and start", true), other, back),
     );
   }
+}
+
+/** Return a long name that may be broken after a sign and nowhere else. */
+function breakable(text, sign) {
+  return text.split(sign).flatMap((part, i, all) => (i < all.length - 1 ? [part + sign, h("wbr")] : [part]));
 }
 
 /** Return an input for each leaf of the parameters, with its path. */

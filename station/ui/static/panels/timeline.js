@@ -7,9 +7,9 @@ import { store } from "../lib/store.js";
 const LOOK_MS = 2000;
 const SHOWN = 60;
 const SOURCES = [
-  { id: "events", title: "Events", key: "events" },
-  { id: "recordings", title: "Recordings", key: "recordings" },
-  { id: "incidents", title: "Incidents", key: "incidents" },
+  { id: "events", title: "Events" },
+  { id: "recordings", title: "Recordings" },
+  { id: "incidents", title: "Incidents" },
 ];
 
 class Timeline extends Panel {
@@ -35,6 +35,7 @@ class Timeline extends Panel {
     this.chosen = id;
     for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.id === id));
     this.list.replaceChildren(h("p", { class: "hint" }, "Asking the station …"));
+    this.drawn = null;
     this.ask();
   }
 
@@ -50,9 +51,10 @@ class Timeline extends Panel {
       if (id !== this.chosen) return;
       this.offered = true;
       this.record.hidden = id !== "recordings" || !store.isOperator;
-      this.draw(told[id] ?? told.items ?? []);
+      this.draw(told.events ?? told.recordings ?? []);
     } catch (error) {
-      if (error.status !== 404 || id !== this.chosen) return;
+      if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
+      if (error.status !== 404) return this.list.replaceChildren(h("p", { class: "hint" }, `${error.detail} ${error.remedy}`));
       this.offered = false;
       this.record.hidden = true;
       this.drawOwn();
@@ -69,6 +71,10 @@ class Timeline extends Panel {
   }
 
   draw(items) {
+    if (this.chosen === "recordings") {
+      this.running = items.find((item) => item.state === "recording")?.identifier;
+      show(this.record, this.running ? "Stop recording" : "Record");
+    }
     const key = JSON.stringify(items.slice(-SHOWN));
     if (key === this.drawn) return;
     this.drawn = key;
@@ -77,18 +83,23 @@ class Timeline extends Panel {
   }
 
   row(item) {
-    const when = item.time ?? item.at ?? item.started_at ?? item.wall_time ?? item.stamp ?? "";
-    const time = typeof when === "string" && when.includes("T") ? when.split("T")[1].slice(0, 8) : typeof when === "number" && when > 1e9 ? new Date(when * 1e3).toLocaleTimeString("en-GB") : String(when);
-    const actor = item.actor ?? item.who ?? item.owner ?? "";
-    const text = [item.kind ?? item.type ?? item.name ?? item.id, item.text ?? item.message ?? item.detail ?? item.reason ?? item.cause, item.result].filter((part) => typeof part === "string" && part).join(" · ");
-    const name = item.id ?? item.name;
-    const link = this.chosen !== "events" && name != null ? h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: "" }, "download") : null;
-    return h("div", { class: "row", title: JSON.stringify(item, null, 1) }, h("time", {}, time), actor ? h("b", {}, `${actor} `) : null, h("span", {}, text), link);
+    const at = new Date(item.started_at ?? item.time * 1e3);
+    const time = h("time", { title: at.toISOString() }, at.toLocaleTimeString("en-GB"));
+    const row = (...parts) => h("div", { class: `row ${item.severity ?? ""}`, title: JSON.stringify(item, null, 1) }, time, ...parts);
+    if (this.chosen === "events") {
+      const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
+      return row(item.who ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}`));
+    }
+    const name = item.identifier;
+    const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
+    const what = [item.name || name, item.state, size, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
+    const link = h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: `${name}.mcap` }, "download");
+    return row(h("span", {}, `${what} `), link);
   }
 
   async toggleRecording() {
-    const stopping = this.record.textContent === "Stop recording";
-    if (await act("POST", `/recordings/${stopping ? "stop" : "start"}`, {})) show(this.record, stopping ? "Record" : "Stop recording");
+    if (this.running) await act("POST", `/recordings/${this.running}/stop`);
+    else await act("POST", "/recordings", {});
     this.ask();
   }
 }
