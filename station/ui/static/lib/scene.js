@@ -31,7 +31,23 @@ export function watchScene(view, line) {
     setTimeout(look, LOOK_MS);
   };
   look();
-  setInterval(() => foldNotice(view.contentWindow.document), 1000);
+  const button = document.getElementById("viser-panel");
+  button.addEventListener("click", () => {
+    button.setAttribute("aria-pressed", String(button.getAttribute("aria-pressed") !== "true"));
+    showPanel(view, button);
+  });
+  setInterval(() => {
+    foldNotice(view.contentWindow.document);
+    showPanel(view, button);
+  }, 500);
+}
+
+// On a narrow screen Viser lays its panel over the picture and cannot be told to fold it.
+function showPanel(view, button) {
+  const narrow = matchMedia("(max-width: 700px)").matches;
+  const hidden = narrow && button.getAttribute("aria-pressed") !== "true";
+  for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])"))
+    panel.style.display = hidden ? "none" : "";
 }
 
 // Viser says in a card over the picture that no GPU is used. That is worth knowing and
