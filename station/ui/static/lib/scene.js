@@ -46,8 +46,13 @@ export function watchScene(view, line) {
 function showPanel(view, button) {
   const narrow = matchMedia("(max-width: 700px)").matches;
   const hidden = narrow && button.getAttribute("aria-pressed") !== "true";
-  for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])"))
+  for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])")) {
+    // What Viser shows and hides by itself stays as it is.
+    if (hidden === ("hiddenHere" in panel.dataset)) continue;
     panel.style.display = hidden ? "none" : "";
+    if (hidden) panel.dataset.hiddenHere = "";
+    else delete panel.dataset.hiddenHere;
+  }
 }
 
 // Viser says in a card over the picture that no GPU is used. That is worth knowing and
