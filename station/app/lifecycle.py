@@ -6,7 +6,7 @@ dashboard is gone, the control thread ends, the watchdog ends.
 
 import contextlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -193,15 +193,16 @@ class StationRun:
         )
 
     def _ui_options(self, api_url: str, token: str, port: int) -> UiOptions:
-        robot = self._config.robot_parameters()
+        first, *beside = _drawn_robots(self._config.robot_parameters())
         return UiOptions(
             api_url,
             token,
             self._config.api.host,
             port,
-            robot_description=str(robot.get("robot_description", "")),
-            arm_id=str(robot.get("arm_id", "panda")),
-            base=_floats(robot.get("base_xyz")) + _floats(robot.get("base_rpy")),
+            robot_description=first[0],
+            arm_id=first[1],
+            base=first[2],
+            beside=tuple(beside),
             watchdog_url=self._watchdog.url,
             reconnect_window=self._config.ui.reconnect_window,
         )
@@ -289,6 +290,26 @@ def _hold(station: Station) -> None:
 def _dashboard_url(api_url: str, port: int) -> str | None:
     """Return the address of a dashboard at the API's host; None if there is none."""
     return f"{api_url.rpartition(':')[0]}:{port}" if port else None
+
+
+def _drawn_robots(
+    robot: Mapping[str, object],
+) -> list[tuple[str, str, tuple[float, ...]]]:
+    """Return description, prefix and base of each robot to draw, at least one.
+
+    A combined robot has a block of parameters for each of its parts.
+    """
+    names = robot.get("robot_hardware", ())
+    parts = [robot.get(str(name)) for name in names] if isinstance(names, list) else []
+    blocks = [part for part in parts if isinstance(part, Mapping)] or [robot]
+    return [
+        (
+            str(block.get("robot_description", "")),
+            str(block.get("arm_id", "panda")),
+            _floats(block.get("base_xyz")) + _floats(block.get("base_rpy")),
+        )
+        for block in blocks
+    ]
 
 
 def _floats(value: object) -> tuple[float, ...]:

@@ -1,5 +1,6 @@
 """The dashboard's process: started by a station, or adopted after a crash."""
 
+import json
 import os
 import select
 import signal
@@ -69,6 +70,7 @@ class UiOptions:
         robot_description: The robot to draw; empty draws none.
         arm_id: Prefix of the robot's joints.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        beside: Description, prefix and base of each further robot to draw.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
         reconnect_window: How long it waits for another station after a crash [s].
     """
@@ -80,13 +82,14 @@ class UiOptions:
     robot_description: str = ""
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    beside: tuple[tuple[str, str, tuple[float, ...]], ...] = ()
     watchdog_url: str = ""
     reconnect_window: float = 60.0
 
     def shown(self) -> str:
         """Return what the dashboard draws, and with which version of the program."""
-        drawn = (self.robot_description, self.arm_id, self.base, self.reconnect_window)
-        return f"{station.__version__} {drawn}"
+        drawn = (self.robot_description, self.arm_id, self.base, self.beside)
+        return f"{station.__version__} {drawn} {self.reconnect_window}"
 
     def command(self) -> list[str]:
         """Return the command line; the token is not in it, others could read it."""
@@ -96,6 +99,7 @@ class UiOptions:
             *("--robot-description", self.robot_description),
             *("--base", *(f"{value:.6f}" for value in self.base)),
             *("--arm-id", self.arm_id, "--parent-pid", str(os.getpid())),
+            *("--beside", json.dumps(self.beside)),
             *("--watchdog", self.watchdog_url),
             *("--reconnect-window", str(self.reconnect_window)),
         ]

@@ -7,7 +7,7 @@ ever set widgets at the same time.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import viser
@@ -24,9 +24,10 @@ from station.ui.panels.target_panel import TargetPanel
 from station.ui.panels.tune_panel import TunePanel
 from station.ui.reporter import Reporter
 from station.ui.robot_model import RobotModel, RobotModelError
-from station.ui.scene import RobotScene
+from station.ui.scene import RobotScene, prepare_room
 from station.ui.scene_objects import SceneObjects
 from station.ui.station_link import StationLink
+from station.ui.station_view import StationView
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -50,6 +51,7 @@ class Dashboard:
         client: The station; used from Viser's event loop only.
         robot: The robot with its visual meshes; None shows no robot.
         not_drawn: Why no robot is shown; empty if no robot was requested.
+        beside: Further robots of the same station.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class Dashboard:
         client: AsyncStationClient,
         robot: RobotModel | None,
         not_drawn: str = "",
+        beside: Sequence[RobotModel] = (),
     ) -> None:
         self._server = server
         self._client = client
@@ -65,10 +68,17 @@ class Dashboard:
         self._reporter = Reporter(self._link.now)
         self._failures = 0
         self._objects = SceneObjects(server)
-        self._scene = None
-        if robot is not None:
+        self._scene: RobotScene | None = None
+        self._beside: list[RobotScene] = []
+        if robot is None:
+            prepare_room(server)
+        else:
             try:
-                self._scene = RobotScene(server, robot)
+                self._scene = RobotScene(server, robot, beside=beside)
+                self._beside = [
+                    RobotScene(server, other, root=f"/robot_{i}", has_camera=False)
+                    for i, other in enumerate(beside, start=2)
+                ]
             except RobotModelError as error:
                 _logger.warning("%s", error)
                 not_drawn = str(error)
@@ -79,6 +89,8 @@ class Dashboard:
         tabs = server.gui.add_tab_group()
         with tabs.add_tab("Operate"):
             limits = {} if robot is None else robot.joint_limits()
+            for other in beside:
+                limits |= other.joint_limits()
             self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
             self._jog = JogPanel(server.gui, self._link, self._reporter)
             base = "" if self._scene is None else self._scene.base
@@ -125,6 +137,10 @@ class Dashboard:
         """Return the present content of the status strip; callable by any thread."""
         return bar_state(self._link.view(), self._reporter.message)
 
+    def view(self) -> StationView:
+        """Return what is known of the station; callable by any thread."""
+        return self._link.view()
+
     async def _run(self) -> None:
         self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
@@ -140,6 +156,8 @@ class Dashboard:
         self._objects.show(self._link.objects)
         if self._scene is not None:
             self._scene.show(self._link.positions)
+        for scene in self._beside:
+            scene.show(self._link.positions)
 
     def _refresh_panels(self) -> None:
         view = self._link.view()
@@ -171,3 +189,5 @@ def _set_theme(server: viser.ViserServer) -> None:
     )
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(_PANEL_WIDTH)
+    # The docks of the page do what this panel does; a click on its rail opens it.
+    server.gui.main_panel.minimize()

@@ -12,6 +12,7 @@ nothing is shown or done without a session, and the stop button is the gateway's
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass, field
 from importlib import resources
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qs, urlencode
 
@@ -21,24 +22,27 @@ from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
 from station.client import ApiError
+from station.ui.forwarded_routes import PREFIX
 from station.ui.gateway_guard import GatewayGuard, session_cookie
 from station.ui.sessions import Role, Session, Sessions
+from station.ui.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.web.failed_logins import FailedLogins
 
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.websockets import WebSocket
 
+    from station.ui.api_relay import ApiRelay
     from station.ui.gateway_state import BarState
     from station.ui.origins import OriginPolicy
     from station.ui.viser_relay import ViserRelay
     from station.wire import StopState
 
 _STATIC_TYPES = {
-    "page.css": "text/css; charset=utf-8",
-    "page.js": "text/javascript; charset=utf-8",
-    "login.js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
 }
+_METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
 
 
@@ -53,6 +57,8 @@ class GatewayParts:
         release: Takes a stop back; with True, the second step: allows motion again.
         bar: Returns what the status strip shows now.
         relay: The way to Viser.
+        api: The way to the station for the pages' own requests.
+        workspace: What the docks of the page are made of.
         origins: Which Host and Origin headers are answered.
         sessions: The logged-in browsers.
         failed_logins: Who has sent wrong tokens.
@@ -63,6 +69,8 @@ class GatewayParts:
     release: Callable[[bool], Awaitable["StopState"]]
     bar: Callable[[], "BarState"]
     relay: "ViserRelay"
+    api: "ApiRelay"
+    workspace: WorkspaceParts
     origins: "OriginPolicy"
     sessions: Sessions
     failed_logins: FailedLogins = field(default_factory=FailedLogins)
@@ -71,6 +79,7 @@ class GatewayParts:
 def build_gateway(parts: GatewayParts) -> Starlette:
     """Return the gateway as an ASGI application."""
     gateway = _Gateway(parts)
+    workspace = WorkspaceRoutes(parts.workspace, parts.sessions, gateway.find_session)
     return Starlette(
         routes=[
             Route("/", gateway.page),
@@ -82,7 +91,10 @@ def build_gateway(parts: GatewayParts) -> Starlette:
             Route("/stop", gateway.stop, methods=["POST"]),
             Route("/release", gateway.release, methods=["POST"]),
             Route("/arm", gateway.arm, methods=["POST"]),
-            Route("/static/{name}", _static),
+            Route("/static/{name:path}", _static),
+            *workspace.routes(),
+            WebSocketRoute(PREFIX + "/streams/{topic:path}", gateway.stream),
+            Route(PREFIX + "/{path:path}", gateway.api, methods=_METHODS),
             Route("/ui/", gateway.viser_page),
             WebSocketRoute("/ui", gateway.viser_socket),
             WebSocketRoute("/ui/", gateway.viser_socket),
@@ -95,12 +107,13 @@ class _Gateway:
     def __init__(self, parts: GatewayParts) -> None:
         self._parts = parts
 
-    def _session(self, connection: "Request | WebSocket") -> Session | None:
+    def find_session(self, connection: "Request | WebSocket") -> Session | None:
+        """Return the session of a connection, or None."""
         cookie = connection.cookies.get(session_cookie(connection.scope))
         return self._parts.sessions.find(cookie)
 
     async def page(self, request: "Request") -> Response:
-        if self._session(request) is None:
+        if self.find_session(request) is None:
             return RedirectResponse("/login", 303)
         return _file("page.html", "text/html; charset=utf-8")
 
@@ -123,7 +136,7 @@ class _Gateway:
         if role is None:
             await self._parts.failed_logins.slow_down(request)
             return RedirectResponse("/login?" + urlencode({"refused": "token"}), 303)
-        session = self._parts.sessions.open(role)
+        session = self._parts.sessions.open(role, token.strip())
         answer = RedirectResponse("/", 303)
         answer.set_cookie(
             session_cookie(request.scope),
@@ -142,17 +155,17 @@ class _Gateway:
         return answer
 
     async def session(self, request: "Request") -> Response:
-        session = self._session(request)
+        session = self.find_session(request)
         return _no_session() if session is None else _json({"role": session.role.value})
 
     async def state(self, request: "Request") -> Response:
-        session = self._session(request)
+        session = self.find_session(request)
         if session is None:
             return _no_session()
         return _json({**asdict(self._parts.bar()), "role": session.role.value})
 
     async def stop(self, request: "Request") -> Response:
-        if self._session(request) is None:
+        if self.find_session(request) is None:
             return _no_session()
         return await _answer(self._parts.stop())
 
@@ -163,15 +176,32 @@ class _Gateway:
         return await self._let_go(request, arm=True)
 
     async def _let_go(self, request: "Request", *, arm: bool) -> Response:
-        session = self._session(request)
+        session = self.find_session(request)
         if session is None:
             return _no_session()
         if session.role is not Role.OPERATOR:
             return _json({"code": "forbidden", "detail": "Viewers only watch."}, 403)
         return await _answer(self._parts.release(arm))
 
+    async def api(self, request: "Request") -> Response:
+        session = self.find_session(request)
+        if session is None:
+            return _no_session()
+        return await self._parts.api.forward(request, session)
+
+    async def stream(self, socket: "WebSocket") -> None:
+        session = self.find_session(socket)
+        if session is None:
+            await socket.accept()  # A browser learns the code of an open socket only.
+            await socket.close(4401, "log in first")
+            return
+        sessions = self._parts.sessions
+        await self._parts.api.socket(
+            socket, session, lambda: sessions.wait_for_end(session)
+        )
+
     async def viser_page(self, request: "Request") -> Response:
-        if self._session(request) is None:
+        if self.find_session(request) is None:
             return RedirectResponse("/login", 303)
         if not set(request.query_params) <= _VIEW_PARAMETERS:
             # `?websocket=` and `?playbackPath=` make Viser's page load from elsewhere.
@@ -179,7 +209,7 @@ class _Gateway:
         return await self._parts.relay.page()
 
     async def viser_socket(self, socket: "WebSocket") -> None:
-        session = self._session(socket)
+        session = self.find_session(socket)
         if session is None:
             await socket.close(4401, "log in first")
             return
@@ -200,12 +230,30 @@ async def _answer(request: "Awaitable[StopState]") -> Response:
 
 async def _static(request: "Request") -> Response:
     name = request.path_params["name"]
-    kind = _STATIC_TYPES.get(name)
-    return Response(status_code=404) if kind is None else _file(name, kind)
+    if name not in _STATIC_FILES:
+        return Response(status_code=404)
+    return _file(name, _STATIC_TYPES[PurePosixPath(name).suffix])
+
+
+def _static_files() -> frozenset[str]:
+    """Return the names of the scripts and styles that pages load."""
+    root = resources.files("station.ui").joinpath("static")
+    folders = [("", root), *((f"{d.name}/", d) for d in root.iterdir() if d.is_dir())]
+    return frozenset(
+        prefix + file.name
+        for prefix, folder in folders
+        for file in folder.iterdir()
+        if PurePosixPath(file.name).suffix in _STATIC_TYPES
+    )
+
+
+_STATIC_FILES = _static_files()
 
 
 def _file(name: str, media_type: str) -> Response:
-    content = resources.files("station.ui").joinpath("static", name).read_bytes()
+    content = (
+        resources.files("station.ui").joinpath("static", *name.split("/")).read_bytes()
+    )
     return Response(content, media_type=media_type)
 
 

@@ -15,12 +15,10 @@ if TYPE_CHECKING:
     from station.ui.origins import OriginPolicy
 
 MAX_BODY_BYTES = 4096
-"""Largest body of a request: the login form has one field."""
-TOO_LARGE = PlainTextResponse(
-    f"The body is larger than the {MAX_BODY_BYTES} bytes allowed.\n",
-    413,
-    {"connection": "close"},
-)
+"""Largest body of the gateway's own requests: the login form has one field."""
+MAX_API_BODY_BYTES = 256 * 1024
+"""Largest body of a request that is forwarded, or of a text to load: the station's."""
+_LARGE_BODIES = ("/api/v1/", "/workspace/")
 _TOO_MUCH = HTTPException(413, headers={"connection": "close"})
 _SAFE_METHODS = frozenset({"GET", "HEAD"})
 _PAGE_POLICY = (
@@ -63,8 +61,9 @@ class GatewayGuard:
             await self._app(scope, receive, send)
             return
         refusal = self._refusal(scope)
-        if not refusal and announces_more_than(scope, MAX_BODY_BYTES):
-            await TOO_LARGE(scope, receive, send)
+        limit = _largest_body(scope)
+        if not refusal and announces_more_than(scope, limit):
+            await _too_large(limit)(scope, receive, send)
         elif refusal and scope["type"] == "websocket":
             await WebSocketClose(4403, refusal)(scope, receive, send)
         elif refusal:
@@ -74,7 +73,7 @@ class GatewayGuard:
 
     async def _pass_on(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
         if scope["type"] == "http":
-            receive = limited(receive, MAX_BODY_BYTES, _TOO_MUCH)
+            receive = limited(receive, _largest_body(scope), _TOO_MUCH)
         await self._app(scope, receive, send)
 
     def _refusal(self, scope: "Scope") -> str:
@@ -86,6 +85,16 @@ class GatewayGuard:
         if changes and not self._origins.allows_origin(headers.get("origin"), host):
             return "Only the dashboard's own pages may do this."
         return ""
+
+
+def _largest_body(scope: "Scope") -> int:
+    large = scope["path"].startswith(_LARGE_BODIES)
+    return MAX_API_BODY_BYTES if large else MAX_BODY_BYTES
+
+
+def _too_large(limit: int) -> PlainTextResponse:
+    text = f"The body is larger than the {limit} bytes allowed.\n"
+    return PlainTextResponse(text, 413, {"connection": "close"})
 
 
 def _sealing(scope: "Scope", send: "Send") -> "Send":

@@ -18,6 +18,8 @@ class BarState:
         stop_reason: Why the stop was engaged last.
         rate_hz: Measured rate of the control loop [Hz].
         lateness_p99: p99 of the lateness of the cycles [s].
+        real_time_factor: Station time over wall time, as measured; None while unknown.
+        paused: Simulated time stands still.
         epoch: Changes at each stop, reset and recovery.
         message: The last refusal or failure, as the station words it.
     """
@@ -29,6 +31,8 @@ class BarState:
     stop_reason: str = ""
     rate_hz: float | None = None
     lateness_p99: float | None = None
+    real_time_factor: float | None = None
+    paused: bool = False
     epoch: int | None = None
     message: str = ""
 
@@ -53,6 +57,8 @@ def bar_state(view: StationView, message: str) -> BarState:
         stop_reason=status.stop_reason,
         rate_hz=status.loop.achieved_rate,
         lateness_p99=status.loop.lateness.p99,
+        real_time_factor=status.loop.achieved_real_time_factor,
+        paused=status.simulation is not None and status.simulation.paused,
         epoch=status.epoch,
         message=message,
     )

@@ -13,15 +13,17 @@ from starlette.applications import Starlette
 from typing_extensions import override
 
 from station.client import ApiError, AsyncStationClient
+from station.ui.api_relay import ApiRelay
 from station.ui.dashboard import Dashboard
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
 from station.ui.robot_model import RobotModel, RobotModelError, load_robot
-from station.ui.sessions import Role, Sessions
+from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_follower import StationAccess, StationFollower
 from station.ui.stop_button import StopButton
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
+from station.ui.workspace_routes import WorkspaceParts
 from station.web.limited_server import LimitedServer, connection_share
 
 _logger = logging.getLogger(__name__)
@@ -30,6 +32,21 @@ _CLOSING_TIME = 1
 _DESCRIPTORS = 3
 """File descriptors of a browser's 3D socket, with both ends of that to Viser."""
 _REQUEST_TIMEOUT = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnRobot:
+    """A robot to draw beside the first one.
+
+    Attributes:
+        robot_description: `example-robot-data:<robot>` or a URDF.
+        arm_id: Takes the place of `panda` in a Panda's joint names.
+        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+    """
+
+    robot_description: str
+    arm_id: str
+    base: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +62,7 @@ class DashboardConfig:
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        beside: Further robots of the same station, e.g. the second arm.
         host_names: Further names under which users reach the dashboard.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
         follower: Tells which station takes the place of one that has crashed, and when
@@ -58,6 +76,7 @@ class DashboardConfig:
     robot_description: str = "example-robot-data:panda"
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    beside: tuple[DrawnRobot, ...] = ()
     host_names: tuple[str, ...] = ()
     watchdog_url: str = ""
     follower: StationFollower | None = None
@@ -105,18 +124,22 @@ async def _serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    robot, not_drawn = _load(config)
+    robots, not_drawn = _load(config)
     guarded = open_viser("Controls")
     api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
     relay = ViserRelay(guarded.port, guarded.secret)
     shown = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
-    dashboard = Dashboard(guarded.server, shown, robot, not_drawn)
+    dashboard = Dashboard(
+        guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
+    )
     button = StopButton(api, config.token, config.watchdog_url)
-    server = _Server(_gateway(config, api, button, dashboard, relay))
+    forwarded = ApiRelay(config.url, config.token)
+    server = _Server(_gateway(config, api, button, dashboard, relay, forwarded))
 
     def move_to(access: StationAccess) -> None:
         api.talk_to(access.url, access.token)
         button.move_to(access.token, access.watchdog_url)
+        forwarded.move_to(access.url, access.token)
         # That client belongs to Viser's event loop.
         viser_loop = guarded.server.get_event_loop()
         viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
@@ -132,18 +155,22 @@ async def _serve(
         await dashboard.stop()
         guarded.stop()
         await relay.close()
+        await forwarded.close()
         await api.close()
 
 
-def _load(config: DashboardConfig) -> tuple[RobotModel | None, str]:
-    """Return the robot, or None and why it cannot be drawn."""
-    if not config.robot_description:
-        return None, ""
+def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
+    """Return the robots, or none and why they cannot be drawn."""
+    first = DrawnRobot(config.robot_description, config.arm_id, config.base)
     try:
-        return load_robot(config.robot_description, config.arm_id, config.base), ""
+        return [
+            load_robot(robot.robot_description, robot.arm_id, robot.base)
+            for robot in (first, *config.beside)
+            if robot.robot_description
+        ], ""
     except RobotModelError as error:
         _logger.warning("%s", error)
-        return None, str(error)
+        return [], str(error)
 
 
 async def _wait_for_end(
@@ -173,9 +200,14 @@ def _gateway(
     button: StopButton,
     dashboard: Dashboard,
     relay: ViserRelay,
+    forwarded: ApiRelay,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
         return await ask_role(api.url, token)
+
+    def client_of(session: Session) -> AsyncStationClient:
+        token = forwarded.credential(session)
+        return AsyncStationClient(api.url, token, timeout=_REQUEST_TIMEOUT)
 
     return build_gateway(
         GatewayParts(
@@ -184,6 +216,8 @@ def _gateway(
             release=lambda arm: api.release_stop(arm=arm),
             bar=dashboard.bar,
             relay=relay,
+            api=forwarded,
+            workspace=WorkspaceParts(dashboard.view, client_of),
             origins=OriginPolicy(config.host, config.host_names),
             sessions=Sessions(),
         )

@@ -125,6 +125,11 @@ class SetPointRamp:
         self._current = None
         self._touched_at.clear()
 
+    def halt(self) -> None:
+        """Stay at the last set-point; the robot is where it was told to be."""
+        self._target = None
+        self._touched_at.clear()
+
     def step(self, dt: float, speed: float) -> list[float] | None:
         """Return the next set-point to send, or None when there is nothing to send.
 

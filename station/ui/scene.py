@@ -1,6 +1,6 @@
 """Draw a robot once, then move the drawn robot by its joint frames."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +13,7 @@ from station.ui.joint_frames import is_drawn_moving, pose_at, position_among
 from station.ui.robot_model import LIBRARY_FAILURES, RobotModel, RobotModelError
 from station.ui.vertex_colors import color_by_vertices
 
-_ROOT = "/robot"
-_STAND = "/stand"
+_STAND = "_stand"
 _SMALLEST_STEP = 1e-4
 _FIELD_OF_VIEW = 0.7  # [rad], vertical
 # Direction from the robot to the camera: to the right, in front and above.
@@ -38,6 +37,9 @@ class RobotScene:
     Args:
         server: The scene's server.
         robot: The robot, with its visual meshes.
+        root: Name of its scene node.
+        beside: Robots that other objects of this class draw; the camera sees them too.
+        has_camera: Whether this robot places the camera, as one of several does.
 
     Attributes:
         base: Scene node of the robot's first link.
@@ -46,14 +48,26 @@ class RobotScene:
         RobotModelError: A mesh of the robot cannot be drawn.
     """
 
-    def __init__(self, server: viser.ViserServer, robot: RobotModel) -> None:
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        robot: RobotModel,
+        *,
+        root: str = "/robot",
+        beside: Sequence[RobotModel] = (),
+        has_camera: bool = True,
+    ) -> None:
         self._server = server
+        self._root = root
+        self._beside = tuple(beside)
+        self._has_camera = has_camera
         self._shown: dict[str, float] = {}
         # The camera needs the meshes until the first pose is known; they are large.
         self._robot: RobotModel | None = robot
-        _prepare_room(server)
+        if has_camera:
+            prepare_room(server)
         try:
-            self._moving = _draw(server, robot)
+            self._moving = _draw(server, robot, root)
             self._look_at({})
         except LIBRARY_FAILURES as exc:
             raise RobotModelError(
@@ -61,7 +75,7 @@ class RobotScene:
                 "must be surfaces of triangles."
             ) from exc
         first = robot.urdf.joints_below(robot.urdf.root)[0].child
-        self.base = _node_name(robot.drawing.scene.graph, first)
+        self.base = _node_name(robot.drawing.scene.graph, first, root)
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the robot's joints.
@@ -73,6 +87,7 @@ class RobotScene:
         if positions and self._robot is not None:
             self._look_at(positions)
             self._robot = None
+            self._beside = ()
         with self._server.atomic():
             for frame in self._moving:
                 q = position_among(frame.joint, positions)
@@ -97,19 +112,26 @@ class RobotScene:
         bounds = drawing.scene.bounds  # (2, 3); None for a robot without meshes
         if bounds is None:
             return
+        if positions:
+            base = self._robot.base_position()
+            _draw_stand(self._server, self._root, base, float(bounds[0, 2]))
+        if not self._has_camera:
+            return
+        for other in self._beside:
+            around = other.drawing.scene.bounds
+            if around is not None:
+                low = np.minimum(bounds[0], around[0])
+                bounds = np.stack([low, np.maximum(bounds[1], around[1])])
         camera = self._server.initial_camera
         centre = bounds.mean(axis=0)
         distance = _ROOM_AROUND * float(np.linalg.norm(bounds[1] - bounds[0])) / 2.0
         distance /= np.sin(_FIELD_OF_VIEW / 2.0)
         camera.position = tuple((centre + distance * _FROM).tolist())
         camera.look_at = tuple(centre.tolist())
-        if positions:
-            base = self._robot.base_position()
-            _draw_stand(self._server, base, float(bounds[0, 2]))
 
 
-def _prepare_room(server: viser.ViserServer) -> None:
-    """Set the floor, the light and the camera's lens."""
+def prepare_room(server: viser.ViserServer) -> None:
+    """Set the floor, the light and the camera's lens, also where no robot is drawn."""
     server.scene.add_grid(
         "/floor",
         width=6.0,
@@ -133,12 +155,16 @@ def _prepare_room(server: viser.ViserServer) -> None:
 
 
 def _draw_stand(
-    server: viser.ViserServer, base: tuple[float, float, float], lowest: float
+    server: viser.ViserServer,
+    root: str,
+    base: tuple[float, float, float],
+    lowest: float,
 ) -> None:
     """Draw a column under a raised base, unless the robot hangs down from its base.
 
     Args:
         server: The scene's server.
+        root: Name of the robot's scene node.
         base: Position of the root link, x, y, z [m].
         lowest: The robot's lowest point above the floor [m].
     """
@@ -151,7 +177,7 @@ def _draw_stand(
         ("top", 0.1, 0.02, height - 0.01),
     ):
         server.scene.add_cylinder(
-            f"{_STAND}/{name}",
+            f"{root}{_STAND}/{name}",
             radius=radius,
             height=thickness,
             color=(128, 138, 150),
@@ -167,14 +193,16 @@ def _backdrop() -> NDArray[np.uint8]:
     return np.repeat(column[:, None, :], 2, axis=1).astype(np.uint8)
 
 
-def _draw(server: viser.ViserServer, robot: RobotModel) -> list[_MovingFrame]:
+def _draw(
+    server: viser.ViserServer, robot: RobotModel, root: str
+) -> list[_MovingFrame]:
     scene = robot.drawing.scene
     graph = scene.graph
-    server.scene.add_frame(_ROOT, show_axes=False)
+    server.scene.add_frame(root, show_axes=False)
     moving = []
     for joint in robot.urdf.joints.values():
         handle = server.scene.add_frame(
-            _node_name(graph, joint.child),
+            _node_name(graph, joint.child, root),
             show_axes=False,
             wxyz=joint.origin.quaternion,
             position=joint.origin.xyz,
@@ -186,7 +214,7 @@ def _draw(server: viser.ViserServer, robot: RobotModel) -> list[_MovingFrame]:
         drawn = mesh.copy()
         # Applied to the mesh, because a Viser frame cannot scale or mirror.
         drawn.apply_transform(robot.drawing.get_transform(name, _parent(graph, name)))
-        server.scene.add_mesh_trimesh(_node_name(graph, name), drawn)
+        server.scene.add_mesh_trimesh(_node_name(graph, name, root), drawn)
     return moving
 
 
@@ -194,9 +222,9 @@ def _parent(graph: SceneGraph, name: str) -> str:
     return str(graph.transforms.parents[name])
 
 
-def _node_name(graph: SceneGraph, name: str) -> str:
+def _node_name(graph: SceneGraph, name: str, root: str) -> str:
     """Return the path of a frame, so that Viser nests the frames as the robot does."""
     path = [name]
     while path[-1] != graph.base_frame:
         path.append(_parent(graph, path[-1]))
-    return "/".join([_ROOT, *reversed(path[:-1])])
+    return "/".join([root, *reversed(path[:-1])])

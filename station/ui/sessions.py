@@ -29,11 +29,14 @@ class Session:
     Attributes:
         identifier: Random value of its cookie.
         role: What it may do.
+        token: The station's token that it logged in with; it never leaves the gateway
+            but for the station.
         closed: Set when the session is closed, or dropped for a newer one.
     """
 
     identifier: str
     role: Role
+    token: str = field(default="", repr=False)
     closed: asyncio.Event = field(default_factory=asyncio.Event, compare=False)
 
 
@@ -56,13 +59,18 @@ class Sessions:
         self._limit = limit
         self._sessions: dict[str, tuple[Session, float]] = {}
 
-    def open(self, role: Role) -> Session:
-        """Start a session and return it."""
+    def open(self, role: Role, token: str = "") -> Session:
+        """Start a session and return it.
+
+        Args:
+            role: What the browser may do.
+            token: The station's token with which it has logged in.
+        """
         self._forget_expired()
         alike = [one for one, _ in self._sessions.values() if one.role is role]
         for session in alike[: max(0, len(alike) + 1 - self._limit)]:
             self.close(session.identifier)
-        session = Session(secrets.token_urlsafe(32), role)
+        session = Session(secrets.token_urlsafe(32), role, token)
         self._sessions[session.identifier] = (session, self._now())
         return session
 

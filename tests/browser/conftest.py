@@ -62,8 +62,13 @@ def _announced(process):
         told.update(json.loads(process.stdout.readline()))
         if "ui_ready" in told:
             break
-    token = json.loads(Path(told["runtime_file"]).read_text())["token"]
-    return SimpleNamespace(api=told["api_url"], ui=told["ui_url"], token=token)
+    known = json.loads(Path(told["runtime_file"]).read_text())
+    return SimpleNamespace(
+        api=told["api_url"],
+        ui=told["ui_url"],
+        token=known["token"],
+        viewer_token=known["viewer_token"],
+    )
 
 
 @pytest.fixture
@@ -91,6 +96,7 @@ def viser_page(page):
     """The part of the page that Viser draws, with the robot in it."""
     view = ViserPage(page)
     view.wait_for_scene()
+    view.unfold_panel()
     return view
 
 

@@ -118,7 +118,7 @@ def test_controllers_started_elsewhere_appear(viser_page, idle):
 def test_stop_stops_and_is_released_in_two_steps(page, viser_page, idle, way):
     idle.switch_controllers(start=[CONTROLLER])
     if way == "button":
-        page.get_by_role("button", name="STOP").click()
+        page.get_by_role("button", name="STOP", exact=True).click()
     elif way == "key":
         page.keyboard.press("Escape")
     else:

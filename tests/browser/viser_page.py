@@ -26,6 +26,12 @@ class ViserPage:
             timeout=timeout,
         )
 
+    def unfold_panel(self):
+        """Open Viser's own panel, which is folded at first."""
+        self.frame.get_by_text("Controls", exact=True).first.click()
+        self.frame.get_by_role("tab").first.wait_for()
+        self._settle()
+
     def open_tab(self, name):
         """Show a tab."""
         self.frame.get_by_role("tab", name=name, exact=True).click()
@@ -62,6 +68,7 @@ class ViserPage:
     def drag_slider(self, label, fraction):
         """Drag a slider's thumb to a fraction of its track."""
         row = self.row(label)
+        row.scroll_into_view_if_needed()
         track = row.locator(".mantine-Slider-trackContainer").first.bounding_box()
         thumb = row.get_by_role("slider").bounding_box()
         y = thumb["y"] + thumb["height"] / 2

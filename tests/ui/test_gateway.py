@@ -13,6 +13,8 @@ from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.gateway_state import BarState
 from station.ui.origins import OriginPolicy
 from station.ui.sessions import Role, Sessions
+from station.ui.station_view import StationView
+from station.ui.workspace_routes import WorkspaceParts
 from station.web.failed_logins import FailedLogins
 from station.wire import StopState
 from tests.ui.served import Served
@@ -32,6 +34,19 @@ class _Relay:
         if role is Role.VIEWER:
             await wait_for_end()
         await browser.close(4321, "done")
+
+
+class _Api:
+    """Stands for the way to the station's API; says whose credential it would add."""
+
+    async def forward(self, request, session):
+        return PlainTextResponse(f"{request.method} {session.token}")
+
+    async def socket(self, browser, session, wait_for_end):
+        await browser.accept()
+        await browser.send_text(session.token)
+        await wait_for_end()
+        await browser.close(4401, "done")
 
 
 class _Station:
@@ -69,6 +84,8 @@ def gateway():
             release=station.release,
             bar=lambda: BarState("live", 0.1, mode="idle"),
             relay=_Relay(),
+            api=_Api(),
+            workspace=WorkspaceParts(StationView, lambda _: None),
             origins=OriginPolicy("127.0.0.1"),
             sessions=Sessions(),
             failed_logins=FailedLogins(sleep=station.sleep),
@@ -97,8 +114,8 @@ def _own(browser):
     return {"Origin": str(browser.base_url).rstrip("/")}
 
 
-def _socket(browser, origin=None):
-    url = str(browser.base_url.copy_with(scheme="ws", path="/ui"))
+def _socket(browser, origin=None, path="/ui"):
+    url = str(browser.base_url.copy_with(scheme="ws", path=path))
     cookies = "; ".join(f"{key}={value}" for key, value in browser.cookies.items())
     return connect(
         url,
@@ -118,12 +135,12 @@ def test_pages_lead_to_the_login(browser, path):
     assert (answer.status_code, answer.headers["location"]) == (303, "/login")
 
 
-@pytest.mark.parametrize("path", ["/state", "/session"])
+@pytest.mark.parametrize("path", ["/state", "/session", "/api/v1/status"])
 def test_data_needs_a_session(browser, path):
     assert browser.get(path).status_code == 401
 
 
-@pytest.mark.parametrize("path", ["/stop", "/release", "/arm"])
+@pytest.mark.parametrize("path", ["/stop", "/release", "/arm", "/api/v1/stop"])
 def test_nothing_is_done_without_a_session(browser, station, path):
     assert browser.post(path, headers=_own(browser)).status_code == 401
     assert station.done == []
@@ -206,6 +223,41 @@ def test_foreign_pages_can_do_nothing(browser, station, origin):
     headers = {} if origin is None else {"Origin": origin}
     assert browser.post("/stop", headers=headers).status_code == 403
     assert station.done == []
+
+
+def test_the_api_is_asked_with_the_credential_of_the_session(browser):
+    _log_in(browser, "watch")
+    assert browser.get("/api/v1/status").text == "GET watch"
+    with _socket(browser, path="/api/v1/streams/loop") as socket:
+        assert socket.recv() == "watch"
+        browser.post("/logout", headers=_own(browser))
+        with pytest.raises(ConnectionClosed) as closed:
+            socket.recv(timeout=5.0)
+    assert closed.value.rcvd.code == 4401
+
+
+@pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])
+def test_foreign_pages_reach_no_route_of_the_api(browser, origin):
+    _log_in(browser)
+    headers = {} if origin is None else {"Origin": origin}
+    assert browser.put("/api/v1/x", headers=headers).status_code == 403
+
+
+@pytest.mark.parametrize("path", ["/workspace/desk", "/api/v1/streams/loop"])
+def test_foreign_pages_get_no_stream_and_no_desk(browser, path):
+    _log_in(browser)
+    with (
+        pytest.raises(InvalidStatus, match="403"),
+        _socket(browser, "http://evil.example", path),
+    ):
+        pass
+
+
+def test_a_trajectory_may_be_larger_than_the_login_form(browser):
+    _log_in(browser)
+    for size, status in ((100_000, 200), (300_000, 413)):
+        answer = browser.put("/api/v1/x", content=b"x" * size, headers=_own(browser))
+        assert answer.status_code == status
 
 
 def test_foreign_pages_get_no_socket(browser):

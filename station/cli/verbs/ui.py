@@ -1,5 +1,6 @@
 """Verb `ui`: the dashboard alone, for any station."""
 
+import json
 import sys
 from argparse import Namespace
 
@@ -35,7 +36,7 @@ def ui(options: Namespace) -> int:
     # Imported late, and after the watch began: Viser and the meshes take seconds, in
     # which the station may be killed.
     from station.app.panda_fetch import fetch_what_is_missing
-    from station.ui.main import DashboardConfig, run_dashboard
+    from station.ui.main import DashboardConfig, DrawnRobot, run_dashboard
 
     drawn = {"robot_description": options.robot_description}
     fetch_what_is_missing(drawn, say_progress)
@@ -47,6 +48,10 @@ def ui(options: Namespace) -> int:
         robot_description=options.robot_description,
         arm_id=options.arm_id,
         base=tuple(options.base),
+        beside=tuple(
+            DrawnRobot(description, arm_id, tuple(base))
+            for description, arm_id, base in json.loads(options.beside)
+        ),
         host_names=tuple(host_names(options.host)),
         watchdog_url=watchdog_url,
         follower=follower,

@@ -1,4 +1,5 @@
-// The bar above the 3D view: status, and a stop that does not depend on Viser's page.
+// The strip: status, and a stop that depends neither on Viser's page nor on the docks.
+// The docks hear of its state by the event `station-bar`.
 "use strict";
 
 const POLL_MS = 300;
@@ -32,10 +33,27 @@ async function post(path) {
   return body;
 }
 
+// What the station has answered to a stop or a release is newer than what the dashboard
+// polled before: it is shown until a poll says the same, or for this long.
+const ANSWER_HOLDS_MS = 1500;
+let answered = { state: "", until: 0 };
+let latest = null;
+
+function showAnswer(told) {
+  answered = { state: told.state, until: Date.now() + ANSWER_HOLDS_MS };
+  if (latest) render(latest);
+}
+
+function newest(state) {
+  if (state.stop_state === answered.state) answered.until = 0;
+  if (Date.now() > answered.until) return state;
+  return { ...state, stop_state: answered.state };
+}
+
 async function stop() {
   element("stop").classList.add("busy");
   try {
-    await post("/stop");
+    showAnswer(await post("/stop"));
     notice("");
   } catch (error) {
     notice(`The stop is NOT confirmed: ${error.message}`, 60000);
@@ -47,7 +65,7 @@ async function stop() {
 
 async function act(path) {
   try {
-    await post(path);
+    showAnswer(await post(path));
   } catch (error) {
     notice(error.message);
   }
@@ -60,7 +78,14 @@ function linkText(state) {
   return `${state.link}, data ${state.age.toFixed(1)} s old`;
 }
 
-function render(state) {
+function factorText(state) {
+  if (state.paused) return "paused";
+  return state.real_time_factor == null ? "–" : `× ${state.real_time_factor.toFixed(2)}`;
+}
+
+function render(polled) {
+  latest = polled;
+  const state = newest(polled);
   const bar = element("bar");
   bar.dataset.link = state.link;
   bar.dataset.stop = state.stop_state;
@@ -70,6 +95,7 @@ function render(state) {
   show("rate", state.rate_hz === null ? "–" : `${state.rate_hz.toFixed(0)} Hz`);
   const late = state.lateness_p99;
   show("lateness", late === null ? "–" : `${(late * 1e3).toFixed(2)} ms`);
+  show("factor", factorText(state));
   show("epoch", state.epoch === null ? "–" : String(state.epoch));
   element("motion").title = state.stop_reason;
   const operator = state.role === "operator";
@@ -80,6 +106,7 @@ function render(state) {
     element("notice").textContent = state.message;
     element("notice").hidden = !state.message;
   }
+  window.dispatchEvent(new CustomEvent("station-bar", { detail: state }));
 }
 
 async function refresh() {
@@ -92,6 +119,7 @@ async function refresh() {
   } catch {
     element("bar").dataset.link = "lost";
     show("link", "dashboard not answering");
+    window.dispatchEvent(new CustomEvent("station-bar", { detail: { link: "lost" } }));
   }
 }
 
@@ -132,6 +160,11 @@ function listen(target) {
   target.addEventListener("keyup", onKey, true);
 }
 
+window.addEventListener("station-act", (event) => act(event.detail));
+element("logout").addEventListener("click", async () => {
+  await fetch("/logout", { method: "POST", redirect: "manual" });
+  location.replace("/login");
+});
 element("stop").addEventListener("click", stop);
 element("release").addEventListener("click", () => act("/release"));
 element("arm").addEventListener("click", () => act("/arm"));

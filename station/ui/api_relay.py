@@ -1,0 +1,223 @@
+"""Forward requests and streams of the dashboard's pages to the station.
+
+A page has the dashboard's cookie and no token. The relay adds the token with which
+that browser logged in, so the station sees who acts and decides by that role.
+"""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable
+from typing import TYPE_CHECKING
+
+import httpx
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
+
+from station.ui.forwarded_routes import PREFIX, may_ask, may_forward, may_stream
+from station.ui.sessions import Session
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+ANSWER_TIME = 70.0
+"""How long the station may take to answer, e.g. while it loads a controller [s]."""
+_CONNECT_TIME = 2.0
+_REQUEST_HEADERS = ("content-type", "if-match", "last-event-id", "accept")
+_ANSWER_HEADERS = ("content-type", "etag", "content-disposition", "x-request-id")
+_MAX_FRAME_BYTES = 4 * 1024 * 1024
+_STATION_GONE = 1012
+_NOT_FOUND = 4404
+_SESSION_ENDED = 4401
+
+
+class ApiRelay:
+    """The gateway's way to the station, for the pages' own requests.
+
+    Args:
+        url: The station's API, e.g. `http://127.0.0.1:8000`.
+        token: The operator's token that the dashboard itself acts with.
+    """
+
+    def __init__(self, url: str, token: str) -> None:
+        self._url = url
+        self._token = token
+        self._http = httpx.AsyncClient(
+            trust_env=False, timeout=httpx.Timeout(ANSWER_TIME, connect=_CONNECT_TIME)
+        )
+        self._home = url, token
+
+    def move_to(self, url: str, token: str) -> None:
+        """Forward to another station from now on."""
+        self._url, self._token = url, token
+
+    def credential(self, session: Session) -> str:
+        """Return the token that a session's requests carry.
+
+        Every start of a station makes new tokens. A session that has outlived the
+        station that it logged in to is therefore served with the dashboard's token;
+        `may_ask` then keeps viewers from what only operators may do.
+        """
+        outlived = (self._url, self._token) != self._home
+        return self._token if outlived or not session.token else session.token
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._http.aclose()
+
+    async def forward(self, request: "Request", session: Session) -> Response:
+        """Return the station's answer to a page's request.
+
+        Args:
+            request: The request; its path begins with `PREFIX`.
+            session: The browser's session.
+
+        Returns:
+            The answer; 404 for a route that is not on the list, 403 for what the
+            session's role does not allow, 502 when the station does not answer.
+        """
+        path = request.url.path.removeprefix(PREFIX)
+        if not may_forward(request.method, path):
+            detail = f"The dashboard does not forward {request.method} {path}."
+            return _problem(404, "not_forwarded", detail, "Use the station's API.")
+        if not may_ask(session.role, request.method, path):
+            return _problem(
+                403, "forbidden", "Viewers only watch.", "Log in as operator."
+            )
+        outgoing = self._http.build_request(
+            request.method,
+            f"{self._url}{PREFIX}{path}",
+            params=httpx.QueryParams(request.url.query),
+            content=await request.body(),
+            headers=self._headers(request, session),
+        )
+        try:
+            answer = await self._http.send(outgoing, stream=True)
+        except httpx.TransportError as error:
+            detail = f"The station does not answer ({type(error).__name__})."
+            remedy = "Look whether `station run` still runs; this page reconnects."
+            return _problem(502, "unreachable", detail, remedy)
+        headers = {
+            name: answer.headers[name]
+            for name in _ANSWER_HEADERS
+            if name in answer.headers
+        }
+        return StreamingResponse(_body(answer), answer.status_code, headers)
+
+    def _headers(self, request: "Request", session: Session) -> dict[str, str]:
+        kept = {
+            name: request.headers[name]
+            for name in _REQUEST_HEADERS
+            if name in request.headers
+        }
+        return {**kept, "Authorization": f"Bearer {self.credential(session)}"}
+
+    async def socket(
+        self,
+        browser: WebSocket,
+        session: Session,
+        wait_for_end: Callable[[], Awaitable[None]],
+    ) -> None:
+        """Pass a stream's frames to a browser until either closes or the session ends.
+
+        Args:
+            browser: The browser's WebSocket, not accepted yet.
+            session: The browser's session.
+            wait_for_end: Returns when that session has ended.
+        """
+        topic = str(browser.path_params["topic"])
+        if not may_stream(topic):
+            await _refuse(browser, _NOT_FOUND, "the dashboard does not forward this")
+            return
+        address = self._url.replace("http", "ws", 1)
+        query = f"?{browser.url.query}" if browser.url.query else ""
+        try:
+            upstream = await connect(
+                f"{address}{PREFIX}/streams/{topic}{query}",
+                additional_headers={
+                    "Authorization": f"Bearer {self.credential(session)}"
+                },
+                compression=None,
+                max_size=_MAX_FRAME_BYTES,
+                max_queue=4,
+                proxy=None,
+                open_timeout=_CONNECT_TIME,
+                close_timeout=0.5,
+            )
+        except InvalidStatus:
+            await _refuse(browser, _NOT_FOUND, "the station has no such stream")
+            return
+        except (OSError, WebSocketException):
+            await _refuse(browser, _STATION_GONE, "the station does not answer")
+            return
+        async with upstream:
+            try:
+                await browser.accept()
+            except WebSocketDisconnect:
+                return  # The browser has gone while the station was asked.
+            await _pass_frames(browser, upstream, wait_for_end)
+
+
+async def _refuse(browser: WebSocket, code: int, reason: str) -> None:
+    # A browser learns the code only of a socket that was opened.
+    with contextlib.suppress(WebSocketDisconnect):  # It may have gone meanwhile.
+        await browser.accept()
+        await browser.close(code, reason)
+
+
+async def _pass_frames(
+    browser: WebSocket,
+    upstream: ClientConnection,
+    wait_for_end: Callable[[], Awaitable[None]],
+) -> None:
+    ended = asyncio.ensure_future(wait_for_end())
+    downwards = asyncio.create_task(_to_browser(browser, upstream))
+    listening = asyncio.create_task(_until_gone(browser))
+    ends: set[asyncio.Future[None]] = {ended, downwards, listening}
+    try:
+        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+        is_over = ended.done()
+    finally:
+        for end in ends:
+            end.cancel()
+        await asyncio.gather(*ends, return_exceptions=True)
+    if browser.application_state is not WebSocketState.CONNECTED:
+        return
+    if listening.done() and not listening.cancelled():
+        return
+    code = _SESSION_ENDED if is_over else upstream.close_code or _STATION_GONE
+    with contextlib.suppress(WebSocketDisconnect):
+        await browser.close(
+            code if code >= 3000 else _STATION_GONE, "the stream has ended"
+        )
+
+
+async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
+    try:
+        async for frame in upstream:
+            if isinstance(frame, bytes):
+                await browser.send_bytes(frame)
+            else:
+                await browser.send_text(frame)
+    except (ConnectionClosed, WebSocketDisconnect):
+        return  # Either end has gone; the caller closes the other.
+
+
+async def _until_gone(browser: WebSocket) -> None:
+    """Return when the browser has closed; what it sends is dropped."""
+    while (await browser.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+async def _body(answer: httpx.Response) -> AsyncIterator[bytes]:
+    try:
+        async for part in answer.aiter_bytes():
+            yield part
+    finally:
+        await answer.aclose()
+
+
+def _problem(status: int, code: str, detail: str, remedy: str) -> JSONResponse:
+    body = {"status": status, "code": code, "detail": detail, "remedy": remedy}
+    return JSONResponse(body, status, media_type="application/problem+json")

@@ -1,0 +1,207 @@
+"""The WebSocket through which one browser moves the robot.
+
+The page says what a person does (a typed value, a held button). Set-points are made
+here, at a steady rate and a limited speed. When the page falls silent, is closed or
+logged out, nothing more is sent, and the joints stay where they were told to be.
+"""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from starlette.websockets import WebSocketDisconnect, WebSocketState
+
+from station.client import ApiError, AsyncStationClient
+from station.ui.hand_desk import HandDesk
+from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk, SetPoint
+from station.ui.station_view import StationView
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
+
+SEND_PERIOD = 0.04
+"""Time between two set-points [s]."""
+_TELL_EVERY = 5
+_SESSION_ENDED = 4401
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Sign = Literal[1, -1]
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class _Go(_Message):
+    do: Literal["go"]
+    targets: dict[str, _Finite] = Field(min_length=1, max_length=64)
+
+
+class _Jog(_Message):
+    do: Literal["jog"]
+    joint: str
+    sign: _Sign
+
+
+class _HandJog(_Message):
+    do: Literal["hand"]
+    axis: int = Field(ge=0, le=5)
+    sign: _Sign
+
+
+class _HandGo(_Message):
+    do: Literal["reach"]
+    position: list[_Finite] = Field(min_length=3, max_length=3)
+
+
+class _Speed(_Message):
+    do: Literal["speed"]
+    joints: _Finite = Field(ge=SLOWEST, le=FASTEST)
+
+
+class _Release(_Message):
+    do: Literal["release"]
+
+
+_MESSAGE: TypeAdapter[_Go | _Jog | _HandJog | _HandGo | _Speed | _Release] = (
+    TypeAdapter(
+        Annotated[
+            _Go | _Jog | _HandJog | _HandGo | _Speed | _Release,
+            Field(discriminator="do"),
+        ]
+    )
+)
+
+
+class DeskSocket:
+    """Moves the robot for one browser, until its socket or its session ends.
+
+    Args:
+        socket: The browser's WebSocket, not accepted yet.
+        client: The station, with the credential of the browser's session.
+        view: Returns what is known of the station.
+        now: Monotonic clock [s].
+    """
+
+    def __init__(
+        self,
+        socket: "WebSocket",
+        client: AsyncStationClient,
+        view: Callable[[], StationView],
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._socket = socket
+        self._client = client
+        self._view = view
+        self._now = now
+        self._joints = JointDesk()
+        self._hand = HandDesk()
+
+    async def run(self, wait_for_end: Callable[[], Awaitable[None]]) -> None:
+        """Serve the browser.
+
+        Args:
+            wait_for_end: Returns when the browser's session has ended.
+        """
+        await self._socket.accept()
+        ends = {
+            asyncio.ensure_future(wait_for_end()),
+            asyncio.create_task(self._listen()),
+            asyncio.create_task(self._send()),
+        }
+        try:
+            done, _ = await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for end in ends:
+                end.cancel()
+            await asyncio.gather(*ends, return_exceptions=True)
+        for end in done:
+            if not end.cancelled() and (error := end.exception()) is not None:
+                raise error
+        if self._socket.application_state is WebSocketState.CONNECTED:
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+                await self._socket.close(_SESSION_ENDED, "the session has ended")
+
+    async def _listen(self) -> None:
+        while True:
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            try:
+                self._hear(_MESSAGE.validate_json(message.get("text") or b""))
+            except ValidationError as error:
+                first = error.errors()[0]
+                await self._tell(refused=f"{first['msg']}.")
+
+    def _hear(self, said: _Go | _Jog | _HandJog | _HandGo | _Speed | _Release) -> None:
+        now = self._now()
+        self._joints.refresh(self._view())
+        self._hand.refresh(self._view())
+        refusal = ""
+        match said:
+            case _Go():
+                refusal = self._joints.go(said.targets, now)
+            case _Jog():
+                refusal = self._joints.hold(said.joint, said.sign, now)
+            case _HandJog():
+                refusal = self._hand.hold(said.axis, said.sign, now)
+            case _HandGo():
+                refusal = self._hand.go(said.position, now)
+            case _Speed():
+                self._joints.set_speed(said.joints)
+            case _Release():
+                self._joints.release()
+                self._hand.release()
+        if refusal:
+            self._refusal = refusal
+
+    _refusal = ""
+
+    async def _send(self) -> None:
+        rounds = 0
+        while True:
+            await asyncio.sleep(SEND_PERIOD)
+            view = self._view()
+            self._joints.refresh(view)
+            self._hand.refresh(view)
+            joints = self._joints.step(SEND_PERIOD, self._now())
+            for set_point in (joints, self._hand.step(self._now())):
+                if set_point is not None:
+                    await self._command(set_point)
+            rounds += 1
+            if self._refusal:
+                refused, self._refusal = self._refusal, ""
+                await self._tell(refused=refused)
+            elif rounds % _TELL_EVERY == 0:
+                await self._tell()
+
+    async def _command(self, set_point: SetPoint) -> None:
+        try:
+            await self._client.command(
+                set_point.controller, set_point.values, epoch=set_point.epoch
+            )
+        except ApiError as error:
+            self._joints.let_go()
+            self._hand.let_go()
+            await self._tell(refused=error.detail, code=error.code, remedy=error.remedy)
+
+    async def _tell(self, **more: str) -> None:
+        """Tell the page what is commanded, and what was refused."""
+        operated = self._joints.operated
+        content = {
+            "controller": operated.name,
+            "reason": operated.reason,
+            "remaining": self._joints.remaining,
+            "jog": {"controller": self._hand.jog.name, "reason": self._hand.jog.reason},
+            "target": {
+                "controller": self._hand.target.name,
+                "reason": self._hand.target.reason,
+            },
+            **more,
+        }
+        try:
+            await self._socket.send_json(content)
+        except (RuntimeError, WebSocketDisconnect):
+            return  # The browser has gone; `_listen` ends the desk.

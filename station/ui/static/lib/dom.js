@@ -1,0 +1,94 @@
+// Small pieces of the page that every panel uses.
+
+/** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
+export function h(tag, props = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [key, value] of Object.entries(props)) {
+    if (key === "class") made.className = value;
+    else if (key === "data") Object.assign(made.dataset, value);
+    else if (key.startsWith("on") || key in made) made[key] = value;
+    else if (value !== false && value != null) made.setAttribute(key, value);
+  }
+  made.append(...children.filter((child) => child != null));
+  return made;
+}
+
+/** Set a text only when it differs, so that the browser has nothing to lay out. */
+export function show(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function number(value, digits) {
+  if (value == null || !Number.isFinite(value)) return "–";
+  const text = value.toFixed(digits);
+  return /^-0\.?0*$/.test(text) ? text.slice(1) : text;
+}
+
+/** Return what the joints' names share up to an underscore, e.g. `panda_`. */
+export function sharedPrefix(names) {
+  if (names.length < 2) return "";
+  let shared = names[0];
+  for (const name of names) while (!name.startsWith(shared)) shared = shared.slice(0, -1);
+  return shared.slice(0, shared.lastIndexOf("_") + 1);
+}
+
+/** Read a number as people type it, or null; a comma counts as the decimal point. */
+export function typed(text) {
+  const clean = text.trim().replace(",", ".").replace("−", "-");
+  const value = Number(clean);
+  return clean !== "" && Number.isFinite(value) ? value : null;
+}
+
+/** A button that acts while it is held, by pointer or with the Enter key. */
+export function holdButton(label, title, hold, release) {
+  const button = h("button", { class: "s hold", type: "button", title }, label);
+  button.setAttribute("aria-label", title);
+  let timer = null;
+  const end = () => {
+    if (timer === null) return;
+    clearInterval(timer);
+    timer = null;
+    button.classList.remove("held");
+    release();
+  };
+  const begin = () => {
+    if (timer !== null || button.disabled) return;
+    button.classList.add("held");
+    hold();
+    timer = setInterval(() => (button.isConnected ? hold() : end()), 100);
+  };
+  button.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    button.setPointerCapture(event.pointerId);
+    begin();
+  });
+  for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"])
+    button.addEventListener(name, end);
+  button.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && !event.repeat) begin();
+    if (event.key === "Enter") event.preventDefault();
+  });
+  button.addEventListener("keyup", (event) => event.key === "Enter" && end());
+  window.addEventListener("blur", end);
+  document.addEventListener("visibilitychange", end);
+  return button;
+}
+
+/** Keep something of this browser's user, e.g. the layout. */
+export const kept = {
+  get(key, fallback) {
+    try {
+      const text = localStorage.getItem(`station.${key}`);
+      return text === null ? fallback : JSON.parse(text);
+    } catch {
+      return fallback;
+    }
+  },
+  set(key, value) {
+    try {
+      localStorage.setItem(`station.${key}`, JSON.stringify(value));
+    } catch {
+      // A browser that keeps nothing shows the usual layout next time.
+    }
+  },
+};

@@ -1,0 +1,34 @@
+// The base of all panels: a custom element that draws when the page's knowledge changes.
+import { store } from "./store.js";
+
+export class Panel extends HTMLElement {
+  connectedCallback() {
+    if (this.built) return;
+    this.built = true;
+    this.build();
+    store.addEventListener("docks", () => this.isShown && this.refresh());
+    store.addEventListener("bar", () => this.classList.toggle("may-not", !store.isOperator));
+  }
+
+  /** Whether the dock is open; a folded dock draws nothing. */
+  get isShown() {
+    return this.offsetParent !== null;
+  }
+
+  /** Build the elements, once. */
+  build() {}
+
+  /** Draw what has changed. */
+  refresh() {}
+
+  /** Call `draw` at most `rate` times a second while joints move and the dock is open. */
+  drawWithJoints(rate, draw) {
+    let drawnAt = 0;
+    store.addEventListener("joints", () => {
+      const now = performance.now();
+      if (now - drawnAt < 1000 / rate || !this.isShown || document.hidden) return;
+      drawnAt = now;
+      draw();
+    });
+  }
+}

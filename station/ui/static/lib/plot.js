@@ -1,0 +1,220 @@
+// A small plot over time on a canvas: traces, a cursor, markers, zoom and pan.
+import { number } from "./dom.js";
+
+const COLOURS = 7; // `--trace0` to `--trace6` in the style sheet
+const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
+const LEFT = 46;
+const BOTTOM = 16;
+
+/** The samples of a channel of the last minute. */
+export class History {
+  constructor(seconds = 60) {
+    this.seconds = seconds;
+    this.times = [];
+    this.values = [];
+  }
+
+  add(time, value) {
+    const last = this.times.at(-1);
+    if (last !== undefined && time < last) this.clear(); // the station has restarted
+    if (time === last || value == null || !Number.isFinite(value)) return;
+    this.times.push(time);
+    this.values.push(value);
+    if (this.times[0] < time - 2 * this.seconds) {
+      const first = this.indexAt(time - this.seconds);
+      this.times.splice(0, first);
+      this.values.splice(0, first);
+    }
+  }
+
+  clear() {
+    this.times.length = this.values.length = 0;
+  }
+
+  /** Return the index of the first sample at or after a time. */
+  indexAt(time) {
+    let low = 0;
+    let high = this.times.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.times[middle] < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}
+
+/** Round a step up to 1, 2 or 5 times a power of ten. */
+function niceStep(rough) {
+  const power = 10 ** Math.floor(Math.log10(rough));
+  return power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+}
+
+export class Plot {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.span = 10; // seconds shown
+    this.end = null; // time at the right edge; null follows the newest sample
+    this.cursor = null; // x in pixels
+    this.traces = []; // {label, history, unit}
+    this.markers = [];
+    canvas.addEventListener("pointermove", (event) => {
+      this.cursor = event.offsetX;
+      if (event.buttons === 1 && this.end !== null)
+        this.end -= (event.movementX * this.span) / (this.canvas.clientWidth - LEFT);
+    });
+    canvas.addEventListener("pointerleave", () => (this.cursor = null));
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      this.zoom(event.deltaY > 0 ? 1.25 : 0.8);
+    }, { passive: false });
+  }
+
+  zoom(factor) {
+    this.span = Math.min(Math.max(this.span * factor, 0.2), 60);
+  }
+
+  /** Draw the plot; `newest` is the present station time [s]. */
+  draw(newest) {
+    const style = getComputedStyle(this.canvas);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width < 20 || height < 20) return;
+    const ratio = devicePixelRatio;
+    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
+      this.canvas.width = Math.round(width * ratio);
+      this.canvas.height = Math.round(height * ratio);
+    }
+    const pen = this.canvas.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+    const end = this.end ?? newest;
+    const begin = end - this.span;
+    const box = { width, height, begin, end, style, x: (t) => LEFT + ((t - begin) / this.span) * (width - LEFT - 4) };
+    const [low, high] = this.bounds(begin, end);
+    box.y = (v) => 4 + ((high - v) / (high - low)) * (height - BOTTOM - 8);
+    this.drawGrid(pen, box, low, high);
+    this.drawMarkers(pen, box);
+    this.traces.forEach((trace, i) => this.drawTrace(pen, box, trace, i));
+    if (this.cursor !== null) this.drawCursor(pen, box);
+  }
+
+  bounds(begin, end) {
+    let low = Infinity;
+    let high = -Infinity;
+    for (const { history } of this.traces)
+      for (let i = history.indexAt(begin); i < history.times.length && history.times[i] <= end; i += 1) {
+        low = Math.min(low, history.values[i]);
+        high = Math.max(high, history.values[i]);
+      }
+    if (!Number.isFinite(low)) return [-1, 1];
+    const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
+    return [low - room, high + room];
+  }
+
+  drawGrid(pen, { width, height, style, x, y, begin, end }, low, high) {
+    pen.strokeStyle = style.getPropertyValue("--line");
+    pen.fillStyle = style.getPropertyValue("--dim");
+    pen.lineWidth = 1;
+    pen.setLineDash([]);
+    const step = niceStep((high - low) / Math.max(height / 44, 2));
+    const digits = Math.max(0, -Math.floor(Math.log10(step)));
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
+      pen.beginPath();
+      pen.moveTo(LEFT, y(v));
+      pen.lineTo(width, y(v));
+      pen.stroke();
+      pen.fillText(number(v, Math.min(digits, 5)), LEFT - 5, y(v));
+    }
+    pen.textAlign = "center";
+    pen.textBaseline = "alphabetic";
+    const tick = niceStep((end - begin) / Math.max(width / 90, 2));
+    for (let t = Math.ceil(begin / tick) * tick; t <= end; t += tick) {
+      pen.beginPath();
+      pen.moveTo(x(t), 4);
+      pen.lineTo(x(t), height - BOTTOM);
+      pen.stroke();
+      if (x(t) > LEFT + 12 && x(t) < width - 14) pen.fillText(`${number(t, tick < 1 ? 1 : 0)} s`, x(t), height - 3);
+    }
+  }
+
+  drawMarkers(pen, { height, style, x, begin, end }) {
+    pen.strokeStyle = pen.fillStyle = style.getPropertyValue("--marker");
+    pen.textAlign = "left";
+    pen.setLineDash([2, 3]);
+    for (const { at, text } of this.markers) {
+      if (at < begin || at > end) continue;
+      pen.beginPath();
+      pen.moveTo(x(at), 4);
+      pen.lineTo(x(at), height - BOTTOM);
+      pen.stroke();
+      pen.fillText("▾", x(at) - 4, 10);
+      if (this.cursor !== null && Math.abs(x(at) - this.cursor) < 8) pen.fillText(text, x(at) + 6, height - BOTTOM - 6);
+    }
+  }
+
+  drawTrace(pen, { style, x, y, begin, end, width }, { history }, i) {
+    pen.strokeStyle = style.getPropertyValue(`--trace${i % COLOURS}`);
+    pen.lineWidth = 1.6;
+    pen.setLineDash(DASHES[Math.floor(i / COLOURS + i) % DASHES.length]);
+    pen.beginPath();
+    const { times, values } = history;
+    const first = Math.max(history.indexAt(begin) - 1, 0);
+    // More points than pixels draw nothing more.
+    let last = first;
+    while (last < times.length && times[last] <= end) last += 1;
+    const every = Math.max(1, Math.floor((last - first) / (width * 2)));
+    pen.save();
+    pen.rect(LEFT, 0, width - LEFT, 1e4);
+    pen.clip();
+    pen.beginPath();
+    for (let j = first; j < last; j += every) pen.lineTo(x(times[j]), y(values[j]));
+    pen.stroke();
+    pen.restore();
+    pen.setLineDash([]);
+  }
+
+  drawCursor(pen, { width, height, style, begin, end }) {
+    if (this.cursor < LEFT) return;
+    const time = begin + ((this.cursor - LEFT) / (width - LEFT - 4)) * (end - begin);
+    pen.strokeStyle = style.getPropertyValue("--dim");
+    pen.beginPath();
+    pen.moveTo(this.cursor, 4);
+    pen.lineTo(this.cursor, height - BOTTOM);
+    pen.stroke();
+    pen.fillStyle = style.getPropertyValue("--text");
+    pen.textAlign = this.cursor > width / 2 ? "right" : "left";
+    const x = this.cursor + (this.cursor > width / 2 ? -6 : 6);
+    pen.fillText(`${number(time, 2)} s`, x, 14);
+    this.traces.forEach(({ label, history, unit }, i) => {
+      const j = Math.min(history.indexAt(time), history.values.length - 1);
+      if (j >= 0) pen.fillText(`${label}: ${number(history.values[j], 4)} ${unit}`, x, 28 + 13 * i);
+    });
+  }
+
+  /** Return what the plot shows as CSV, one row per sample of the first trace. */
+  csv(newest) {
+    const end = this.end ?? newest;
+    const begin = end - this.span;
+    const head = ["time [s]", ...this.traces.map((t) => `${t.label} [${t.unit}]`)];
+    const lines = [head.join(",")];
+    const first = this.traces[0]?.history;
+    for (let i = first?.indexAt(begin) ?? 0; first && i < first.times.length && first.times[i] <= end; i += 1) {
+      const time = first.times[i];
+      const row = this.traces.map(({ history }) => history.values[Math.min(history.indexAt(time), history.values.length - 1)] ?? "");
+      lines.push([time, ...row].join(","));
+    }
+    return `${lines.join("\n")}\n`;
+  }
+}
+
+/** Hand a text to the browser as a file. */
+export function download(name, text, type = "text/csv") {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}

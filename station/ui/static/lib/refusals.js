@@ -1,0 +1,55 @@
+// The log of refusals: what was refused, why, what to do, and a button that does it.
+
+class Refusals extends EventTarget {
+  constructor() {
+    super();
+    this.entries = [];
+  }
+
+  /** Note a refusal. `request` is what was asked for, to offer it again. */
+  add(error, request = {}) {
+    const last = this.entries[0];
+    if (last && last.detail === error.detail && Date.now() - last.at < 3000) {
+      last.count += 1;
+      last.at = Date.now();
+    } else {
+      this.entries.unshift({
+        at: Date.now(),
+        count: 1,
+        code: error.code ?? "",
+        detail: error.detail ?? error.message,
+        remedy: [error.remedy, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)]
+          .filter(Boolean)
+          .join(" "),
+        request,
+      });
+      this.entries.length = Math.min(this.entries.length, 100);
+    }
+    this.dispatchEvent(new Event("change"));
+  }
+}
+
+export const refusals = new Refusals();
+
+/** Return the remedies that are one click: a label and what the click does, or null. */
+export function remedyOf(entry, state, actions) {
+  if (state.stop === "stopped") {
+    if (["stopped", "not_sent", "bench_refused"].includes(entry.code))
+      return { label: "Release stop", run: actions.release };
+  }
+  if (state.stop === "released") {
+    if (["stopped", "not_sent", "bench_refused"].includes(entry.code))
+      return { label: "Allow motion", run: actions.arm };
+  }
+  const wanted = entry.request?.body?.start?.[0];
+  if (entry.code === "resource_conflict" && wanted)
+    return { label: `Stop the others and start ${wanted}`, run: () => actions.switchTo(wanted) };
+  if (["arm_command_refused", "switch_refused"].includes(entry.code) && state.rescue?.action === "recover")
+    return { label: state.rescue.label, run: actions.recover };
+  const running = /controllers\/([\w.-]+)$/.exec(entry.request?.path ?? "");
+  if (entry.code === "controller_state" && entry.request?.method === "DELETE" && running)
+    return { label: `Stop ${running[1]}`, run: () => actions.stopController(running[1]) };
+  if (["not_sent", "bench_refused"].includes(entry.code) && state.enabling?.name)
+    return { label: "Enable sliders", run: actions.enable };
+  return null;
+}

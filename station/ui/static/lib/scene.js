@@ -1,0 +1,66 @@
+// The progress line over the 3D view, and the notice of Viser that would cover it.
+import { show } from "./dom.js";
+
+const LOOK_MS = 250;
+const LONG_MS = 15000;
+const A_ROBOT = 20000; // triangles; the floor and the axes have far fewer
+const SETTLED_LOOKS = 12;
+
+/** Say what of the 3D view is still loading until the robot is drawn. */
+export function watchScene(view, line) {
+  const began = Date.now();
+  let last = 0;
+  let same = 0;
+  const look = () => {
+    const inside = view.contentWindow;
+    foldNotice(inside.document);
+    const triangles = inside.__viserTestpoints?.rendererInfo?.render?.triangles ?? 0;
+    same = triangles > 0 && triangles === last ? same + 1 : 0;
+    last = triangles;
+    if (triangles > A_ROBOT || same > SETTLED_LOOKS) {
+      line.hidden = true;
+      return;
+    }
+    const late = Date.now() - began > LONG_MS ? " This takes long; everything else works already." : "";
+    const step = !inside.__viserTestpoints
+      ? "Loading the 3D view …"
+      : triangles === 0
+        ? "3D view: connecting …"
+        : `3D view: loading the robot (${triangles.toLocaleString("en")} triangles so far) …`;
+    show(line, step + late);
+    setTimeout(look, LOOK_MS);
+  };
+  look();
+  const button = document.getElementById("viser-panel");
+  button.addEventListener("click", () => {
+    button.setAttribute("aria-pressed", String(button.getAttribute("aria-pressed") !== "true"));
+    showPanel(view, button);
+  });
+  setInterval(() => {
+    foldNotice(view.contentWindow.document);
+    showPanel(view, button);
+  }, 500);
+}
+
+// On a narrow screen Viser lays its panel over the picture and cannot be told to fold it.
+function showPanel(view, button) {
+  const narrow = matchMedia("(max-width: 700px)").matches;
+  const hidden = narrow && button.getAttribute("aria-pressed") !== "true";
+  for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])")) {
+    // What Viser shows and hides by itself stays as it is.
+    if (hidden === ("hiddenHere" in panel.dataset)) continue;
+    panel.style.display = hidden ? "none" : "";
+    if (hidden) panel.dataset.hiddenHere = "";
+    else delete panel.dataset.hiddenHere;
+  }
+}
+
+// Viser says in a card over the picture that no GPU is used. That is worth knowing and
+// not worth the picture, so the card is closed and its words go into the view's title.
+function foldNotice(page) {
+  for (const card of page.querySelectorAll(".mantine-Notification-root")) {
+    if (!card.textContent.includes("Software WebGL")) continue;
+    card.querySelector("button")?.click();
+    document.getElementById("view").title = "Robot and controls. Drawn in software, without a GPU.";
+  }
+}

@@ -1,0 +1,41 @@
+// Four steps for somebody who sees the page for the first time; gone after a click.
+import { h, kept } from "./dom.js";
+
+const STEPS = [
+  { mark: "#stop", text: "STOP, Escape or Space stops the robot at any time, from every dock. Afterwards: Release stop, then Allow motion." },
+  { mark: "#enable", text: "“Enable sliders” starts a controller that takes joint values. Until then the arm holds its pose." },
+  { mark: "[data-dock=joints]", dock: "joints", text: "Type a value and press Enter, or hold − and + to move one joint. The top speed is yours to choose." },
+  { mark: "[data-dock=plots]", dock: "plots", text: "Everything the station streams can be plotted. Titles fold a dock; the bars between docks resize them; this browser remembers." },
+];
+
+export function showTour(card, openDock) {
+  if (kept.get("tour", "") === "done") return;
+  let at = 0;
+  const unmark = () => document.querySelector(".toured")?.classList.remove("toured");
+  const end = () => {
+    unmark();
+    card.hidden = true;
+    kept.set("tour", "done");
+  };
+  const step = () => {
+    unmark();
+    const { mark, dock, text } = STEPS[at];
+    if (dock && matchMedia("(max-width: 700px)").matches) openDock(dock);
+    document.querySelector(mark)?.classList.add("toured");
+    const last = at === STEPS.length - 1;
+    const next = h("button", { class: "s primary", type: "button" }, last ? "Done" : "Next");
+    next.addEventListener("click", () => {
+      at += 1;
+      if (last) end();
+      else step();
+    });
+    const skip = h("button", { class: "s", type: "button", onclick: end }, "Skip the tour");
+    card.replaceChildren(
+      h("b", {}, `${at + 1} of ${STEPS.length}`),
+      h("p", {}, text),
+      h("span", {}, last ? null : skip, next),
+    );
+    card.hidden = false;
+  };
+  step();
+}

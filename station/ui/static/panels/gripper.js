@@ -1,0 +1,81 @@
+// Gripper: how wide it is, and open, close, grasp with a force, home.
+import { h, number, show, typed } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { act, api } from "../lib/station.js";
+import { store } from "../lib/store.js";
+
+const LOOK_MS = 400;
+
+class Gripper extends Panel {
+  build() {
+    this.arms = new Map();
+    this.none = h("p", { class: "hint" }, "This robot has no gripper.");
+    this.append(this.none);
+    this.look();
+  }
+
+  async look() {
+    if (this.isShown && store.docks && !document.hidden)
+      for (const { arm_id: arm } of store.docks.arms) await this.lookAt(arm);
+    setTimeout(() => this.look(), LOOK_MS);
+  }
+
+  async lookAt(arm) {
+    let told;
+    try {
+      told = await api("GET", `/robots/${arm}/gripper`);
+    } catch {
+      return; // An arm without a hand has no gripper; a lost station is in the strip.
+    }
+    if (!this.arms.has(arm)) this.add(arm, told);
+    const { state, buttons } = this.arms.get(arm);
+    const last = told.command ?? told.last;
+    const doing = told.command ? `${told.command.action} …` : last ? `${last.action} ${last.status}${last.message ? `: ${last.message}` : ""}` : told.activity;
+    const held = told.is_grasped ? `holds an object with ${number(told.force, 0)} N` : "holds nothing";
+    show(state, `${number(told.width * 1e3, 1)} mm of ${number(told.max_width * 1e3, 0)} mm · ${held} · ${doing}`);
+    for (const button of buttons) button.disabled = !store.isOperator;
+  }
+
+  add(arm, told) {
+    this.none.hidden = true;
+    const field = (label, value, unit) => {
+      const input = h("input", { class: "value", value, inputMode: "decimal" });
+      input.setAttribute("aria-label", `${label} [${unit}]`);
+      return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
+    };
+    const width = field("object", "40", "mm");
+    const force = field("force", "20", "N");
+    const tolerance = field("±", "10", "mm");
+    const go = (action, body) => () => act("POST", `/robots/${arm}/gripper/${action}`, body?.());
+    const millimetres = (input) => (typed(input.value) ?? NaN) / 1e3;
+    const actions = [
+      ["Open", "Open all the way", go("move", () => ({ width: told.max_width }))],
+      ["Close", "Close all the way, without pressing", go("move", () => ({ width: 0 }))],
+      [
+        "Grasp",
+        "Close until an object stops the fingers, then press it; succeeds when its width is within the tolerance",
+        go("grasp", () => ({
+          width: millimetres(width.input),
+          force: typed(force.input.value),
+          epsilon: { inner: millimetres(tolerance.input), outer: millimetres(tolerance.input) },
+        })),
+      ],
+      ["Home", "Close and open all the way, to learn the width", go("homing")],
+      ["Hold still", "Stop the fingers; releases an object", go("stop")],
+    ];
+    const buttons = actions.map(([label, title, run]) => {
+      const button = h("button", { class: label === "Grasp" ? "s primary" : "s", type: "button", title, onclick: run }, label);
+      button.setAttribute("aria-label", store.docks.arms.length > 1 ? `${label}, ${arm}` : label);
+      return button;
+    });
+    const state = h("p", { class: "state" });
+    const title = store.docks.arms.length > 1 ? h("b", {}, arm) : null;
+    const [open, close, grasp, home, hold] = buttons;
+    this.append(
+      h("div", {}, title, state, h("div", { class: "line" }, open, close, home, hold), h("div", { class: "line" }, grasp, width.label, tolerance.label, force.label)),
+    );
+    this.arms.set(arm, { state, buttons });
+  }
+}
+
+customElements.define("st-gripper", Gripper);

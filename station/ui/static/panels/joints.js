@@ -1,0 +1,254 @@
+// Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
+import { h, holdButton, kept, number, sharedPrefix, show, typed } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { refusals } from "../lib/refusals.js";
+import { desk, follow } from "../lib/station.js";
+import { store } from "../lib/store.js";
+
+const DEGREES = 180 / Math.PI;
+const NEAR_LIMIT = 0.05; // part of the range at each end
+
+class Joints extends Panel {
+  build() {
+    this.unit = kept.get("angle", "deg");
+    this.rows = new Map();
+    this.desired = [];
+    const choose = (unit) => {
+      const button = h("button", { class: "s", type: "button" }, unit);
+      button.addEventListener("click", () => this.setUnit(unit));
+      button.dataset.unit = unit;
+      return button;
+    };
+    this.units = [choose("deg"), choose("rad")];
+    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held" });
+    this.speed.setAttribute("aria-label", "Top speed in degrees per second");
+    this.speedText = h("output", {});
+    this.speed.addEventListener("input", () => this.showSpeed());
+    this.tools.append(...this.units, h("label", { class: "speed" }, "top speed ", this.speed, this.speedText));
+    this.head = h("tr", {});
+    this.body = h("tbody", {});
+    this.state = h("p", { class: "hint state" }, "Waiting for the station …");
+    this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.state, this.poses());
+    this.setUnit(this.unit);
+    this.showSpeed();
+    this.drawWithJoints(12, () => this.draw());
+    desk.addEventListener("change", () => this.isShown && this.showState());
+  }
+
+  poses() {
+    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the present joints are kept in this browser" });
+    this.poseName.setAttribute("aria-label", "Name of the pose");
+    this.poseList = h("select", { title: "Poses kept in this browser" });
+    this.poseList.setAttribute("aria-label", "Pose");
+    const go = h("button", { class: "s", type: "button", title: "Move all joints to the pose, at the top speed above" }, "Go");
+    go.addEventListener("click", () => this.goToPose());
+    const save = h("button", { class: "s", type: "button" }, "Save pose");
+    save.addEventListener("click", () => this.savePose());
+    const forget = h("button", { class: "s", type: "button" }, "Forget");
+    forget.addEventListener("click", () => {
+      const all = kept.get("poses", {});
+      delete all[this.poseList.value];
+      kept.set("poses", all);
+      this.listPoses();
+    });
+    const line = h("div", { class: "line" }, "Poses", this.poseList, go, forget, this.poseName, save);
+    this.listPoses();
+    return line;
+  }
+
+  listPoses() {
+    const names = Object.keys(kept.get("poses", {})).sort();
+    this.poseList.replaceChildren(...names.map((name) => h("option", {}, name)));
+    if (!names.length) this.poseList.append(h("option", { value: "" }, "none saved yet"));
+  }
+
+  savePose() {
+    const name = this.poseName.value.trim() || `pose ${Object.keys(kept.get("poses", {})).length + 1}`;
+    const here = {};
+    for (const [joint, row] of this.rows) here[joint] = row.position;
+    kept.set("poses", { ...kept.get("poses", {}), [name]: here });
+    this.poseName.value = "";
+    this.listPoses();
+    this.poseList.value = name;
+  }
+
+  goToPose() {
+    const pose = kept.get("poses", {})[this.poseList.value];
+    if (!pose) return;
+    const known = Object.fromEntries(Object.entries(pose).filter(([joint]) => this.rows.has(joint)));
+    this.move(known);
+  }
+
+  move(targets) {
+    desk.say({ do: "speed", joints: Number(this.speed.value) / DEGREES });
+    desk.say({ do: "go", targets });
+  }
+
+  setUnit(unit) {
+    this.unit = unit;
+    kept.set("angle", unit);
+    for (const button of this.units) button.setAttribute("aria-pressed", String(button.dataset.unit === unit));
+    const angle = unit === "deg" ? "°" : "rad";
+    const heads = ["joint", "range", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
+    const titles = ["", "Present position within the limits; the thin mark is the command", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque, estimated [Nm]", "Moves while it is held"];
+    this.head.replaceChildren(...heads.map((text, i) => h("th", { title: titles[i] }, text)));
+    for (const row of this.rows.values()) row.sent = null;
+    this.showSpeed();
+  }
+
+  showSpeed() {
+    const value = Number(this.speed.value);
+    kept.set("speed", value);
+    show(this.speedText, this.unit === "deg" ? `${value} °/s` : `${(value / DEGREES).toFixed(2)} rad/s`);
+  }
+
+  get scale() {
+    return this.unit === "deg" ? DEGREES : 1;
+  }
+
+  refresh() {
+    const docks = store.docks;
+    const names = docks.joints;
+    if (names.join() !== [...this.rows.keys()].join()) this.buildRows(names);
+    const operated = docks.operated;
+    if (operated.name !== this.operatedName) {
+      this.operatedName = operated.name;
+      this.endOfSample?.();
+      this.desired = [];
+      if (operated.name)
+        this.endOfSample = follow(`controller_state/${operated.name}`, "rate=12&fields=name,desired", (frame) => {
+          this.desired = frame.data.desired;
+          this.desiredNames = frame.data.name;
+        });
+    }
+    const may = Boolean(operated.name) && !operated.reason && store.isOperator;
+    for (const [joint, row] of this.rows) {
+      const element = operated.elements.find((e) => e.name === joint);
+      const usable = may && Boolean(element);
+      row.element = element;
+      row.input.disabled = !usable;
+      for (const button of row.hold) button.disabled = !usable || element.unit !== "rad";
+    }
+    this.showState();
+  }
+
+  showState() {
+    const { operated, enabling } = store.docks ?? { operated: { reason: "" } };
+    const going = desk.state.remaining ?? 0;
+    const offered = enabling?.name && !enabling.reason && store.isOperator;
+    const text = operated.reason
+      ? offered
+        ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view."
+        : operated.reason
+      : going > 1e-6
+        ? `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`
+        : `${operated.name} takes values: type one and press Enter, or hold − and +.`;
+    show(this.state, text);
+    this.state.classList.toggle("warn", Boolean(operated.reason));
+  }
+
+  buildRows(names) {
+    this.rows.clear();
+    const prefix = sharedPrefix(names);
+    this.body.replaceChildren(...names.map((joint) => this.makeRow(joint, joint.slice(prefix.length))));
+  }
+
+  makeRow(joint, label) {
+    const limits = store.docks.limits[joint];
+    const here = h("i", { class: "here" });
+    const told = h("i", { class: "told" });
+    const bar = h("div", { class: "range" }, told, here);
+    const cells = ["q", "dq", "tau", "ext"].map(() => h("td", {}));
+    const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
+    input.setAttribute("aria-label", `Command of ${label}`);
+    const row = { here, told, bar, cells, input, limits, sent: null, position: 0, hold: [] };
+    input.addEventListener("keydown", (event) => {
+      if (event.key === "Enter") this.send(joint, row);
+    });
+    input.addEventListener("focus", () => input.select());
+    row.hold = [-1, 1].map((sign) =>
+      holdButton(
+        sign < 0 ? "−" : "+",
+        `Move ${label} ${sign < 0 ? "down" : "up"} while held`,
+        () => {
+          if (!row.told_speed) desk.say({ do: "speed", joints: Number(this.speed.value) / DEGREES });
+          row.told_speed = true;
+          row.sent = null;
+          desk.say({ do: "jog", joint, sign });
+        },
+        () => {
+          row.told_speed = false;
+          desk.say({ do: "release" });
+        },
+      ),
+    );
+    this.rows.set(joint, row);
+    const [q, dq, tau, ext] = cells;
+    const title = limits ? `${joint}: ${number(limits[0], 4)} to ${number(limits[1], 4)} rad` : joint;
+    return h("tr", { title }, h("th", { scope: "row" }, label), h("td", {}, bar), q, h("td", {}, input), dq, tau, ext, h("td", { class: "holds" }, ...row.hold));
+  }
+
+  send(joint, row) {
+    const value = typed(row.input.value);
+    if (value === null) {
+      refusals.add({ code: "not_a_number", detail: `“${row.input.value}” is not a number.`, remedy: "Type a number such as 0.3217 or 18.43." }, {});
+      return;
+    }
+    const target = value / this.scaleOf(row.element);
+    row.sent = { text: row.input.value.trim(), target };
+    this.move({ [joint]: target });
+    row.input.select();
+  }
+
+  scaleOf(element) {
+    return element?.unit.startsWith("rad") ? this.scale : 1;
+  }
+
+  draw() {
+    const { name, position, velocity, effort } = store.joints;
+    const arms = Object.entries(store.arms);
+    for (const [joint, row] of this.rows) {
+      const i = name.indexOf(joint);
+      if (i < 0) continue;
+      row.position = position[i];
+      const angular = !joint.includes("finger");
+      const scale = angular ? this.scale : 1;
+      const digits = this.unit === "deg" && angular ? 2 : 4;
+      show(row.cells[0], number(position[i] * scale, digits));
+      show(row.cells[1], number(velocity[i] * scale, this.unit === "deg" ? 1 : 3));
+      show(row.cells[2], number(effort[i], 1));
+      const arm = arms.find(([id]) => joint.startsWith(`${id}_joint`));
+      const external = arm?.[1].tau_ext_hat_filtered?.[Number(joint.slice(-1)) - 1];
+      show(row.cells[3], number(external, 1));
+      this.drawRange(row, position[i]);
+      this.drawCommand(joint, row, digits);
+    }
+  }
+
+  drawRange(row, position) {
+    if (!row.limits) return;
+    const [low, high] = row.limits;
+    const part = (position - low) / (high - low);
+    row.here.style.left = `${Math.min(Math.max(part, 0), 1) * 100}%`;
+    row.bar.classList.toggle("near", part < NEAR_LIMIT || part > 1 - NEAR_LIMIT);
+  }
+
+  drawCommand(joint, row, digits) {
+    const value = this.desired[this.desiredNames?.indexOf(joint) ?? -1];
+    row.told.hidden = value == null || row.element?.unit !== "rad";
+    if (value == null) {
+      if (document.activeElement !== row.input) row.input.value = "";
+      return;
+    }
+    if (row.limits) {
+      const [low, high] = row.limits;
+      row.told.style.left = `${Math.min(Math.max((value - low) / (high - low), 0), 1) * 100}%`;
+    }
+    if (document.activeElement === row.input) return;
+    // What a person typed stays as typed while it is what the robot is told.
+    const isSent = row.sent && (Math.abs(row.sent.target - value) < 1e-9 || desk.state.remaining > 1e-6);
+    row.input.value = isSent ? row.sent.text : number(value * this.scaleOf(row.element), digits);
+  }
+}
+
+customElements.define("st-joints", Joints);

@@ -1,0 +1,193 @@
+// Plots: any channels of the streams, several plots, pause, zoom, cursor, markers, CSV.
+import { h, kept, sharedPrefix, show } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { History, Plot, download } from "../lib/plot.js";
+import { follow } from "../lib/station.js";
+import { store } from "../lib/store.js";
+
+const DRAW_HZ = 15;
+const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
+const SHOWN_AT_FIRST = [["position"], ["effort"]];
+
+class Plots extends Panel {
+  build() {
+    this.channels = new Map(); // key to {label, unit, group, read(frame data)}
+    this.histories = new Map();
+    this.plots = [];
+    this.paused = false;
+    this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on" }, "Pause");
+    this.pause.addEventListener("click", () => this.setPaused(!this.paused));
+    const add = h("button", { class: "s", type: "button" }, "+ plot");
+    add.addEventListener("click", () => {
+      this.addPlot([]);
+      this.keep();
+    });
+    this.tools.append(this.pause, add);
+    this.row = h("div", { class: "plots" });
+    this.append(this.row);
+    store.addEventListener("marker", () => {
+      for (const { plot } of this.plots) plot.markers = store.markers;
+    });
+    setInterval(() => this.draw(), 1000 / DRAW_HZ);
+  }
+
+  setPaused(paused) {
+    this.paused = paused;
+    show(this.pause, paused ? "Resume" : "Pause");
+    this.pause.setAttribute("aria-pressed", String(paused));
+    for (const { plot } of this.plots) plot.end = paused ? store.stationTime : null;
+  }
+
+  refresh() {
+    this.listChannels();
+    if (this.plots.length || !store.docks.joints.length) return;
+    const saved = kept.get("plots", null);
+    const known = saved?.filter((keys) => Array.isArray(keys));
+    if (known?.length) for (const keys of known) this.addPlot(keys);
+    else
+      for (const [quantity] of SHOWN_AT_FIRST)
+        this.addPlot(store.docks.joints.slice(0, 7).map((joint) => `${quantity}/${joint}`));
+  }
+
+  listChannels() {
+    const { joints, arms, operated } = store.docks;
+    const key = [joints, arms.map((a) => a.arm_id), operated.name].join("|");
+    if (key === this.listed) return;
+    this.listed = key;
+    const before = [...this.channels.keys()].join();
+    this.channels.clear();
+    const prefix = sharedPrefix(joints);
+    const units = { position: ["q", "rad"], velocity: ["dq", "rad/s"], effort: ["τ", "Nm"] };
+    for (const [quantity, [symbol, unit]] of Object.entries(units))
+      for (const joint of joints) this.channels.set(`${quantity}/${joint}`, { label: `${symbol} ${joint.slice(prefix.length)}`, unit, group: "joint_states" });
+    for (const { arm_id: arm } of arms) {
+      const prefixed = arms.length > 1 ? `${arm} ` : "";
+      for (let i = 0; i < 7; i += 1) this.channels.set(`${arm}/tau_ext_hat_filtered/${i}`, { label: `${prefixed}τext joint${i + 1}`, unit: "Nm", group: arm });
+      ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_T_EE/${12 + i}`, { label: `${prefixed}hand ${axis}`, unit: "m", group: arm }));
+      ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_F_ext_hat_K/${i}`, { label: `${prefixed}force ${axis}`, unit: "N", group: arm }));
+    }
+    if (operated.name)
+      for (const field of Object.keys(SAMPLE_UNITS))
+        for (const [i, element] of operated.elements.entries())
+          this.channels.set(`sample/${field}/${i}`, { label: `${field} ${element.name.slice(prefix.length)}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit, group: operated.name });
+    this.endOfSample?.();
+    this.endOfSample = operated.name
+      ? follow(`controller_state/${operated.name}`, "rate=30", (frame) => this.hearSample(frame))
+      : null;
+    if (before !== [...this.channels.keys()].join()) for (const entry of this.plots) this.apply(entry);
+  }
+
+  history(key) {
+    if (!this.histories.has(key)) this.histories.set(key, new History());
+    return this.histories.get(key);
+  }
+
+  /** Note the newest of every channel that a plot shows. */
+  hear() {
+    if (!store.joints) return;
+    for (const key of this.wanted ?? []) {
+      const [first, second, index] = key.split("/");
+      if (first === "sample") continue;
+      if (first in store.joints) {
+        const i = store.joints.name.indexOf(second);
+        this.history(key).add(store.stationTime, store.joints[first][i]);
+      } else {
+        const arm = store.arms[first];
+        if (arm) this.history(key).add(arm.stamp, arm[second]?.[Number(index)]);
+      }
+    }
+  }
+
+  hearSample(frame) {
+    for (const key of this.wanted ?? []) {
+      const [first, field, index] = key.split("/");
+      if (first === "sample") this.history(key).add(frame.stamp, frame.data[field]?.[Number(index)]);
+    }
+  }
+
+  addPlot(keys) {
+    const canvas = h("canvas", {});
+    canvas.setAttribute("role", "img");
+    const legend = h("div", { class: "legend" });
+    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
+    const entry = { keys, plot: new Plot(canvas), legend };
+    const tools = h(
+      "div",
+      { class: "line" },
+      button("−", "Show more time (or turn the wheel)", () => entry.plot.zoom(1.5)),
+      button("+", "Show less time (or turn the wheel)", () => entry.plot.zoom(1 / 1.5)),
+      button("CSV", "Save what is shown", () => download("plot.csv", entry.plot.csv(store.stationTime))),
+      button("✕", "Remove this plot", () => {
+        this.plots = this.plots.filter((other) => other !== entry);
+        box.remove();
+        this.keep();
+      }),
+    );
+    const summary = h("summary", { title: "Channels, time shown, CSV, remove" }, "⋯");
+    summary.setAttribute("aria-label", "Choose channels");
+    const menu = h("details", { class: "picker" }, summary, h("div", {}, tools, h("div", { class: "choices" })));
+    entry.menu = menu;
+    entry.plot.markers = store.markers;
+    const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
+    menu.addEventListener("toggle", () => menu.open && this.fillMenu(entry));
+    canvas.addEventListener("dblclick", () => {
+      entry.plot.span = 10;
+      if (!this.paused) entry.plot.end = null;
+    });
+    this.plots.push(entry);
+    this.row.append(box);
+    this.apply(entry);
+  }
+
+  fillMenu(entry) {
+    const list = entry.menu.querySelector(".choices");
+    list.replaceChildren(
+      ...[...this.channels].map(([key, { label, unit }]) => {
+        const choice = h("button", { class: "choice", type: "button" }, `${label} [${unit}]`);
+        choice.setAttribute("aria-pressed", String(entry.keys.includes(key)));
+        choice.addEventListener("click", () => {
+          entry.keys = entry.keys.includes(key) ? entry.keys.filter((other) => other !== key) : [...entry.keys, key];
+          choice.setAttribute("aria-pressed", String(entry.keys.includes(key)));
+          this.apply(entry);
+          this.keep();
+        });
+        return choice;
+      }),
+    );
+  }
+
+  apply(entry) {
+    const known = entry.keys.filter((key) => this.channels.has(key));
+    entry.plot.traces = known.map((key) => ({ ...this.channels.get(key), history: this.history(key) }));
+    const units = [...new Set(entry.plot.traces.map((t) => t.unit))].join(", ");
+    const labels = entry.plot.traces.map((trace) => trace.label);
+    const shared = sharedStart(labels);
+    entry.legend.replaceChildren(
+      h("b", {}, units ? `${shared} [${units}]` : "no channel chosen"),
+      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, label.slice(shared.length))),
+    );
+    entry.plot.canvas.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
+    this.wanted = new Set(this.plots.flatMap((other) => other.keys));
+  }
+
+  keep() {
+    kept.set("plots", this.plots.map((entry) => entry.keys));
+    this.wanted = new Set(this.plots.flatMap((entry) => entry.keys));
+  }
+
+  draw() {
+    this.hear();
+    if (!this.isShown || document.hidden) return;
+    for (const { plot } of this.plots) plot.draw(store.stationTime);
+  }
+}
+
+/** Return what all labels begin with, when there is more than one, e.g. `q joint`. */
+function sharedStart(labels) {
+  if (labels.length < 2) return "";
+  let n = 0;
+  while (n < labels[0].length - 1 && labels.every((label) => label[n] === labels[0][n])) n += 1;
+  return labels[0].slice(0, n);
+}
+
+customElements.define("st-plots", Plots);

@@ -1,0 +1,87 @@
+// Simulation: pause, step, speed, reset, pushes and faults; absent on a real robot.
+import { h, number, show, typed } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { refusals } from "../lib/refusals.js";
+import { act } from "../lib/station.js";
+import { store } from "../lib/store.js";
+
+const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
+
+class Simulation extends Panel {
+  build() {
+    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
+    this.state = h("p", { class: "hint state" });
+    this.pause = button("Pause", "Simulated time stands still; stops and switches still work", () => this.change({ paused: !store.docks.simulation.paused }));
+    this.steps = h("input", { class: "value", value: "100", inputMode: "numeric" });
+    this.steps.setAttribute("aria-label", "Cycles to step");
+    this.step = button("Step", "Run so many cycles while paused", () => this.act("/simulation/step", { n: Math.round(typed(this.steps.value) ?? 1) }));
+    this.factor = h("input", { class: "value", value: "1", inputMode: "decimal" });
+    this.factor.setAttribute("aria-label", "Speed of simulated time");
+    this.factor.addEventListener("keydown", (event) => event.key === "Enter" && this.setFactor());
+    this.keyframe = h("select", {});
+    this.keyframe.setAttribute("aria-label", "Where the reset goes to");
+    this.arm = h("select", {});
+    this.arm.setAttribute("aria-label", "Arm of the fault or push");
+    this.fault = h("select", {}, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
+    this.fault.setAttribute("aria-label", "Fault");
+    this.force = h("input", { class: "value wide", value: "0, 0, 20" });
+    this.force.setAttribute("aria-label", "Force of the push, x, y, z [N]");
+    this.controls = h(
+      "div",
+      {},
+      this.state,
+      h("div", { class: "line" }, this.pause, this.step, this.steps, "cycles"),
+      h("div", { class: "line" }, h("label", {}, "speed × ", this.factor), button("Set", "Simulated seconds per second", () => this.setFactor())),
+      h("div", { class: "line" }, button("Reset", "Put the world back; earlier set-points and goals are void", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null })), " to ", this.keyframe),
+      h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s", () => this.push()), this.force, " N"),
+      h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one", () => this.inject()), this.fault, button("End faults", "End all faults and pushes", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
+    );
+    this.real = h("p", { class: "hint", hidden: true }, "This is a real robot: there is nothing to simulate.");
+    this.append(this.controls, this.real);
+  }
+
+  async act(path, body) {
+    await act("POST", path, body);
+    store.refresh();
+  }
+
+  async change(body) {
+    await act("PATCH", "/simulation", body);
+    store.refresh();
+  }
+
+  setFactor() {
+    const factor = typed(this.factor.value);
+    if (factor === null) refusals.add({ code: "not_a_number", detail: `“${this.factor.value}” is not a number.` });
+    else this.change({ real_time_factor: factor });
+  }
+
+  push() {
+    const force = this.force.value.split(",").map(Number);
+    if (force.length !== 3 || force.some(Number.isNaN)) refusals.add({ code: "not_a_number", detail: "Type the force as three numbers, x, y, z [N]." });
+    else act("POST", `/robots/${this.arm.value}/external_force`, { link: `${this.arm.value}_hand`, force, duration: 0.3 });
+  }
+
+  inject() {
+    const body = this.fault.value === "collision" ? { kind: "collision", cycles: 30 } : { kind: this.fault.value };
+    act("POST", `/robots/${this.arm.value}/faults`, body);
+  }
+
+  refresh() {
+    const { simulation, arms } = store.docks;
+    this.controls.hidden = !simulation;
+    this.real.hidden = Boolean(simulation);
+    if (!simulation) return;
+    show(this.state, `${simulation.paused ? "⏸ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
+    show(this.pause, simulation.paused ? "Resume" : "Pause");
+    this.step.disabled = !simulation.paused || !store.isOperator;
+    const key = [...simulation.keyframes, ...arms.map((arm) => arm.arm_id)].join();
+    if (key === this.listed) return;
+    this.listed = key;
+    this.keyframe.replaceChildren(h("option", { value: "" }, "start"), ...simulation.keyframes.map((name) => h("option", {}, name)));
+    this.arm.replaceChildren(...arms.map((arm) => h("option", {}, arm.arm_id)));
+    for (const line of this.querySelectorAll(".arms")) line.hidden = !arms.length;
+  }
+}
+
+customElements.define("st-simulation", Simulation);

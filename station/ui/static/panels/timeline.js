@@ -1,0 +1,107 @@
+// Timeline: what happened, recordings and incidents, as far as the station offers them.
+import { h, show } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { act, api } from "../lib/station.js";
+import { store } from "../lib/store.js";
+
+const LOOK_MS = 2000;
+const SHOWN = 60;
+const SOURCES = [
+  { id: "events", title: "Events" },
+  { id: "recordings", title: "Recordings" },
+  { id: "incidents", title: "Incidents" },
+];
+
+class Timeline extends Panel {
+  build() {
+    this.chosen = "events";
+    this.buttons = SOURCES.map((source) => {
+      const button = h("button", { class: "s", type: "button" }, source.title);
+      button.addEventListener("click", () => this.choose(source.id));
+      button.dataset.id = source.id;
+      return button;
+    });
+    this.record = h("button", { class: "s", type: "button", hidden: true }, "Record");
+    this.record.addEventListener("click", () => this.toggleRecording());
+    this.list = h("div", { class: "log", tabIndex: 0 });
+    this.list.setAttribute("aria-label", "What happened");
+    this.append(h("div", { class: "line" }, ...this.buttons, this.record), this.list);
+    store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
+    this.choose("events");
+    this.look();
+  }
+
+  choose(id) {
+    this.chosen = id;
+    for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.id === id));
+    this.list.replaceChildren(h("p", { class: "hint" }, "Asking the station …"));
+    this.drawn = null;
+    this.ask();
+  }
+
+  async look() {
+    if (this.isShown && !document.hidden) await this.ask();
+    setTimeout(() => this.look(), LOOK_MS);
+  }
+
+  async ask() {
+    const id = this.chosen;
+    try {
+      const told = await api("GET", `/${id}`, undefined, { Accept: "application/json" });
+      if (id !== this.chosen) return;
+      this.offered = true;
+      this.record.hidden = id !== "recordings" || !store.isOperator;
+      this.draw(told.events ?? told.recordings ?? []);
+    } catch (error) {
+      if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
+      if (error.status !== 404) return this.list.replaceChildren(h("p", { class: "hint" }, `${error.detail} ${error.remedy}`));
+      this.offered = false;
+      this.record.hidden = true;
+      this.drawOwn();
+    }
+  }
+
+  /** Show what this page has noticed itself; the station keeps no such list. */
+  drawOwn() {
+    const what = SOURCES.find((source) => source.id === this.chosen).title;
+    const notes = this.chosen === "events" ? [...store.markers].reverse().slice(0, SHOWN) : [];
+    const rows = notes.map(({ at, text }) => h("div", { class: "row" }, h("time", {}, `${at.toFixed(1)} s`), text));
+    const since = this.chosen === "events" ? " Below is what this page has noticed since it was opened, in station time." : "";
+    this.list.replaceChildren(h("p", { class: "hint" }, `${what}: not offered by this station.${since}`), ...rows);
+  }
+
+  draw(items) {
+    if (this.chosen === "recordings") {
+      this.running = items.find((item) => item.state === "recording")?.identifier;
+      show(this.record, this.running ? "Stop recording" : "Record");
+    }
+    const key = JSON.stringify(items.slice(-SHOWN));
+    if (key === this.drawn) return;
+    this.drawn = key;
+    const rows = items.slice(-SHOWN).reverse().map((item) => this.row(item));
+    this.list.replaceChildren(...(rows.length ? rows : [h("p", { class: "hint" }, `No ${this.chosen} yet.`)]));
+  }
+
+  row(item) {
+    const at = new Date(item.started_at ?? item.time * 1e3);
+    const time = h("time", { title: at.toISOString() }, at.toLocaleTimeString("en-GB"));
+    const row = (...parts) => h("div", { class: `row ${item.severity ?? ""}`, title: JSON.stringify(item, null, 1) }, time, ...parts);
+    if (this.chosen === "events") {
+      const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
+      return row(item.who ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}`));
+    }
+    const name = item.identifier;
+    const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
+    const what = [item.name || name, item.state, size, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
+    const link = h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: `${name}.mcap` }, "download");
+    return row(h("span", {}, `${what} `), link);
+  }
+
+  async toggleRecording() {
+    if (this.running) await act("POST", `/recordings/${this.running}/stop`);
+    else await act("POST", "/recordings", {});
+    this.ask();
+  }
+}
+
+customElements.define("st-timeline", Timeline);

@@ -1,0 +1,267 @@
+// Tuning: gains of one controller, changed together; undo; sets; a bench for one joint.
+import { h, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { History, Plot } from "../lib/plot.js";
+import { refusals } from "../lib/refusals.js";
+import { act, api, send } from "../lib/station.js";
+import { store } from "../lib/store.js";
+
+class Tuning extends Panel {
+  build() {
+    this.choice = h("select", { title: "Whose gains" });
+    this.choice.setAttribute("aria-label", "Controller to tune");
+    this.choice.addEventListener("change", () => this.read());
+    this.joint = h("select", { title: "Whose gains are shown" });
+    this.joint.setAttribute("aria-label", "Joint to tune");
+    this.joint.addEventListener("change", () => this.drawGains());
+    this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back" }, "Undo");
+    this.undo.addEventListener("click", async () => {
+      if (await act("POST", "/gain-sets/undo")) store.mark("gains undone");
+      this.drawnFor = null;
+      this.read();
+    });
+    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle" }, "Apply");
+    this.apply.addEventListener("click", () => this.patch());
+    this.fields = h("div", { class: "fields gains" });
+    this.state = h("p", { class: "hint state" }, "");
+    this.append(
+      h("div", { class: "line" }, this.choice, this.joint, this.apply, this.undo),
+      this.fields,
+      this.state,
+      this.buildSets(),
+      this.buildBench(),
+    );
+  }
+
+  refresh() {
+    const names = store.docks.controllers.filter((c) => c.resources.length && c.state !== "loading").map((c) => c.name);
+    if (names.join() === this.names) return this.follow();
+    this.names = names.join();
+    const chosen = this.choice.value;
+    this.choice.replaceChildren(...names.map((name) => h("option", {}, name)));
+    if (names.includes(chosen)) this.choice.value = chosen;
+    this.follow();
+    this.read();
+    this.listSets();
+  }
+
+  /** Show the controller that has just been started. */
+  follow() {
+    const running = store.docks.operated.name;
+    if (!running || running === this.followed) return;
+    this.followed = running;
+    if (this.choice.value === running) return;
+    this.choice.value = running;
+    this.read();
+  }
+
+  async read() {
+    const name = this.choice.value;
+    if (!name) return;
+    try {
+      this.gains = await api("GET", `/controllers/${name}/gains`);
+    } catch {
+      this.gains = { values: {}, schema: {}, etag: "" };
+    }
+    const joints = [...new Set(Object.keys(this.gains.values).map((key) => key.split("/")).filter((parts) => parts.length > 1).map((parts) => parts[0]))];
+    const prefix = sharedPrefix(joints);
+    const chosen = this.joint.value;
+    this.joint.replaceChildren(...joints.map((joint) => h("option", { value: joint }, joint.slice(prefix.length))));
+    this.joint.hidden = joints.length === 0;
+    if (joints.includes(chosen)) this.joint.value = chosen;
+    this.drawGains();
+  }
+
+  drawGains() {
+    const joint = this.joint.value;
+    const keys = Object.keys(this.gains.values).filter((key) => !key.includes("/") || key.startsWith(`${joint}/`));
+    // What a person has typed and not applied yet outlives a newer answer of the station.
+    const typing = new Map();
+    if (this.drawnFor === this.choice.value)
+      for (const [key, input] of this.inputs) if (input.value !== input.dataset.was) typing.set(key, input.value);
+    this.drawnFor = this.choice.value;
+    this.inputs = new Map();
+    this.fields.replaceChildren(...keys.map((key) => this.field(key)));
+    for (const [key, text] of typing) if (this.inputs.has(key)) this.inputs.get(key).value = text;
+    show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
+    this.apply.disabled = this.undo.disabled = !store.isOperator;
+  }
+
+  field(key) {
+    const schema = this.gains.schema[key];
+    const value = this.gains.values[key];
+    const choices = choicesOf(schema);
+    const input = choices
+      ? h("select", {}, ...choices.map(([number, text]) => h("option", { value: number }, text)))
+      : h("input", { class: "value", inputMode: "decimal", autocomplete: "off" });
+    input.value = input.dataset.was = String(value);
+    const short = key.split("/").at(-1);
+    input.setAttribute("aria-label", `${short} of ${key.includes("/") ? key.split("/")[0] : this.choice.value}`);
+    input.addEventListener("keydown", (event) => event.key === "Enter" && this.patch());
+    const range = schema.minimum != null || schema.maximum != null ? `, ${schema.minimum ?? "−∞"} to ${schema.maximum ?? "∞"}` : "";
+    this.inputs.set(key, input);
+    return h("label", { title: `${schema.description} [${schema.unit || "no unit"}]${range}` }, h("span", {}, short), input, h("small", {}, schema.unit));
+  }
+
+  async patch() {
+    const values = {};
+    for (const [key, input] of this.inputs) {
+      const value = typed(input.value);
+      if (value === null) {
+        refusals.add({ code: "not_a_number", detail: `${key}: “${input.value}” is not a number.` }, {});
+        return;
+      }
+      if (value !== this.gains.values[key]) values[key] = value;
+    }
+    if (!Object.keys(values).length) return show(this.state, "Nothing was changed.");
+    const done = await act("PATCH", `/controllers/${this.choice.value}/gains`, { values }, { "If-Match": this.gains.etag });
+    if (done) {
+      const what = Object.entries(values).map(([key, value]) => `${key} ${done.previous[key]} → ${value}`);
+      store.mark(`gains ${what.join(", ")}`);
+      this.drawnFor = null;
+      await this.read();
+      show(this.state, `Applied in cycle ${done.cycle}: ${what.join(", ")}.`);
+    } else {
+      await this.read();
+    }
+  }
+
+  buildSets() {
+    this.sets = h("select", { title: "Saved sets of gains, kept by the station" });
+    this.sets.setAttribute("aria-label", "Set of gains");
+    this.sets.addEventListener("change", () => this.showDiff());
+    this.setName = h("input", { class: "name", placeholder: "name" });
+    this.setName.setAttribute("aria-label", "Name of the set");
+    this.diff = h("p", { class: "hint" });
+    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
+    const path = () => `/gain-sets/${encodeURIComponent(this.sets.value)}`;
+    return h(
+      "details",
+      {},
+      h("summary", {}, "Sets of gains"),
+      h(
+        "div",
+        { class: "line" },
+        this.sets,
+        button("Apply set", "Put the set into force, all controllers in one cycle", async () => {
+          if (await act("POST", `${path()}/apply`, {})) store.mark(`gain set ${this.sets.value}`);
+          this.read();
+          this.showDiff();
+        }),
+        button("Delete", "Delete the set", async () => {
+          await act("DELETE", path());
+          this.listSets();
+        }),
+        this.setName,
+        button("Save", "Save the gains of all controllers now", async () => {
+          const name = this.setName.value.trim();
+          await act("PUT", `/gain-sets/${encodeURIComponent(name || "unnamed")}`, {});
+          await this.listSets();
+          this.sets.value = name;
+          this.showDiff();
+        }),
+      ),
+      this.diff,
+    );
+  }
+
+  async listSets() {
+    const names = (await act("GET", "/gain-sets"))?.gain_sets ?? [];
+    this.sets.replaceChildren(...names.map((name) => h("option", {}, name)));
+    if (!names.length) this.sets.append(h("option", { value: "" }, "none saved yet"));
+    this.showDiff();
+  }
+
+  async showDiff() {
+    if (!this.sets.value) return show(this.diff, "Save the present gains under a name to come back to them.");
+    const set = await act("GET", `/gain-sets/${encodeURIComponent(this.sets.value)}`);
+    const lines = (set?.differences ?? []).map((d) => `${d.controller} ${d.name}: set ${number(d.saved, 4)}, now ${number(d.present, 4)}`);
+    show(this.diff, lines.length ? `Differs from the present gains: ${lines.join("; ")}.` : "The set is in force: no gain differs.");
+  }
+
+  buildBench() {
+    this.kind = h("select", {}, h("option", { value: "step" }, "step"), h("option", { value: "sine" }, "sine"));
+    this.kind.setAttribute("aria-label", "Kind of test");
+    const field = (label, value, unit) => {
+      const input = h("input", { class: "value", value, inputMode: "decimal" });
+      input.setAttribute("aria-label", `${label} [${unit}]`);
+      return [input, h("label", {}, `${label} `, input, ` ${unit}`)];
+    };
+    const [size, sizeLabel] = field("size", "0.1", "rad");
+    const [seconds, secondsLabel] = field("for", "2", "s");
+    const [frequency, frequencyLabel] = field("at", "0.5", "Hz");
+    this.bench = { size, seconds, frequency };
+    frequencyLabel.hidden = true;
+    this.kind.addEventListener("change", () => (frequencyLabel.hidden = this.kind.value !== "sine"));
+    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad" }, "Run test");
+    this.runButton.addEventListener("click", () => this.run());
+    const canvas = h("canvas", { class: "response" });
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", "The last two tests, A and B, over each other");
+    this.response = new Plot(canvas);
+    this.runs = [];
+    this.table = h("tbody", {});
+    const heads = ["run", "rise", "overshoot", "settling", "steady error", "RMS", "peak"];
+    this.results = h("div", { hidden: true }, canvas, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
+    setInterval(() => this.isShown && this.runs.length && this.response.draw(this.response.end), 200);
+    return h("div", { class: "bench" }, h("div", { class: "line" }, h("b", {}, "Test"), this.kind, sizeLabel, secondsLabel, frequencyLabel, this.runButton), this.results);
+  }
+
+  async run() {
+    const body = { joint: this.joint.value, kind: this.kind.value };
+    for (const [key, input] of Object.entries(this.bench)) body[key] = typed(input.value);
+    // A step goes there, the next one comes back: two runs start from the same place.
+    if (body.kind === "step" && this.forth === body.joint) body.size = -body.size;
+    this.runButton.disabled = true;
+    show(this.runButton, "Measuring …");
+    try {
+      const told = await send("POST", "/workspace/bench", body);
+      this.forth = body.kind === "step" && this.forth !== body.joint ? body.joint : null;
+      this.runs = [...this.runs, { ...told, gains: { ...this.gains.values } }].slice(-2);
+      this.drawRuns();
+    } catch (error) {
+      refusals.add(error, { method: "POST", path: "/workspace/bench" });
+    } finally {
+      this.runButton.disabled = false;
+      show(this.runButton, "Run test");
+    }
+  }
+
+  drawRuns() {
+    this.results.hidden = false;
+    const traces = [];
+    this.runs.forEach((run, i) => {
+      const letter = "AB"[i + 2 - this.runs.length === 0 ? 0 : i];
+      const forward = Math.sign(run.size) || 1;
+      const start = run.actual[0];
+      for (const [field, label] of [["actual", letter], ...(i === this.runs.length - 1 ? [["desired", "command"]] : [])]) {
+        const history = new History(1e6);
+        run.time.forEach((time, j) => history.add(time, (run[field][j] - start) * forward));
+        traces.push({ label, unit: "rad", history });
+      }
+    });
+    this.response.traces = traces;
+    const last = this.runs.at(-1).time;
+    this.response.end = last.at(-1);
+    this.response.span = last.at(-1) - last[0];
+    const ms = (value) => (value == null ? "–" : `${number(value * 1e3, 0)} ms`);
+    this.table.replaceChildren(
+      ...this.runs.map(({ metrics: m, joint, gains, kind }, i) => {
+        const changed = ["p", "i", "d"].map((key) => `${key} ${gains[`${joint}/${key}`] ?? "–"}`).join(", ");
+        const cells = [`${"AB"[i]} ${kind} ${joint.replace(/^.*_/, "")}: ${changed}`, ms(m.rise), m.overshoot == null ? "–" : `${number(m.overshoot * 100, 1)} %`, ms(m.settling), `${number(m.steady_error * 1e3, 2)} mrad`, `${number(m.rms_error * 1e3, 2)} mrad`, number(m.peak_output, 1)];
+        return h("tr", {}, ...cells.map((text) => h("td", {}, text)));
+      }),
+    );
+    kept.set("last-metrics", this.runs.at(-1).metrics);
+  }
+}
+
+/** Return the choices of a gain that is an enumeration: its description numbers them. */
+function choicesOf(schema) {
+  if (schema.choices) return Object.entries(schema.choices);
+  const listed = /:\s*(\d+ [^,]+(?:, \d+ [^,]+)+)$/.exec(schema.description ?? "");
+  if (!listed || schema.unit) return null;
+  return listed[1].split(", ").map((part) => [part.split(" ")[0], part.replace(/^\d+ (of )?/, "")]);
+}
+
+customElements.define("st-tuning", Tuning);

@@ -1,0 +1,151 @@
+"""Requests of the page that the gateway answers itself: docks, examples, the desk."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import yaml
+from pydantic import ValidationError
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+
+from station.client import ApiError, AsyncStationClient
+from station.ui.desk_socket import DeskSocket
+from station.ui.load_examples import example_parameters, suggested_name
+from station.ui.response_bench import BenchRefusedError, BenchRequest, measure
+from station.ui.sessions import Role, Session, Sessions
+from station.ui.station_view import StationView
+from station.ui.workspace_state import workspace_state
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.routing import BaseRoute
+    from starlette.websockets import WebSocket
+
+_NOT_LOGGED_IN = 4401
+_FORBIDDEN = 4403
+
+
+class FindSession(Protocol):
+    """Finds the session of a connection."""
+
+    def __call__(self, connection: "Request | WebSocket") -> Session | None:
+        """Return the session of a connection, or None."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class WorkspaceParts:
+    """What the workspace is made of.
+
+    Attributes:
+        view: Returns what is known of the station; callable by any thread.
+        client_of: Returns a client with the credential of a session; whoever calls
+            closes it.
+    """
+
+    view: Callable[[], StationView]
+    client_of: Callable[[Session], AsyncStationClient]
+
+
+class WorkspaceRoutes:
+    """The routes below `/workspace`.
+
+    Args:
+        parts: What they are made of.
+        sessions: The logged-in browsers.
+        find: Returns the session of a connection.
+    """
+
+    def __init__(
+        self, parts: WorkspaceParts, sessions: Sessions, find: FindSession
+    ) -> None:
+        self._parts = parts
+        self._sessions = sessions
+        self._find = find
+
+    def routes(self) -> "list[BaseRoute]":
+        """Return the routes."""
+        return [
+            Route("/workspace/state", self._state),
+            Route("/workspace/example", self._example),
+            Route("/workspace/parameters", self._read_yaml, methods=["POST"]),
+            Route("/workspace/bench", self._bench, methods=["POST"]),
+            WebSocketRoute("/workspace/desk", self._desk),
+        ]
+
+    async def _state(self, request: "Request") -> Response:
+        if self._find(request) is None:
+            return _no_session()
+        return JSONResponse(workspace_state(self._parts.view()))
+
+    async def _example(self, request: "Request") -> Response:
+        """Answer a free name, and parameters with which a type loads on this robot."""
+        if self._find(request) is None:
+            return _no_session()
+        kind = request.query_params.get("type", "")
+        view = self._parts.view()
+        text = example_parameters(kind, view.positions)
+        return JSONResponse({
+            "name": suggested_name(kind, (c.name for c in view.controllers)),
+            "yaml": text,
+            "params": yaml.safe_load(text) or {},
+        })
+
+    async def _read_yaml(self, request: "Request") -> Response:
+        """Answer the parameters that a text in YAML means, or where it is wrong."""
+        if self._find(request) is None:
+            return _no_session()
+        text = (await request.body()).decode("utf-8", errors="replace")
+        try:
+            params = yaml.safe_load(text) or {}
+            json.dumps(params, allow_nan=False)
+        except (yaml.YAMLError, TypeError, ValueError) as error:
+            return _refused(422, "invalid_yaml", f"The parameters are no YAML: {error}")
+        if not isinstance(params, dict):
+            detail = "The parameters must be keys with values, e.g. `joints: [a, b]`."
+            return _refused(422, "invalid_yaml", detail)
+        return JSONResponse({"params": params})
+
+    async def _bench(self, request: "Request") -> Response:
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        if session.role is not Role.OPERATOR:
+            return _refused(403, "forbidden", "Viewers only watch.")
+        try:
+            wanted = BenchRequest.model_validate_json(await request.body())
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(str(part) for part in first["loc"])
+            return _refused(422, "invalid_request", f"{place}: {first['msg']}.")
+        try:
+            async with self._parts.client_of(session) as client:
+                measured = await measure(client, self._parts.view(), wanted)
+        except BenchRefusedError as error:
+            return _refused(409, "bench_refused", str(error))
+        except ApiError as error:
+            return _refused(error.status or 502, error.code, error.detail, error.remedy)
+        return JSONResponse(measured)
+
+    async def _desk(self, socket: "WebSocket") -> None:
+        session = self._find(socket)
+        if session is None or session.role is not Role.OPERATOR:
+            # A browser learns the code only of a socket that was opened.
+            await socket.accept()
+            code = _NOT_LOGGED_IN if session is None else _FORBIDDEN
+            await socket.close(code, "operators only")
+            return
+        async with self._parts.client_of(session) as client:
+            desk = DeskSocket(socket, client, self._parts.view)
+            await desk.run(lambda: self._sessions.wait_for_end(session))
+
+
+def _no_session() -> Response:
+    return _refused(401, "no_session", "Log in first.")
+
+
+def _refused(status: int, code: str, detail: str, remedy: str = "") -> Response:
+    body = {"status": status, "code": code, "detail": detail, "remedy": remedy}
+    return JSONResponse(body, status, media_type="application/problem+json")

@@ -1,0 +1,131 @@
+"""What the docks of the page show besides the streams, as plain data."""
+
+from dataclasses import asdict, dataclass
+
+from station.ui.controllers_model import claims_text, offer_for
+from station.ui.load_examples import example_parameters, suggested_name
+from station.ui.operate_model import choose_operated
+from station.ui.recovery_model import choose_rescue
+from station.ui.station_view import StationView
+from station.wire import ControllerState
+
+_DEFAULT_KIND = "JointGroupPositionController"
+_DEFAULT_TYPE = f"effort_controllers/{_DEFAULT_KIND}"
+_STARTABLE = frozenset({"initialized", "stopped"})
+
+
+@dataclass(frozen=True, slots=True)
+class Enabling:
+    """What the button "Enable sliders" does.
+
+    Attributes:
+        name: The controller to start; empty when there is nothing to enable.
+        replaces: Running controllers that stop at the same time.
+        type: The type to load it from first; empty when it is loaded.
+        parameters: Parameters to load it with, in YAML.
+        reason: Why it cannot be done now; empty when it can.
+    """
+
+    name: str = ""
+    replaces: tuple[str, ...] = ()
+    type: str = ""
+    parameters: str = ""
+    reason: str = ""
+
+
+def enabling(view: StationView) -> Enabling:
+    """Return what makes the joints take values, if nothing that runs does.
+
+    The first loaded group position controller is the default; a station without one
+    gets one over all its joints but the fingers.
+    """
+    if choose_operated(view).name or view.status is None:
+        return Enabling()
+    for controller in view.controllers:
+        if controller.type.endswith(_DEFAULT_KIND) and controller.state in _STARTABLE:
+            offer = offer_for(view, controller.name)
+            return Enabling(
+                controller.name, offer.replaces, reason=_trouble(view) or view.blocked()
+            )
+    if not any(known.type == _DEFAULT_TYPE for known in view.types):
+        return Enabling()
+    taken = (controller.name for controller in view.controllers)
+    return Enabling(
+        suggested_name(_DEFAULT_TYPE, taken),
+        type=_DEFAULT_TYPE,
+        parameters=example_parameters(_DEFAULT_TYPE, view.positions),
+        reason=_trouble(view) or view.blocked(),
+    )
+
+
+def workspace_state(view: StationView) -> dict[str, object]:
+    """Return what the docks show of `view`, ready for JSON."""
+    operated = choose_operated(view)
+    status = view.status
+    return {
+        "link": view.link,
+        "age": view.age,
+        "boot_id": "" if status is None else status.boot_id,
+        "epoch": view.epoch,
+        "blocked": view.blocked(),
+        "operated": {
+            "name": operated.name,
+            "reason": operated.reason,
+            "elements": [element.model_dump() for element in operated.elements],
+        },
+        "enabling": asdict(enabling(view)),
+        "rescue": asdict(choose_rescue(view)),
+        "controllers": [_row(view, c) for c in view.controllers],
+        "types": [known.type for known in view.types],
+        "arms": [] if status is None else [a.model_dump() for a in status.robots],
+        "simulation": (
+            status.simulation.model_dump()
+            if status is not None and status.simulation is not None
+            else None
+        ),
+        "limits": {name: list(ends) for name, ends in view.limits.items()},
+        "joints": [name for name in view.positions if "finger" not in name],
+    }
+
+
+def _trouble(view: StationView) -> str:
+    return "Recover the arm first." if choose_rescue(view).trouble else ""
+
+
+def _short_claims(controller: ControllerState) -> list[str]:
+    """Return each claim in one or two words, e.g. `effort 1-7`."""
+    parts = []
+    for claim in controller.claimed_resources:
+        kind = claim.hardware_interface.rpartition("::")[2].removesuffix("Interface")
+        kind = kind.removeprefix("Franka").removesuffix("Joint")
+        kind = kind.removesuffix("Cartesian").lower()
+        numbers = [name[-1] for name in claim.resources if name[-1:].isdigit()]
+        if len(numbers) == len(claim.resources) and len(numbers) > 1:
+            parts.append(f"{kind} {numbers[0]}-{numbers[-1]}")
+        elif claim.resources:
+            names = (name.partition("_")[2] or name for name in claim.resources)
+            parts.append(f"{kind} {', '.join(names)}")
+    return parts or ["nothing"]
+
+
+def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
+    offer = offer_for(view, controller.name)
+    return {
+        "name": controller.name,
+        "type": controller.type,
+        "state": controller.state,
+        "fault": controller.fault,
+        "claims": claims_text(controller),
+        "claims_short": _short_claims(controller),
+        "resources": sorted({
+            resource
+            for claim in controller.claimed_resources
+            for resource in claim.resources
+        }),
+        "takes_set_points": bool(view.elements.get(controller.name)),
+        "update_p50": controller.time.p50,
+        "update_p99": controller.time.p99,
+        "update_count": controller.time.count,
+        "replaces": list(offer.replaces),
+        "reason": offer.reason,
+    }

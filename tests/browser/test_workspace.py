@@ -1,0 +1,319 @@
+"""The workspace in a real browser, at a real station: docks, strip, first minute."""
+
+import time
+
+import httpx
+import pytest
+
+from station.wire import Fault
+from tests.browser.conftest import keep_screenshot
+from tests.browser.workspace_page import WorkspacePage
+
+pytestmark = pytest.mark.slow
+
+CONTROLLER = "effort_group_position_controller"
+OTHER = "position_group_controller"
+
+
+def _position(client, joint):
+    joints = client.joint_states()
+    return joints.position[joints.name.index(joint)]
+
+
+def _wait_until(holds, seconds=10.0):
+    """Poll `holds` until it is true; whoever calls asserts the outcome."""
+    deadline = time.monotonic() + seconds
+    while not holds() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return holds()
+
+
+def _state(client, name):
+    return client.controller(name).state
+
+
+def _without_scene(context):
+    """Leave the 3D view empty: drawn in software it takes longer than the rest."""
+    context.route("**/ui/", lambda route: route.fulfill(body="<p>no 3D view</p>"))
+    context.set_default_timeout(20_000)
+
+
+@pytest.fixture(scope="module")
+def page(browser, running_station):
+    """The workspace, logged in; a script error on the page fails the last test."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    _without_scene(context)
+    page = context.new_page()
+    failures = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(f"{running_station.ui}/login?token={running_station.token}")
+    yield page
+    context.close()
+    assert failures == []
+
+
+@pytest.fixture(scope="module")
+def workspace(page):
+    return WorkspacePage(page)
+
+
+@pytest.fixture
+def enabled(client, workspace):
+    """The default controller runs, and the page has noticed."""
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    others = [n for n in running if n not in {CONTROLLER, "joint_state_controller"}]
+    if CONTROLLER not in running:
+        client.switch_controllers(start=[CONTROLLER], stop=others)
+    workspace.page.wait_for_function(
+        "() => !document.querySelector('.joints input').disabled"
+    )
+    return client
+
+
+def test_a_newcomer_is_shown_around_and_enables_the_sliders(workspace, client):
+    page = workspace.page
+    tour = page.locator("#tour")
+    for step in (1, 2, 3):
+        tour.get_by_text(f"{step} of 4").wait_for()
+        tour.get_by_role("button", name="Next").click()
+    tour.get_by_role("button", name="Done").click()
+    assert not tour.is_visible()
+    page.get_by_role("button", name="Enable sliders").click()
+    assert _wait_until(lambda: _state(client, CONTROLLER) == "running")
+    page.locator("#enable").wait_for(state="hidden")
+
+
+def test_a_typed_value_keeps_its_precision(workspace, enabled):
+    workspace.button("joints", "rad").click()
+    workspace.type_into("joints", "Command of joint1", "0.3217")
+    sent = 0.3217
+    assert _wait_until(
+        lambda: (enabled.last_command(CONTROLLER).last or [None])[0] == sent
+    )
+    assert _wait_until(lambda: abs(_position(enabled, "panda_joint1") - sent) < 0.02)
+    field = workspace.dock("joints").get_by_label("Command of joint1", exact=True)
+    assert field.input_value() == "0.3217"
+
+
+def test_degrees_are_converted_exactly(workspace, enabled):
+    workspace.button("joints", "deg").click()
+    workspace.type_into("joints", "Command of joint3", "10")
+    wanted = 0.17453292519943295
+    assert _wait_until(
+        lambda: enabled.last_command(CONTROLLER).last[2] == pytest.approx(wanted)
+    )
+
+
+def test_a_value_beyond_the_limit_is_refused_with_the_range(workspace, enabled):
+    before = enabled.last_command(CONTROLLER).last
+    workspace.type_into("joints", "Command of joint2", "400")
+    line = workspace.page.locator("#refusal-line")
+    line.get_by_text("allowed are -1.7628 to 1.7628 rad").wait_for()
+    assert enabled.last_command(CONTROLLER).last == before
+
+
+def test_a_joint_moves_while_its_button_is_held_and_stays_after(workspace, enabled):
+    before = _position(enabled, "panda_joint7")
+    workspace.hold("joints", "Move joint7 down while held", 700)
+    moved = before - _position(enabled, "panda_joint7")
+    assert 0.1 < moved < 0.8
+    workspace.page.wait_for_timeout(500)
+    rest = enabled.last_command(CONTROLLER).last[6]
+    workspace.page.wait_for_timeout(300)
+    assert enabled.last_command(CONTROLLER).last[6] == rest
+
+
+def test_stop_is_shown_at_once_and_refused_values_offer_the_release(workspace, enabled):
+    page = workspace.page
+    page.locator("#stop").click()
+    page.locator("#motion").get_by_text("STOPPED").wait_for(timeout=2000)
+    assert enabled.status().stop_state == "stopped"
+    workspace.button("controllers", f"Start {CONTROLLER}").click()
+    remedy = page.locator("#refusal-line").get_by_role("button", name="Release stop")
+    remedy.click()
+    assert _wait_until(lambda: enabled.status().stop_state == "released")
+    page.locator("#bar").get_by_role("button", name="Allow motion").click()
+    assert _wait_until(lambda: enabled.status().stop_state == "armed")
+    page.locator("#log-button").click()
+    assert page.locator("#log .row").count() >= 1
+    page.locator("#log-button").click()
+
+
+def test_a_switch_says_what_it_does_before_the_click(workspace, enabled):
+    start = workspace.button("controllers", f"Start {OTHER}")
+    start.hover()
+    preview = workspace.dock("controllers").locator(".preview")
+    preview.get_by_text(f"stops {CONTROLLER}").wait_for()
+    assert _state(enabled, OTHER) != "running"
+    start.click()
+    assert _wait_until(lambda: _state(enabled, OTHER) == "running")
+    assert _state(enabled, CONTROLLER) != "running"
+
+
+def test_a_controller_is_loaded_from_a_form_and_unloaded(workspace, client):
+    dock = workspace.dock("controllers")
+    workspace.button("controllers", "Load …").click()
+    kind = "velocity_controllers/JointGroupVelocityController"
+    dock.get_by_label("Search controller types").fill("group velocity")
+    dock.get_by_role("option", name=kind).click()
+    dock.get_by_label("Name of the controller").fill("mine")
+    dock.get_by_role("button", name="Load", exact=True).click()
+    assert _wait_until(lambda: "mine" in [c.name for c in client.controllers()])
+    workspace.button("controllers", "Unload mine").click()
+    assert _wait_until(lambda: "mine" not in [c.name for c in client.controllers()])
+
+
+def test_gains_change_together_and_are_undone(workspace, enabled):
+    dock = workspace.dock("tuning")
+    dock.get_by_label("Controller to tune").select_option(CONTROLLER)
+    dock.get_by_label("Joint to tune").select_option("panda_joint6")
+    dock.get_by_label("p of panda_joint6").fill("140.5")
+    dock.get_by_label("d of panda_joint6").fill("9.25")
+    before = enabled.gains(CONTROLLER)
+    workspace.button("tuning", "Apply").click()
+    assert _wait_until(
+        lambda: enabled.gains(CONTROLLER).values["panda_joint6/p"] == 140.5
+    )
+    after = enabled.gains(CONTROLLER)
+    assert after.values["panda_joint6/d"] == 9.25
+    assert after.revision == before.revision + 1
+    workspace.button("tuning", "Undo").click()
+    assert _wait_until(lambda: enabled.gains(CONTROLLER).values == before.values)
+
+
+def test_two_tests_of_a_joint_are_compared(workspace, enabled):
+    dock = workspace.dock("tuning")
+    dock.get_by_label("Controller to tune").select_option(CONTROLLER)
+    dock.get_by_label("Joint to tune").select_option("panda_joint5")
+    dock.get_by_label("for [s]").fill("0.8")
+    before = _position(enabled, "panda_joint5")
+    run = workspace.button("tuning", "Run test")
+    run.click()
+    dock.locator(".metrics tbody tr").nth(0).get_by_text("ms").first.wait_for()
+    run.click()
+    dock.locator(".metrics tbody tr").nth(1).wait_for()
+    assert _wait_until(lambda: abs(_position(enabled, "panda_joint5") - before) < 0.02)
+
+
+def test_waypoints_are_captured_and_played(workspace, enabled):
+    here = _position(enabled, "panda_joint1")
+    workspace.button("move", "+ Capture").click()
+    workspace.button("joints", "rad").click()
+    workspace.type_into("joints", "Command of joint1", f"{here + 0.2:.3f}")
+    assert _wait_until(lambda: _position(enabled, "panda_joint1") > here + 0.15)
+    workspace.button("move", "▶ Play").click()
+    dock = workspace.dock("move")
+    dock.get_by_text("The motion succeeded.").wait_for(timeout=8000)
+    assert _position(enabled, "panda_joint1") == pytest.approx(here, abs=0.02)
+    dock.get_by_role("button", name="Remove: point 1").click()
+
+
+def test_the_gripper_opens_and_closes(workspace, client):
+    panda = client.robot("panda")
+    workspace.button("gripper", "Close").click()
+    assert _wait_until(lambda: panda.gripper.state().width < 0.01)
+    workspace.button("gripper", "Open").click()
+    assert _wait_until(lambda: panda.gripper.state().width > 0.07)
+
+
+def test_an_arm_that_stopped_itself_is_recovered_by_one_click(workspace, client):
+    panda = client.robot("panda")
+    panda.inject(Fault(kind="collision", cycles=30))
+    line = workspace.page.locator("#trouble")
+    line.get_by_text("panda stopped itself").wait_for()
+    line.get_by_role("button", name="Recover panda").click()
+    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
+    line.wait_for(state="hidden")
+
+
+def test_the_simulation_pauses_and_steps(workspace, client):
+    workspace.button("simulation", "Pause").click()
+    assert _wait_until(lambda: client.simulation.state().paused)
+    time_before = client.simulation.state().time
+    workspace.button("simulation", "Step").click()
+    assert _wait_until(lambda: client.simulation.state().time > time_before + 0.09)
+    workspace.button("simulation", "Resume").click()
+    assert _wait_until(lambda: not client.simulation.state().paused)
+
+
+def test_a_plot_takes_other_channels(workspace):
+    dock = workspace.dock("plots")
+    dock.locator(".picker summary").first.click()
+    dock.get_by_role("button", name="hand z [m]").first.click()
+    assert "hand z" in dock.locator(".legend").first.inner_text()
+    dock.locator(".picker summary").first.click()
+
+
+@pytest.mark.parametrize("name", ["Events", "Recordings", "Incidents"])
+def test_the_timeline_says_what_the_station_does_not_offer(
+    workspace, running_station, name
+):
+    answer = httpx.get(
+        f"{running_station.api}/api/v1/{name.lower()}",
+        headers={"Authorization": f"Bearer {running_station.token}"},
+    )
+    workspace.button("timeline", name).click()
+    log = workspace.dock("timeline").locator(".log")
+    if answer.status_code == 404:
+        log.get_by_text(f"{name}: not offered by this station").wait_for()
+    else:
+        log.get_by_text("not offered").wait_for(state="detached")
+
+
+def test_no_token_reaches_the_page(page, running_station):
+    stored = page.evaluate("() => JSON.stringify([localStorage, document.cookie])")
+    assert running_station.token not in stored
+    assert running_station.token not in page.content()
+
+
+def test_the_layout_is_kept_in_this_browser(workspace):
+    page = workspace.page
+    width = page.locator("#side").bounding_box()["width"]
+    handle = page.locator("#split-side")
+    handle.focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowLeft")
+    workspace.button("gripper", "Gripper").click()
+    page.reload()
+    WorkspacePage(page)
+    assert page.locator("#side").bounding_box()["width"] == pytest.approx(width + 48)
+    gripper = page.locator('.dock[data-dock="gripper"] .fold')
+    assert gripper.get_attribute("aria-expanded") == "false"
+    gripper.click()
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (1920, 1080), (390, 844)])
+def test_nothing_is_cut_off(workspace, size):
+    page = workspace.page
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_timeout(400)
+    keep_screenshot(page, f"workspace_{size[0]}x{size[1]}.png")
+    wide = page.evaluate("() => document.documentElement.scrollWidth - innerWidth")
+    stop = page.locator("#stop").bounding_box()
+    page.set_viewport_size({"width": 1280, "height": 800})
+    assert wide <= 0
+    assert stop["x"] >= 0
+    assert stop["x"] + stop["width"] <= size[0]
+    assert stop["y"] + stop["height"] <= size[1]
+
+
+def test_a_viewer_watches_and_stops_and_changes_nothing(
+    browser, running_station, client
+):
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    _without_scene(context)
+    page = context.new_page()
+    page.goto(f"{running_station.ui}/login?token={running_station.viewer_token}")
+    workspace = WorkspacePage(page)
+    workspace.page.get_by_text("Viewer: watching only").wait_for()
+    assert workspace.button("controllers", f"Start {CONTROLLER}").is_disabled()
+    status = page.evaluate(
+        "async () => (await fetch('/api/v1/controllers/switch', {method: 'POST', "
+        "headers: {'Content-Type': 'application/json'}, body: '{}'})).status"
+    )
+    assert status == 403
+    page.locator("#stop").click()
+    assert _wait_until(lambda: client.status().stop_state == "stopped")
+    context.close()
+    client.release_stop()
+    client.release_stop(arm=True)

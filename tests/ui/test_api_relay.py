@@ -1,0 +1,154 @@
+"""The relay to the station: whose token goes along, and what comes back."""
+
+import asyncio
+
+import httpx
+import pytest
+from starlette.applications import Starlette
+from starlette.responses import JSONResponse
+from starlette.routing import Route, WebSocketRoute
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from station.ui.api_relay import ApiRelay
+from station.ui.sessions import Role, Session
+from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
+from tests.ui.served import Served
+
+
+class _Page:
+    """A relay that serves one browser, without the gateway before it."""
+
+    def __init__(self, url):
+        self.relay = ApiRelay(url, OPERATOR)
+        self.session = Session("cookie", Role.OPERATOR, OPERATOR)
+        self.logged_out = asyncio.Event()
+
+    async def forward(self, request):
+        return await self.relay.forward(request, self.session)
+
+    async def stream(self, socket):
+        await self.relay.socket(socket, self.session, self.logged_out.wait)
+
+    def app(self):
+        async def close(_):
+            await self.relay.close()
+            return JSONResponse({})
+
+        methods = ["GET", "POST", "PUT", "DELETE"]
+        return Starlette(
+            routes=[
+                Route("/close", close),
+                WebSocketRoute("/api/v1/streams/{topic:path}", self.stream),
+                Route("/api/v1/{path:path}", self.forward, methods=methods),
+            ]
+        )
+
+
+@pytest.fixture(scope="module")
+def served():
+    with FakeStation() as station:
+        page = _Page(station.url)
+        with Served(page.app()) as gateway:
+            yield station, page, gateway.url
+            httpx.get(gateway.url + "/close")
+
+
+@pytest.fixture(autouse=True)
+def page(served):
+    served[1].session = Session("cookie", Role.OPERATOR, OPERATOR)
+    return served[1]
+
+
+@pytest.fixture
+def browser(served):
+    with httpx.Client(base_url=served[2] + "/api/v1") as client:
+        yield client
+
+
+def _socket(served, topic):
+    return connect(
+        f"{served[2]}/api/v1/streams/{topic}".replace("http", "ws", 1), proxy=None
+    )
+
+
+def test_requests_reach_the_station_with_body_and_answer(browser, served):
+    answer = browser.post("/stop", json={"reason": "test"})
+    assert answer.json()["state"] == "stopped"
+    assert ("POST", "/api/v1/stop", {"reason": "test"}) in served[0].requests
+    assert browser.post("/stop/release", json={"arm": True}).is_success
+
+
+def test_a_refusal_of_the_station_keeps_its_words(browser, page):
+    page.session = Session("cookie", Role.OPERATOR, "a token of nobody")
+    answer = browser.get("/status")
+    assert answer.status_code == 401
+    assert answer.json()["detail"] == "The token is wrong."
+
+
+def test_the_browser_cannot_choose_another_token(browser, page):
+    page.session = Session("cookie", Role.OPERATOR, "a token of nobody")
+    headers = {"Authorization": f"Bearer {OPERATOR}"}
+    assert browser.get("/status", headers=headers).status_code == 401
+
+
+def test_routes_off_the_list_are_not_forwarded(browser, served):
+    before = len(served[0].requests)
+    assert browser.get("/session").json()["code"] == "not_forwarded"
+    assert len(served[0].requests) == before
+
+
+def test_viewers_change_nothing(browser, page, served):
+    page.session = Session("cookie", Role.VIEWER, VIEWER)
+    before = len(served[0].requests)
+    assert browser.post("/controllers/switch", json={}).status_code == 403
+    assert len(served[0].requests) == before
+    assert browser.get("/status").is_success
+
+
+def test_a_station_that_is_gone_is_said_to_be(browser, page, served):
+    page.relay.move_to("http://127.0.0.1:1", OPERATOR)
+    try:
+        answer = browser.get("/status")
+    finally:
+        page.relay.move_to(served[0].url, OPERATOR)
+    assert (answer.status_code, answer.json()["code"]) == (502, "unreachable")
+
+
+def test_a_session_outlives_the_station_whose_token_it_has():
+    relay = ApiRelay("http://one", OPERATOR)
+    session = Session("cookie", Role.VIEWER, VIEWER)
+    assert relay.credential(session) == VIEWER
+    relay.move_to("http://one", "token of the next start")
+    assert relay.credential(session) == "token of the next start"
+
+
+def test_frames_of_a_stream_reach_the_browser(served):
+    with _socket(served, "joint_states") as socket:
+        assert "hello" in socket.recv(timeout=5.0)
+
+
+def test_streams_off_the_list_are_closed_with_a_code(served):
+    with _socket(served, "secrets") as socket, pytest.raises(ConnectionClosed) as end:
+        socket.recv(timeout=5.0)
+    assert end.value.rcvd.code == 4404
+
+
+def test_only_chosen_headers_go_either_way():
+    seen = {}
+
+    async def answer(request):
+        seen.update(request.headers)
+        return JSONResponse({}, headers={"ETag": '"7"', "Set-Cookie": "station=1"})
+
+    route = Route("/api/v1/status", answer)
+    with Served(Starlette(routes=[route])) as station:
+        page = _Page(station.url)
+        with Served(page.app()) as gateway:
+            headers = {"Cookie": "dashboard=secret", "If-Match": '"6"'}
+            told = httpx.get(gateway.url + "/api/v1/status", headers=headers)
+            httpx.get(gateway.url + "/close")
+    assert seen["if-match"] == '"6"'
+    assert "cookie" not in seen
+    assert told.headers["etag"] == '"7"'
+    assert "set-cookie" not in told.headers

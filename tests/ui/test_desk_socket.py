@@ -1,0 +1,115 @@
+"""The desk of one browser, over a real WebSocket."""
+
+import asyncio
+import json
+
+import pytest
+from starlette.applications import Starlette
+from starlette.routing import WebSocketRoute
+from websockets.sync.client import connect
+
+from station.client import ApiError
+from station.ui.desk_socket import DeskSocket
+from tests.ui.served import Served
+from tests.ui.views import controller, element, sample, view
+
+NAMES = ("joint1", "joint2")
+VIEW = view(
+    controller("arm", "running", NAMES),
+    elements={"arm": tuple(element(name) for name in NAMES)},
+    samples={"arm": sample(1.0, desired=0.1, names=NAMES)},
+)
+_PATIENCE = 5.0
+
+
+class _Client:
+    """Remembers the set-points of everybody, and refuses them on request."""
+
+    def __init__(self):
+        self.sent = []
+        self.refusal = None
+
+    async def command(self, name, values, *, epoch):
+        if self.refusal is not None:
+            raise self.refusal
+        self.sent.append((name, list(values), epoch))
+
+
+@pytest.fixture(scope="module")
+def served():
+    client = _Client()
+
+    async def serve(socket):
+        await DeskSocket(socket, client, lambda: VIEW).run(asyncio.Event().wait)
+
+    app = Starlette(routes=[WebSocketRoute("/desk", serve)])
+    with Served(app) as server:
+        yield client, f"{server.url}/desk".replace("http", "ws", 1)
+
+
+@pytest.fixture
+def client(served):
+    served[0].__init__()
+    return served[0]
+
+
+@pytest.fixture
+def desk(served, client):
+    assert client.sent == []
+    with connect(served[1], proxy=None) as socket:
+        yield socket
+
+
+def _say(desk, **message):
+    desk.send(json.dumps(message))
+
+
+def _hear(desk, wanted):
+    """Return the first message of the desk that `wanted` accepts."""
+    for _ in range(50):
+        told = json.loads(desk.recv(timeout=_PATIENCE))
+        if wanted(told):
+            return told
+    pytest.fail("the desk does not say it")
+
+
+def test_the_desk_moves_a_joint_to_a_typed_value(desk, client):
+    _say(desk, do="speed", joints=1.5)
+    _say(desk, do="go", targets={"joint1": 0.15})
+    _hear(desk, lambda told: client.sent and told["remaining"] == 0.0)
+    assert client.sent[-1] == ("arm", [0.15, 0.1], 1)
+
+
+def test_a_held_button_stops_when_the_page_falls_silent(desk, client):
+    _say(desk, do="jog", joint="joint2", sign=-1)
+    _hear(desk, lambda told: told["remaining"] > 0.0)
+    _hear(desk, lambda told: told["remaining"] == 0.0)
+    assert 0.0 < 0.1 - client.sent[-1][1][1] < 0.5
+
+
+def test_a_refusal_of_the_station_ends_the_motion_and_is_told(desk, client):
+    client.refusal = ApiError(
+        "Somebody else has control.", status=423, code="held", remedy="Take control."
+    )
+    _say(desk, do="go", targets={"joint1": 0.9})
+    told = _hear(desk, lambda told: "refused" in told)
+    assert told["refused"] == "Somebody else has control."
+    assert (told["code"], told["remedy"]) == ("held", "Take control.")
+    assert _hear(desk, lambda told: "refused" not in told)["remaining"] == 0.0
+
+
+@pytest.mark.parametrize(
+    "text", ["{}", "x", '{"do": "go", "targets": {"joint1": NaN}}', '{"do": "fly"}']
+)
+def test_what_is_not_understood_moves_nothing(desk, client, text):
+    desk.send(text)
+    _hear(desk, lambda told: "refused" in told)
+    assert client.sent == []
+
+
+@pytest.mark.usefixtures("client")
+def test_two_browsers_do_not_share_a_motion(served, desk):
+    with connect(served[1], proxy=None) as other:
+        _say(desk, do="go", targets={"joint1": 0.9})
+        assert _hear(desk, lambda told: told["remaining"] > 0.0)
+        assert _hear(other, lambda told: "remaining" in told)["remaining"] == 0.0
