@@ -1,5 +1,6 @@
 """A running station's event log, with what watches the station for it."""
 
+import json
 from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
@@ -10,7 +11,7 @@ from fastapi import FastAPI
 import station as package
 from station.api.named_tokens import NamedTokens
 from station.core.facade.station import Station
-from station.events import EventKind, EventLog
+from station.events import Event, EventKind, EventLog, Severity
 from station.events.state_watcher import StateWatcher
 from station.local.state_directory import StateDirectory, StateDirectoryError
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
     from station.api.audit import EventRecorder
     from station.api.control import Control
+    from station.records.record_store import RecordingInfo
+    from station.records.recorder import Recorder
 
 FILE = "events.sqlite"
 TOKENS = "tokens.json"
@@ -96,6 +99,8 @@ class Journal:
             result="ended",
         )
         self._stack.callback(recorder.repeats.finish)
+        if app.state.recorder is not None:
+            self._exchange(app.state.recorder)
         control: Control = app.state.control
 
         def look_also() -> None:
@@ -105,3 +110,32 @@ class Journal:
         watcher = StateWatcher(self._station, self.log, look_also)
         watcher.start()
         self._stack.callback(watcher.stop)
+
+    def _exchange(self, recorder: "Recorder") -> None:
+        """Let recordings have the events, and events tell of the recordings."""
+
+        def add(event: Event) -> None:
+            kind, severity = event.kind.value, event.severity.value
+            details = json.dumps(event.details)
+            recorder.add_event(event.stamp, kind, severity, event.text, details)
+
+        self._stack.callback(self.log.listen(add))
+        recorder.tell = self._tell_of_recording
+        self._stack.callback(setattr, recorder, "tell", lambda _: None)
+
+    def _tell_of_recording(self, info: "RecordingInfo") -> None:
+        is_incident = bool(info.causes)
+        what = "Incident" if is_incident else "Recording"
+        text = f"{what} {info.identifier}: {info.state}."
+        if is_incident:
+            text = f"The cycles around an incident were kept: {'; '.join(info.causes)}."
+        if info.error:
+            text = f"{what} {info.identifier} failed: {info.error}"
+        self.log.record(
+            EventKind.INCIDENT if is_incident else EventKind.RECORDING,
+            text,
+            severity=Severity.ERROR if info.error else Severity.INFO,
+            what=info.identifier,
+            result=info.state,
+            details={"cycles": info.cycles, "lost": info.lost, "size": info.size},
+        )

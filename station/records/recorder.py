@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from station.core.errors import (
     ControllerNotFoundError,
@@ -40,16 +40,6 @@ BEFORE, AFTER = 10.0, 2.0
 MOST_INPUTS = 100_000
 """Inputs of a station's life that a recording can have."""
 
-OnEvent = Callable[[float, str, str, str, str], None]
-"""Takes an event: station time [s], kind, severity, text, details as JSON."""
-
-
-class EventSource(Protocol):
-    """Whoever knows what happens at the station."""
-
-    def listen(self, callback: OnEvent) -> None:
-        """Hand every later event to `callback`, in any thread."""
-
 
 class Recorder:
     """Records, and keeps what was before an incident. Any thread but the control one.
@@ -68,6 +58,8 @@ class Recorder:
         last: What is known of the present recording, or of the last one; None before
             the first.
         failure: Why the thread ended; None while all is well.
+        tell: Called with a recording or an incident when it begins, ends or fails, in
+            any thread; must return at once.
     """
 
     def __init__(
@@ -84,6 +76,7 @@ class Recorder:
         self.incidents = incidents
         self.last: RecordingInfo | None = None
         self.failure: str | None = None
+        self.tell: Callable[[RecordingInfo], None] = lambda _: None
         self._station = station
         self._texts = dict(texts or {})
         self._open_file = open_file
@@ -124,9 +117,20 @@ class Recorder:
             self._stop()
             self._keep_incident()
 
-    def listen_to(self, events: EventSource) -> None:
-        """Record the events of a source, too."""
-        events.listen(lambda *event: self._events.append(event))
+    def add_event(
+        self, stamp: float, kind: str, severity: str, text: str, details: str
+    ) -> None:
+        """Record an event, if a recording runs. Any thread; never waits.
+
+        Args:
+            stamp: Station time [s].
+            kind: What the event is about.
+            severity: How much it asks for attention.
+            text: A sentence for people.
+            details: More facts as JSON.
+        """
+        if self._recording is not None:
+            self._events.append((stamp, kind, severity, text, details))
 
     def start(self, name: str = "", note: str = "") -> RecordingInfo:
         """Begin to record with the next cycle; one recording at a time.
@@ -155,7 +159,7 @@ class Recorder:
             self._cycle = max(self._cycle, self._station.loop.cycle)
             self._gains = ""
             self._recording = recording
-            self.last = recording.info
+            self._note(recording.info)
             return recording.info
 
     def stop(self, identifier: str | None = None) -> RecordingInfo:
@@ -232,8 +236,7 @@ class Recorder:
         self.failure = f"The recorder ended: {why}."
         last = self.last
         if self._recording is not None and last is not None:
-            self.last = replace(last, state=FAILED, error=self.failure)
-            self.store.keep(self.last)
+            self.store.keep(self._note(replace(last, state=FAILED, error=self.failure)))
             self._recording = None
 
     def _drain(self) -> None:
@@ -332,7 +335,7 @@ class Recorder:
         problem = recording.write_out(end_chunk=is_due)
         self.last = recording.info
         if problem is not None:
-            self.last = recording.finish(problem)
+            self._note(recording.finish(problem))
             self._recording = None
 
     def _begin(
@@ -363,8 +366,13 @@ class Recorder:
         recording, self._recording = self._recording, None
         if recording is None:
             return None
-        self.last = recording.finish()
-        return self.last
+        return self._note(recording.finish())
+
+    def _note(self, info: RecordingInfo) -> RecordingInfo:
+        """Make this the last recording, and tell it."""
+        self.last = info
+        self.tell(info)
+        return info
 
     def _keep_incident(self) -> None:
         """Write the cycles in memory to a file of their own."""
@@ -384,6 +392,7 @@ class Recorder:
             if begin <= row.time <= self._incident_end:
                 incident.add_row(row)
         ended = incident.finish()
+        self.tell(ended)
         if ended.error:
             self.failure = f"An incident could not be kept: {ended.error}"
 

@@ -5,6 +5,10 @@ import pytest
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.app.journal import Journal
+from station.events import EventKind
+from station.records.record_store import Quota, RecordStore
+from station.records.recorder import Recorder
+from station.records.recording_reader import read_messages
 from tests.api.spring import make_station
 
 
@@ -43,3 +47,25 @@ def test_without_a_directory_it_goes_on_in_memory(tmp_path, monkeypatch):
 
     assert "in memory alone" in warnings[0]
     assert journal.log.since()
+
+
+def test_recordings_have_the_events_and_events_tell_of_recordings(tmp_path):
+    station = make_station()
+    recorder = Recorder(station, RecordStore(tmp_path / "kept", Quota()))
+    with Journal(station, []) as journal:
+        kept = Kept(journal.log, recorder)
+        journal.start(create_app(station, Authenticator(), kept=kept))
+        identifier = recorder.start("walk").identifier
+        station.loop.step(5)
+        journal.log.record(EventKind.STOP, "The stop is engaged.")
+        recorder.drain()
+        recorder.stop()
+        told = [
+            (event.result, event.what)
+            for event in journal.log.since(kinds=[EventKind.RECORDING])
+        ]
+    recorder.close()
+
+    messages = read_messages(recorder.store.file(identifier), ["/events"])
+    assert "The stop is engaged." in [message["text"] for _, message in messages]
+    assert told == [("recording", identifier), ("stopped", identifier)]

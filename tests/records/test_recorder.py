@@ -95,17 +95,11 @@ def test_gains_are_recorded_when_they_change_and_inputs_with_their_cycle(
     assert changes == [{"after": 10, "kind": "gains", "changes": {"arm": {"k": 3.0}}}]
 
 
-class _Events:
-    def listen(self, callback):
-        self.tell = callback
-
-
 def test_events_are_recorded(station, recorder, store):
-    events = _Events()
-    recorder.listen_to(events)
+    recorder.add_event(0.0, "stop", "info", "Before the recording.", "{}")
     recorder.start()
     _run(station, recorder, 2, every=1)
-    events.tell(0.001, "switch", "info", "Started arm.", '{"by": "ana"}')
+    recorder.add_event(0.001, "switch", "info", "Started arm.", '{"by": "ana"}')
     _run(station, recorder, 2, every=1)
     path = store.file(recorder.stop().identifier)
 
@@ -211,3 +205,17 @@ def test_incidents_are_bounded_in_number(station, recorder, incidents):
     causes = [one.causes[0] for one in incidents.infos()]
     assert len(causes) == 3
     assert "stop 3" in causes[-1]
+
+
+def test_begin_and_end_are_told(station, recorder):
+    told = []
+    recorder.tell = told.append
+    recorder.start("walk")
+    _run(station, recorder, 5, every=5)
+    recorder.stop()
+
+    assert [(one.name, one.state) for one in told] == [
+        ("walk", "recording"),
+        ("walk", "stopped"),
+    ]
+    assert told[1].cycles == 5
