@@ -57,7 +57,7 @@ test: check
 	@sh tools/test.sh slow $(PYTEST_ARGS)
 
 lock: EXPORT := --quiet --no-config --locked --no-emit-project
-lock: $(READY)
+lock: $(READY_DEV)
 	.venv/bin/uv lock --no-config $(ARGS)
 	.venv/bin/uv export $(EXPORT) --no-dev --group build --extra all --output-file requirements.lock
 	.venv/bin/uv export $(EXPORT) --all-extras --output-file requirements-dev.lock

@@ -128,7 +128,8 @@ class Journal:
         what = "Incident" if is_incident else "Recording"
         text = f"{what} {info.identifier}: {info.state}."
         if is_incident:
-            text = f"The cycles around an incident were kept: {'; '.join(info.causes)}."
+            causes = "; ".join(cause.rstrip(".") for cause in info.causes)
+            text = f"The cycles around an incident were kept: {causes}."
         if info.error:
             text = f"{what} {info.identifier} failed: {info.error}"
         self.log.record(

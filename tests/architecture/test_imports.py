@@ -37,6 +37,7 @@ VIOLATIONS = {
     "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
     "api-serves": ("station/api/app.py", "import viser"),
     "web-stands-alone": ("station/web/body_limit.py", "import station.core"),
+    "records-read-the-core": ("station/records/cdr.py", "import fastapi"),
     "events-watch-the-core": ("station/events/event.py", "import fastapi"),
     "ui-is-a-client": ("station/ui/scene.py", "import station.core.clock"),
 }

@@ -40,6 +40,9 @@ LINES = {
     "identify": "identify joint1",
     "validate": "validate robot.urdf ros.yaml --page card.html",
     "experiments": "experiments best x --count 3",
+    "record": "record start walk --note heavy",
+    "recover_file": "recover_file walk.mcap",
+    "incidents": "incidents list",
     "goto": "goto arm 1 -2 --duration 3",
     "stop": "stop",
     "release": "release --arm",
@@ -72,7 +75,7 @@ def test_verb_is_parsed_and_has_its_function(verb):
 
 
 ALONE = {
-    *("run", "doctor", "fetch_robot"),
+    *("run", "doctor", "fetch_robot", "recover_file"),
     *("sweep", "robustness", "identify", "validate"),
 }
 

@@ -96,6 +96,8 @@ def curl_request(words: list[str]) -> Request:
             request.headers[name.strip()] = value.strip()
         elif word in {"-d", "--data"}:
             request.body = next(rest)
+        elif word in {"-o", "--output"}:
+            next(rest)  # where the answer goes
         elif word in {"-s", "-i"}:
             continue
         else:

@@ -17,10 +17,21 @@ if TYPE_CHECKING:
     from station.records.recorder import Recorder
 
 MEDIA_TYPE = "application/x-mcap"
-Id = Annotated[RecordingId, Path(description="Name of the recording.")]
+Id = Annotated[
+    RecordingId,
+    Path(
+        description="Name of the recording, as its start answered.",
+        examples=["20261122T091500123-walk"],
+    ),
+]
 Rate = Annotated[
     float,
-    Query(gt=0.0, le=1000.0, description="Cycles per second of station time [Hz]."),
+    Query(
+        gt=0.0,
+        le=1000.0,
+        description="Cycles per second of station time [Hz].",
+        examples=[30.0],
+    ),
 ]
 
 
