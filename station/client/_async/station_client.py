@@ -28,6 +28,7 @@ from station.client.routes import (
     controller_path,
     event_query,
     goal_path,
+    keyed,
     load_request,
     segment,
 )
@@ -165,6 +166,7 @@ class AsyncStationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
+        idempotency_key: str | None = None,
     ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
 
@@ -174,17 +176,36 @@ class AsyncStationClient:
             params: Its parameters; None when the station's configuration has them.
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
+            idempotency_key: Random name of the request, 1 to 200 visible ASCII
+                characters: sent again with the same key within 10 minutes, e.g. after a
+                lost connection, it is carried out once.
         """
         request = load_request(name, type, params, timeout)
         patience = LOAD_TIMEOUT if timeout is None else timeout
         return await self._connection.send(
-            "POST", "/controllers", wire.ControllerState, request, patience=patience
+            "POST",
+            "/controllers",
+            wire.ControllerState,
+            request,
+            headers=keyed(idempotency_key),
+            patience=patience,
         )
 
-    async def unload_controller(self, name: str) -> wire.ControllerState:
-        """Unload a stopped controller, or cancel its loading; return its last state."""
-        path = controller_path(name)
-        return await self._connection.send("DELETE", path, wire.ControllerState)
+    async def unload_controller(
+        self, name: str, *, idempotency_key: str | None = None
+    ) -> wire.ControllerState:
+        """Unload a stopped controller, or cancel its loading; return its last state.
+
+        Args:
+            name: Its name.
+            idempotency_key: As for `load_controller`.
+        """
+        return await self._connection.send(
+            "DELETE",
+            controller_path(name),
+            wire.ControllerState,
+            headers=keyed(idempotency_key),
+        )
 
     async def switch_controllers(
         self,
@@ -196,6 +217,7 @@ class AsyncStationClient:
         timeout: float = 0.0,
         bound: float | None = SWITCH_BOUND,
         dry_run: bool = False,
+        idempotency_key: str | None = None,
     ) -> wire.SwitchResult:
         """Start and stop controllers in one cycle.
 
@@ -209,6 +231,7 @@ class AsyncStationClient:
             bound: How long a switch without a timeout may take [s of wall time]; None
                 means as long as the hardware takes.
             dry_run: Only return what would happen.
+            idempotency_key: As for `load_controller`.
         """
         request = wire.SwitchRequest(
             start=list(start),
@@ -221,7 +244,12 @@ class AsyncStationClient:
         )
         patience = timeout or (math.inf if bound is None else bound)
         return await self._connection.send(
-            "POST", "/controllers/switch", wire.SwitchResult, request, patience=patience
+            "POST",
+            "/controllers/switch",
+            wire.SwitchResult,
+            request,
+            headers=keyed(idempotency_key),
+            patience=patience,
         )
 
     async def gains(self, name: str) -> wire.Gains:
