@@ -35,6 +35,7 @@ from station.client.routes import (
 from station.client.samples import Samples
 from station.client.stream_options import Rate
 from station.local.station_locator import locate
+from station.local.tls import trust
 from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
 
 
@@ -59,9 +60,13 @@ class AsyncStationClient:
             of a station on this machine; without one only `health` and `ready` work.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; for tests.
+        ca: PEM file with the certificates to trust with an https `url`. When None it is
+            `STATION_CA`, or else the certificate of the station on this machine, or
+            else what the system trusts.
 
     Raises:
         NoStationError: No `url`, and no station or several on this machine.
+        TlsFilesError: The certificates to trust cannot be read.
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
@@ -78,9 +83,12 @@ class AsyncStationClient:
         *,
         timeout: float = 10.0,
         transport: httpx.AsyncBaseTransport | None = None,
+        ca: str | None = None,
     ) -> None:
         url, token = locate(url, token)
-        self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
+        self._connection = AsyncConnection(
+            url.rstrip("/"), token, timeout, transport, trust(url, ca)
+        )
         self.simulation = AsyncSimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
         self.gain_sets, self.recordings, self.incidents = kept
@@ -99,7 +107,7 @@ class AsyncStationClient:
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the station and where it is looked at."""
-        return describe(self.url, self._connection.token)
+        return describe(self.url, self._connection.token, tls=self._connection.tls)
 
     @property
     def url(self) -> str:
@@ -118,7 +126,8 @@ class AsyncStationClient:
     def talk_to(self, url: str, token: str | None) -> None:
         """Talk to another station from the next request on.
 
-        A stream that was opened before goes on with the station it was opened at.
+        A stream that was opened before goes on with the station it was opened at. The
+        certificates that are trusted stay the same.
 
         Args:
             url: The station.
