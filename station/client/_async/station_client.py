@@ -1,6 +1,5 @@
 """The client of a station: one method per route."""
 
-import math
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -12,6 +11,7 @@ from station import wire
 from station.client._async.collecting import collect
 from station.client._async.connection import AsyncConnection
 from station.client._async.control_lease import AsyncControlLease
+from station.client._async.controller_changes import load, switch, unload
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.motion import move_to, start_move
 from station.client._async.recordings_client import kept_on_disk
@@ -28,7 +28,6 @@ from station.client.routes import (
     controller_path,
     event_query,
     goal_path,
-    keyed,
     load_request,
     segment,
 )
@@ -36,7 +35,7 @@ from station.client.samples import Samples
 from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.local.tls import trust
-from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
+from station.wire.controllers import SWITCH_BOUND
 
 
 class AsyncStationClient:
@@ -190,15 +189,7 @@ class AsyncStationClient:
                 lost connection, it is carried out once.
         """
         request = load_request(name, type, params, timeout)
-        patience = LOAD_TIMEOUT if timeout is None else timeout
-        return await self._connection.send(
-            "POST",
-            "/controllers",
-            wire.ControllerState,
-            request,
-            headers=keyed(idempotency_key),
-            patience=patience,
-        )
+        return await load(self._connection, request, idempotency_key)
 
     async def unload_controller(
         self, name: str, *, idempotency_key: str | None = None
@@ -209,12 +200,7 @@ class AsyncStationClient:
             name: Its name.
             idempotency_key: As for `load_controller`.
         """
-        return await self._connection.send(
-            "DELETE",
-            controller_path(name),
-            wire.ControllerState,
-            headers=keyed(idempotency_key),
-        )
+        return await unload(self._connection, name, idempotency_key)
 
     async def switch_controllers(
         self,
@@ -251,15 +237,7 @@ class AsyncStationClient:
             bound=bound,
             dry_run=dry_run,
         )
-        patience = timeout or (math.inf if bound is None else bound)
-        return await self._connection.send(
-            "POST",
-            "/controllers/switch",
-            wire.SwitchResult,
-            request,
-            headers=keyed(idempotency_key),
-            patience=patience,
-        )
+        return await switch(self._connection, request, idempotency_key)
 
     async def gains(self, name: str) -> wire.Gains:
         """Return a controller's gains, their units and ranges, and their ETag."""

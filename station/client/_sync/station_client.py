@@ -1,7 +1,6 @@
 # Generated from _async/station_client.py by tools/generate_client.py.
 """The client of a station: one method per route."""
 
-import math
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -13,6 +12,7 @@ from station import wire
 from station.client._sync.collecting import collect
 from station.client._sync.connection import Connection
 from station.client._sync.control_lease import ControlLease
+from station.client._sync.controller_changes import load, switch, unload
 from station.client._sync.goal_handle import GoalHandle
 from station.client._sync.motion import move_to, start_move
 from station.client._sync.recordings_client import kept_on_disk
@@ -28,7 +28,6 @@ from station.client.routes import (
     controller_path,
     event_query,
     goal_path,
-    keyed,
     load_request,
     segment,
 )
@@ -37,7 +36,7 @@ from station.client.stream import Stream
 from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.local.tls import trust
-from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
+from station.wire.controllers import SWITCH_BOUND
 
 
 class StationClient:
@@ -191,15 +190,7 @@ class StationClient:
                 lost connection, it is carried out once.
         """
         request = load_request(name, type, params, timeout)
-        patience = LOAD_TIMEOUT if timeout is None else timeout
-        return self._connection.send(
-            "POST",
-            "/controllers",
-            wire.ControllerState,
-            request,
-            headers=keyed(idempotency_key),
-            patience=patience,
-        )
+        return load(self._connection, request, idempotency_key)
 
     def unload_controller(
         self, name: str, *, idempotency_key: str | None = None
@@ -210,12 +201,7 @@ class StationClient:
             name: Its name.
             idempotency_key: As for `load_controller`.
         """
-        return self._connection.send(
-            "DELETE",
-            controller_path(name),
-            wire.ControllerState,
-            headers=keyed(idempotency_key),
-        )
+        return unload(self._connection, name, idempotency_key)
 
     def switch_controllers(
         self,
@@ -252,15 +238,7 @@ class StationClient:
             bound=bound,
             dry_run=dry_run,
         )
-        patience = timeout or (math.inf if bound is None else bound)
-        return self._connection.send(
-            "POST",
-            "/controllers/switch",
-            wire.SwitchResult,
-            request,
-            headers=keyed(idempotency_key),
-            patience=patience,
-        )
+        return switch(self._connection, request, idempotency_key)
 
     def gains(self, name: str) -> wire.Gains:
         """Return a controller's gains, their units and ranges, and their ETag."""
