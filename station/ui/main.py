@@ -136,7 +136,7 @@ async def _serve(
         guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
     )
     button = StopButton(api, config.token, config.watchdog_url)
-    forwarded = ApiRelay(config.url, config.token)
+    forwarded = ApiRelay(config.url, config.token, api.tls)
     server = _Server(_gateway(config, api, button, dashboard, relay, forwarded))
 
     def move_to(access: StationAccess) -> None:

@@ -1,5 +1,6 @@
 """The client of a station: one method per route."""
 
+import ssl
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -121,6 +122,11 @@ class AsyncStationClient:
     @timeout.setter
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
+
+    @property
+    def tls(self) -> ssl.SSLContext | None:
+        """How the station's certificate is checked; None for plain HTTP."""
+        return self._connection.tls
 
     def talk_to(self, url: str, token: str | None) -> None:
         """Talk to another station from the next request on.
