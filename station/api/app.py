@@ -15,6 +15,7 @@ from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
 from station.api.guard import MAX_BODY_BYTES, Guard
 from station.api.host_policy import HostPolicy
+from station.api.idempotency import IdempotentAnswers
 from station.api.openapi import StationApi, operation_id
 from station.api.routes import PREFIX, api_router, metrics, robots
 from station.api.routes.access import login_page
@@ -90,6 +91,7 @@ def create_app(
     event_recorder = app.state.event_recorder = EventRecorder(kept.events)
     app.state.control = Control(event_recorder.log, station.motion.let_expire)
     app.state.command_streams = 0
+    app.state.idempotent_answers = IdempotentAnswers()
     app.state.event_feed = EventFeed(event_recorder.log)
     app.state.recorder = kept.recorder
     app.state.dashboard_url = dashboard_url

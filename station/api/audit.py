@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 
+from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -13,6 +14,8 @@ from station.events import EventKind, EventLog, Origin, Severity
 from station.events.repeats import Repeats
 from station.web.request_id import present_request_id
 
+REPLAYED_HEADER = "Idempotent-Replayed"
+"""Header of an answer that was given before."""
 ACCESS = "access"
 """Key in the scope's state of what a request has proved, an `Access`."""
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -54,19 +57,21 @@ class Audit:
             return
         scope.setdefault("state", {})
         status = 0
+        is_repeated = False
 
         async def send_and_note(message: Message) -> None:
-            nonlocal status
+            nonlocal status, is_repeated
             if message["type"] == "http.response.start":
                 status = message["status"]
+                is_repeated = REPLAYED_HEADER in Headers(raw=message.get("headers", []))
             await send(message)
 
         try:
             await self._app(scope, receive, send_and_note)
         finally:
-            self._record(scope, status)
+            self._record(scope, status, is_repeated=is_repeated)
 
-    def _record(self, scope: Scope, status: int) -> None:
+    def _record(self, scope: Scope, status: int, *, is_repeated: bool) -> None:
         path = scope["path"].removeprefix(_PREFIX)
         is_done = 200 <= status < 400
         if is_done and path in _UNREMARKABLE:
@@ -79,6 +84,8 @@ class Audit:
             # Whoever guesses tokens chooses paths at will: they are not told apart.
             what = scope["method"]
         ended = "was carried out" if is_done else f"was refused: {result}"
+        if is_repeated:
+            ended, result = "got its first answer again", f"{result} again"
         self._repeats.record(
             EventKind.REQUEST,
             f"{scope['method']} {path} of {origin.who or 'a stranger'} {ended}.",

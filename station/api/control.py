@@ -8,7 +8,8 @@ import hmac
 import secrets
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
@@ -156,7 +157,8 @@ class Control:
             key: The lease that the request names; None without one.
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
-            force: Take the lease from whoever holds it.
+            force: Take the lease from whoever holds it, also from an owner who offers
+                it; the former owner's set-points expire.
             origin: Who asks, and from where.
 
         Raises:
@@ -168,7 +170,10 @@ class Control:
             if before is not None and before.is_held_by(access, key):
                 self._lease = replace(before, owner=owner, ttl=ttl, deadline=deadline)
                 return self._lease
-            is_heir = before is not None and before.heir in {owner, access.name}
+            # By force, an heir takes control as anybody does: what moves is held.
+            is_heir = (
+                before is not None and not force and before.heir in {owner, access.name}
+            )
             if before is not None and not is_heir and not force:
                 error = _held(before)
                 raise error
@@ -239,11 +244,30 @@ class Control:
             self._record(text, "released", lease.owner, origin)
         self._tell()
 
-    def note_command(self, controller: str) -> None:
-        """Note that the owner commands a controller, to hold it if control is lost."""
-        lease = self._lease
-        if lease is not None:
-            lease.commanded.add(controller)
+    @contextmanager
+    def commanding(
+        self, access: Access, key: str | None, controller: str
+    ) -> Iterator[None]:
+        """Give a set-point in the body of a `with`, which must not wait.
+
+        Control changes hands before the body or after it, never within: a set-point
+        that was under way when control was taken is refused, and one that came before
+        expires with the others. The controller is noted, to hold it if control is lost.
+
+        Args:
+            access: What the caller may do.
+            key: The lease that the request names; None without one.
+            controller: Name of the controller.
+
+        Raises:
+            ControlHeldError: Somebody else holds control.
+        """
+        with self._lock:
+            self.check(access, key)
+            yield
+            lease = self._lease
+            if lease is not None:
+                lease.commanded.add(controller)
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
         """Call `changed` whenever control changes hands; return what ends it.

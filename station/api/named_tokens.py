@@ -15,6 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import anyio.to_thread
+
 from station.core.errors import StationError, suggest
 
 MOST_TOKENS = 256
@@ -96,6 +98,7 @@ class NamedTokens:
         self._path = path
         self._now = now
         self._tokens: dict[str, NamedToken] = {}
+        self._changing = asyncio.Lock()  # one change after the other, disk and memory
         if path is not None and path.exists():
             self._load(path)
 
@@ -113,7 +116,7 @@ class NamedTokens:
                 return None if token.has_ended() else token
         return None
 
-    def create(self, name: str, role: str, lifetime: float | None) -> str:
+    async def create(self, name: str, role: str, lifetime: float | None) -> str:
         """Make a token and return it; nobody can learn it afterwards.
 
         Args:
@@ -125,6 +128,10 @@ class NamedTokens:
             TokenExistsError: The name is taken, or there are too many tokens.
             TokensNotKeptError: It cannot be kept on disk; there is no new token.
         """
+        async with self._changing:
+            return await self._create(name, role, lifetime)
+
+    async def _create(self, name: str, role: str, lifetime: float | None) -> str:
         self._forget_ended()
         if name in self._tokens or name in RESERVED:
             raise TokenExistsError(
@@ -146,7 +153,7 @@ class NamedTokens:
             created,
             None if lifetime is None else created + lifetime,
         )
-        self._keep({**self._tokens, name: token})
+        await self._keep({**self._tokens, name: token})
         return secret
 
     def get(self, name: str) -> NamedToken:
@@ -164,7 +171,7 @@ class NamedTokens:
             )
         return self._tokens[name]
 
-    def revoke(self, name: str) -> NamedToken:
+    async def revoke(self, name: str) -> NamedToken:
         """End a token and what was opened with it; return what it was.
 
         The token ends even if the disk fails, but then comes back at the next start.
@@ -173,9 +180,12 @@ class NamedTokens:
             TokenNotFoundError: There is none of that name.
             TokensNotKeptError: The file still has it.
         """
+        # A disk that is slow must not keep a revoked token alive.
         token = self.get(name)
         token.revoke()
-        self._keep({key: t for key, t in self._tokens.items() if key != name})
+        async with self._changing:
+            rest = {key: t for key, t in self._tokens.items() if key != name}
+            await self._keep(rest)
         return token
 
     def _forget_ended(self) -> None:
@@ -183,7 +193,7 @@ class NamedTokens:
             if token.has_ended():
                 del self._tokens[name]
 
-    def _keep(self, tokens: dict[str, NamedToken]) -> None:
+    async def _keep(self, tokens: dict[str, NamedToken]) -> None:
         if self._path is not None:
             listed = [
                 {
@@ -196,7 +206,10 @@ class NamedTokens:
                 for token in tokens.values()
             ]
             try:
-                _write_whole(self._path, json.dumps(listed))
+                # A disk may take seconds; the event loop goes on meanwhile.
+                await anyio.to_thread.run_sync(
+                    _write_whole, self._path, json.dumps(listed)
+                )
             except OSError as error:
                 raise TokensNotKeptError(
                     f"{self._path} cannot be written: {error.strerror}.",

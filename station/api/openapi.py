@@ -6,6 +6,8 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute
 from typing_extensions import override
 
+from station.api.audit import REPLAYED_HEADER
+from station.api.idempotency import KEY_HEADER
 from station.api.routes.problems import MEANINGS
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
 
@@ -55,6 +57,11 @@ HEADERS = {
     },
     "ETag": {"description": "Entity tag of the gains, for If-Match.", **_TEXT},
     "WwwAuthenticate": {"description": "How to prove the access.", **_TEXT},
+    "IdempotentReplayed": {
+        "description": "`true` when the answer is that of an earlier request with the "
+        "same `Idempotency-Key`; missing otherwise.",
+        "schema": {"type": "string", "enum": ["true"]},
+    },
     "Upgrade": {"description": "The protocol that is needed.", **_TEXT},
 }
 _OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",) * 2}
@@ -115,6 +122,9 @@ def _complete(path: str, operation: dict[str, Any]) -> None:
             named[header] = component
         if status == "200" and path.endswith("/{name}/gains"):
             named["ETag"] = "ETag"
+        names = {each["name"].lower() for each in operation.get("parameters", [])}
+        if KEY_HEADER.lower() in names:
+            named[REPLAYED_HEADER] = "IdempotentReplayed"
         response["headers"] = {
             header: {"$ref": f"#/components/headers/{component}"}
             for header, component in named.items()

@@ -12,6 +12,7 @@ from fastapi import FastAPI
 
 from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
+from station.local.tls import TlsFiles
 from station.web.limited_server import LimitedServer
 
 if TYPE_CHECKING:
@@ -34,15 +35,27 @@ class ApiServer:
         app: What `create_app` returned.
         host: Address to listen on.
         port: Port; 0 for any free one.
+        tls: Certificate and key for https and wss; http and ws when None.
+
+    Raises:
+        TlsFilesError: The certificate or the key cannot be used.
 
     Attributes:
         host: The address.
         port: The port; the real one after `start`.
     """
 
-    def __init__(self, app: FastAPI, host: str = "127.0.0.1", port: int = 8000) -> None:
+    def __init__(
+        self,
+        app: FastAPI,
+        host: str = "127.0.0.1",
+        port: int = 8000,
+        tls: TlsFiles | None = None,
+    ) -> None:
         self.host = host
         self.port = port
+        context = None if tls is None else tls.context()
+        self._scheme = "http" if context is None else "https"
         self._broadcaster: Broadcaster = app.state.broadcaster
         self._server = LimitedServer(
             uvicorn.Config(
@@ -58,6 +71,7 @@ class ApiServer:
                 access_log=False,
                 server_header=False,
                 timeout_graceful_shutdown=1,
+                ssl_context_factory=None if context is None else lambda *_: context,
             )
         )
         self._thread: threading.Thread | None = None
@@ -68,7 +82,7 @@ class ApiServer:
     def url(self) -> str:
         """Return where clients reach it from this machine."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.host, self.host)
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+        return f"{self._scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     def __enter__(self) -> Self:
         self.start()

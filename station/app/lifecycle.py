@@ -5,9 +5,11 @@ dashboard is gone, the control thread ends, the watchdog ends.
 """
 
 import contextlib
+import hashlib
 import os
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.api.app import Kept, create_app
@@ -32,6 +34,7 @@ from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
+from station.local.tls import TlsFiles
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
@@ -99,6 +102,9 @@ class StationRun:
         ):
             stack.callback(self._watchdog.finish)
             check_exposure(self._config.api.host, self._config.api.token)
+            tls = self._tls()
+            if tls is not None:
+                tls.context()  # files that cannot be used are told before all else
             authenticator = Authenticator(self._config.api.token)
             self._watchdog.start(authenticator)
             station = self._start_loop(stack)
@@ -141,7 +147,7 @@ class StationRun:
         self, stack: ExitStack, station: Station, authenticator: Authenticator
     ) -> Announcement:
         self._watchdog.announce("Starting the server and the dashboard")
-        api, ui = self._config.api, self._config.ui
+        api, ui, tls = self._config.api, self._config.ui, self._tls()
         options = self._ui_options("", "", ui.port)
         orphan = find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
         ui_port = orphan.port if orphan else 0
@@ -157,7 +163,7 @@ class StationRun:
             kept=Kept(journal.log, self._recorder),
         )
         journal.start(app)
-        server = ApiServer(app, api.host, api.port)
+        server = ApiServer(app, api.host, api.port, tls)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
@@ -165,11 +171,6 @@ class StationRun:
         if foxglove is not None:
             stack.callback(foxglove.close)
         token = authenticator.operator_token
-        if ui.enabled:
-            options = self._ui_options(server.url, token, ui_port)
-            self._ui = UiProcess(options, adopted=orphan)
-            stack.callback(self._terminate_ui)
-            self._ui.start()
         pid = os.getpid()
         running = RunningStation(
             url=server.url,
@@ -180,9 +181,16 @@ class StationRun:
             pid=pid,
             started=process_start(pid),
             watchdog_url=self._watchdog.url,
+            certificate="" if tls is None else str(tls.certificate),
         )
+        # Before the dashboard begins: there it finds the certificate.
         path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
+        if ui.enabled:
+            options = self._ui_options(server.url, token, ui_port)
+            self._ui = UiProcess(options, adopted=orphan)
+            stack.callback(self._terminate_ui)
+            self._ui.start()
         return Announcement(
             running.url,
             running.ui_url,
@@ -205,7 +213,15 @@ class StationRun:
             beside=tuple(beside),
             watchdog_url=self._watchdog.url,
             reconnect_window=self._config.ui.reconnect_window,
+            certificate=_fingerprint(self._tls()),
         )
+
+    def _tls(self) -> TlsFiles | None:
+        """Return certificate and key, with whole paths; None without TLS."""
+        tls = self._config.api.tls
+        if tls.certificate is None or tls.key is None:
+            return None
+        return TlsFiles(Path(tls.certificate).absolute(), Path(tls.key).absolute())
 
     def _watch(
         self, station: Station, announcement: Announcement, signals: ShutdownSignals
@@ -289,7 +305,16 @@ def _hold(station: Station) -> None:
 
 def _dashboard_url(api_url: str, port: int) -> str | None:
     """Return the address of a dashboard at the API's host; None if there is none."""
-    return f"{api_url.rpartition(':')[0]}:{port}" if port else None
+    # The dashboard speaks plain HTTP, whatever the API does.
+    host = api_url.removeprefix("https:").removeprefix("http:").rpartition(":")[0]
+    return f"http:{host}:{port}" if port else None
+
+
+def _fingerprint(tls: TlsFiles | None) -> str:
+    """Return what tells a certificate from others; empty without TLS."""
+    if tls is None:
+        return ""
+    return hashlib.sha256(tls.certificate.read_bytes()).hexdigest()
 
 
 def _drawn_robots(

@@ -73,6 +73,8 @@ class UiOptions:
         beside: Description, prefix and base of each further robot to draw.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
         reconnect_window: How long it waits for another station after a crash [s].
+        certificate: Hash of the station's certificate, which the dashboard trusts;
+            empty without TLS. A station with another one needs another dashboard.
     """
 
     api_url: str
@@ -85,11 +87,13 @@ class UiOptions:
     beside: tuple[tuple[str, str, tuple[float, ...]], ...] = ()
     watchdog_url: str = ""
     reconnect_window: float = 60.0
+    certificate: str = ""
 
     def shown(self) -> str:
         """Return what the dashboard draws, and with which version of the program."""
         drawn = (self.robot_description, self.arm_id, self.base, self.beside)
-        return f"{station.__version__} {drawn} {self.reconnect_window}"
+        told = (self.reconnect_window, self.certificate)
+        return f"{station.__version__} {drawn} {told}"
 
     def command(self) -> list[str]:
         """Return the command line; the token is not in it, others could read it."""

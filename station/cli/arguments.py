@@ -17,7 +17,7 @@ Exit codes: 0 done, 1 refused, 2 wrong usage.
 """
 EPILOG = """\
 A station on this machine is found by itself, with its token. For another one give --url
-and --token, or set STATION_URL and STATION_TOKEN.
+and --token, or set STATION_URL and STATION_TOKEN; for https, --ca or STATION_CA.
 ROS 1 names work too: list, list-types, load, unload, start, spawn, kill; and stop NAME.
 """
 VERBS = "station.cli.verbs"
@@ -81,6 +81,9 @@ class Verbs:
         if is_client:
             parser.add_argument("--url", help="the station, e.g. http://127.0.0.1:8000")
             parser.add_argument("--token", help="its operator or viewer token")
+            parser.add_argument(
+                "--ca", metavar="FILE", help="the certificates to trust, for https"
+            )
         return parser
 
 
@@ -107,6 +110,10 @@ def _add_station_verbs(verbs: Verbs) -> None:
         help="the operator's token; random if left out. Others on this machine can "
         "read it in the list of processes: STATION_API__TOKEN is more private",
     )
+    run.add_argument(
+        "--tls-cert", metavar="FILE", help="serve https and wss with this certificate"
+    )
+    run.add_argument("--tls-key", metavar="FILE", help="the key of --tls-cert")
     run.add_argument(
         "--real-time-factor",
         type=float,

@@ -24,7 +24,7 @@ def open_client(options: Namespace) -> "StationClient":
     from station.client import StationClient
 
     url, token = locate(options.url, options.token)
-    client = StationClient(url, token)
+    client = StationClient(url, token, ca=options.ca)
     client.act_under(os.environ.get(LEASE_VARIABLE))
     return client
 

@@ -50,6 +50,7 @@ class AsyncCommandStream:
                 additional_headers=options.headers(),
                 compression=None,
                 proxy=None,
+                ssl=options.tls,
                 open_timeout=options.patience,
                 close_timeout=1.0,
             )

@@ -147,6 +147,7 @@ class AsyncStream:
             compression=None,
             max_size=MAX_FRAME_BYTES,
             proxy=None,
+            ssl=self.options.tls,
             open_timeout=self.options.timeout,
             close_timeout=1.0,
         )

@@ -2,6 +2,7 @@
 
 import json
 import math
+import ssl
 from collections.abc import Sequence
 from dataclasses import dataclass
 from urllib.parse import quote, urlencode
@@ -21,6 +22,7 @@ class CommandOptions:
         controller: The controller.
         timeout: Silence after which the last set-point expires [s], > 0.
         patience: Longest wait for a connection [s].
+        tls: How the station's certificate is checked; None for plain HTTP.
     """
 
     base_url: str
@@ -29,6 +31,7 @@ class CommandOptions:
     controller: str
     timeout: float = 0.2
     patience: float = 10.0
+    tls: ssl.SSLContext | None = None
 
     def url(self) -> str:
         """Return the WebSocket URL."""

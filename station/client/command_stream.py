@@ -49,6 +49,7 @@ class CommandStream:
                 additional_headers=options.headers(),
                 compression=None,
                 proxy=None,
+                ssl=options.tls,
                 open_timeout=options.patience,
                 close_timeout=1.0,
             )

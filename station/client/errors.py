@@ -86,7 +86,12 @@ class StationUnreachableError(ApiError):
             f"No answer from the station at {url}: {reason}.",
             status=0,
             code="unreachable",
-            remedy="Check that it is running there (`station run`) and try again.",
+            remedy=(
+                "Give the station's certificate, or that of its authority: `--ca FILE` "
+                "or `ca=`; the URL must have a name that is in it."
+                if "CERTIFICATE_VERIFY_FAILED" in reason
+                else "Check that it is running there (`station run`) and try again."
+            ),
         )
 
 

@@ -1,5 +1,6 @@
 """What a notebook shows of a client."""
 
+import ssl
 from html import escape
 from typing import TypeVar
 
@@ -17,7 +18,10 @@ TIMEOUT = 1.0
 
 
 def describe(
-    url: str, token: str | None, transport: httpx.BaseTransport | None = None
+    url: str,
+    token: str | None,
+    transport: httpx.BaseTransport | None = None,
+    tls: ssl.SSLContext | None = None,
 ) -> str:
     """Return HTML: the station, what runs there, and where the joints are.
 
@@ -25,6 +29,7 @@ def describe(
         url: The station.
         token: Operator or viewer token.
         transport: How requests travel; httpx's own when None.
+        tls: How the station's certificate is checked; None for plain HTTP.
     """
     title = f"<b>Station</b> <a href='{escape(url)}/docs'>{escape(url)}</a>"
     try:
@@ -34,6 +39,7 @@ def describe(
             timeout=TIMEOUT,
             transport=transport,
             trust_env=False,
+            verify=True if tls is None else tls,
         ) as http:
             status = _ask(http, "/status", Status)
             controllers = _ask(http, "/controllers", Controllers)

@@ -10,8 +10,14 @@ from station.wire import LoadRequest
 
 PREFIX: Final = "/api/v1"
 LEASE_HEADER: Final = "X-Control-Lease"
+KEY_HEADER: Final = "Idempotency-Key"
 Strictness = Literal["strict", "best_effort"]
 Restart = Literal["none", "previous"]
+
+
+def keyed(key: str | None) -> dict[str, str]:
+    """Return the header with the key of a request; none when there is no key."""
+    return {} if key is None else {KEY_HEADER: key}
 
 
 def segment(name: str) -> str:

@@ -146,6 +146,7 @@ class Stream:
             compression=None,
             max_size=MAX_FRAME_BYTES,
             proxy=None,
+            ssl=self.options.tls,
             open_timeout=limit if timeout is None else min(limit, timeout),
             close_timeout=1.0,
         )

@@ -1,6 +1,7 @@
 """Parts of both kinds of stream: the address, the frames, the back-off."""
 
 import random
+import ssl
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -52,6 +53,7 @@ class StreamOptions:
         fields: Only these keys of `data`; all when empty.
         reconnect: Connect again when the link breaks.
         timeout: Longest wait for a connection [s].
+        tls: How the station's certificate is checked; None for plain HTTP.
     """
 
     base_url: str
@@ -61,6 +63,7 @@ class StreamOptions:
     fields: tuple[str, ...] = ()
     reconnect: bool = True
     timeout: float = 10.0
+    tls: ssl.SSLContext | None = None
 
     def url(self) -> str:
         """Return the WebSocket URL."""

@@ -6,9 +6,9 @@ is not 1.
 
 from collections.abc import Callable
 from math import inf
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from station.core.loop.pace import FASTEST, SLOWEST
@@ -25,6 +25,10 @@ PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
 
 ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
 """A Python module; the modules inside of a package belong to it."""
+
+
+FileName = Annotated[str, Field(min_length=1)]
+"""A file; relative to the working directory."""
 
 
 class _Section(BaseModel):
@@ -109,6 +113,26 @@ class Controller(_Section):
     type: PluginType
 
 
+class TlsSection(_Section):
+    """What the server proves with who it is; both files or none.
+
+    Attributes:
+        certificate: PEM file with the certificate chain; None serves without TLS.
+        key: PEM file with the private key, without a password.
+    """
+
+    certificate: FileName | None = None
+    key: FileName | None = None
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        if (self.certificate is None) != (self.key is None):
+            raise PydanticCustomError(
+                "half_of_tls", "Input should be both certificate and key, or neither"
+            )
+        return self
+
+
 class ApiSection(_Section):
     """The REST and WebSocket server.
 
@@ -116,11 +140,13 @@ class ApiSection(_Section):
         host: Address to listen at.
         port: TCP port; 0 for any free one.
         token: The operator's token; None has a random one made.
+        tls: Certificate and key, with which it serves https and wss alone.
     """
 
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     port: Port
     token: str | None = Field(min_length=8, pattern=r"^[A-Za-z0-9._~+/=-]+$")
+    tls: TlsSection = Field(default_factory=TlsSection)
 
 
 class UiSection(_Section):

@@ -1,5 +1,6 @@
 """Notices what changes in a station and records it; outside of the control thread."""
 
+import logging
 import threading
 from collections.abc import Callable
 
@@ -11,6 +12,8 @@ from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
 from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
+
+_log = logging.getLogger(__name__)
 
 LOOK_PERIOD = 0.05
 """How often the thread looks [s]."""
@@ -40,13 +43,21 @@ class StateWatcher:
     ) -> None:
         self._station = station
         self._log = log
-        self._also = also
         self._arms = Arms(station.robots)
         self._stop = (StopState.ARMED, "")
         self._loop = station.loop.state
         self._mode = ""
         self._controllers: dict[str, ControllerCondition] = {}
         self._bursts = _Bursts(log, station.loop.skipped)
+        self._parts: dict[str, Callable[[], None]] = {
+            "the control loop": self._look_at_loop,
+            "the stop": self._look_at_stop,
+            "the robot's mode": self._look_at_mode,
+            "the controllers": self._look_at_controllers,
+            "missed deadlines": self._look_at_deadlines,
+            "control and repeated requests": also,
+        }
+        self._failing: set[str] = set()
         self._end = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -68,14 +79,30 @@ class StateWatcher:
             self._thread.join(timeout)
 
     def look(self) -> None:
-        """Record what has changed since the last look."""
-        self._look_at_loop()
-        self._look_at_stop()
-        self._look_at_mode()
-        self._look_at_controllers()
-        loop = self._station.loop
-        self._bursts.look(loop.skipped, loop.cycle, loop.clock.now())
-        self._also()
+        """Record what has changed since the last look.
+
+        A part of the look that fails is logged and recorded once, until it succeeds
+        again; the other parts are looked at all the same.
+        """
+        for what, look in self._parts.items():
+            try:
+                look()
+            except Exception as error:  # noqa: BLE001 - told; the watching goes on
+                if what not in self._failing:
+                    self._failing.add(what)
+                    self._tell_failure(what, error)
+            else:
+                self._failing.discard(what)
+
+    def _tell_failure(self, what: str, error: Exception) -> None:
+        _log.exception("Changes of %s cannot be watched.", what)
+        self._log.record(
+            EventKind.EVENTS,
+            f"Changes of {what} cannot be watched and are missing here: {error!r}.",
+            severity=Severity.ERROR,
+            what=what,
+            result="failed",
+        )
 
     def _run(self) -> None:
         while not self._end.wait(LOOK_PERIOD):
@@ -139,6 +166,10 @@ class StateWatcher:
                 "errors": errors,
             },
         )
+
+    def _look_at_deadlines(self) -> None:
+        loop = self._station.loop
+        self._bursts.look(loop.skipped, loop.cycle, loop.clock.now())
 
     def _look_at_controllers(self) -> None:
         present = {status.name: status for status in self._station.manager.conditions()}

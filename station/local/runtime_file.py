@@ -30,6 +30,7 @@ class RunningStation:
         started: When that process started, as the system counts it; tells a process
             from a later one with the same number. Empty where unknown.
         watchdog_url: The listener of its watchdog; empty when there is none.
+        certificate: The file of the certificate it serves with; empty without TLS.
     """
 
     url: str
@@ -40,6 +41,7 @@ class RunningStation:
     pid: int
     started: str
     watchdog_url: str = ""
+    certificate: str = ""
 
 
 def write_runtime_file(running: RunningStation) -> Path:

@@ -56,6 +56,12 @@ def watchdog_of(url: str) -> str:
     return found.get(_netloc(url), "")
 
 
+def certificate_of(url: str) -> str:
+    """Return the certificate's file of a station on this machine; empty if none."""
+    found = {urlsplit(s.url).netloc: s.certificate for s in find_running()}
+    return found.get(_netloc(url), "")
+
+
 def _netloc(url: str) -> str:
     return urlsplit(url).netloc.replace("localhost", "127.0.0.1")
 

@@ -6,6 +6,7 @@ that browser logged in, so the station sees who acts and decides by that role.
 
 import asyncio
 import contextlib
+import ssl
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import TYPE_CHECKING
 
@@ -38,13 +39,17 @@ class ApiRelay:
     Args:
         url: The station's API, e.g. `http://127.0.0.1:8000`.
         token: The operator's token that the dashboard itself acts with.
+        tls: How the station's certificate is checked; None for plain HTTP.
     """
 
-    def __init__(self, url: str, token: str) -> None:
+    def __init__(self, url: str, token: str, tls: ssl.SSLContext | None = None) -> None:
         self._url = url
         self._token = token
+        self._tls = tls
         self._http = httpx.AsyncClient(
-            trust_env=False, timeout=httpx.Timeout(ANSWER_TIME, connect=_CONNECT_TIME)
+            trust_env=False,
+            timeout=httpx.Timeout(ANSWER_TIME, connect=_CONNECT_TIME),
+            verify=True if tls is None else tls,
         )
         self._home = url, token
 
@@ -142,6 +147,7 @@ class ApiRelay:
                 max_size=_MAX_FRAME_BYTES,
                 max_queue=4,
                 proxy=None,
+                ssl=self._tls,
                 open_timeout=_CONNECT_TIME,
                 close_timeout=0.5,
             )

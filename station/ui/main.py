@@ -65,6 +65,8 @@ class DashboardConfig:
         beside: Further robots of the same station, e.g. the second arm.
         host_names: Further names under which users reach the dashboard.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
+        ca: File of the certificates to trust with https; None for those of the station
+            on this machine, or of the system.
         follower: Tells which station takes the place of one that has crashed, and when
             to end; None stays with the station at `url` until a signal comes.
     """
@@ -79,6 +81,7 @@ class DashboardConfig:
     beside: tuple[DrawnRobot, ...] = ()
     host_names: tuple[str, ...] = ()
     watchdog_url: str = ""
+    ca: str | None = None
     follower: StationFollower | None = None
 
 
@@ -126,14 +129,14 @@ async def _serve(
         loop.add_signal_handler(number, ended.set)
     robots, not_drawn = _load(config)
     guarded = open_viser("Controls")
-    api = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
+    api = _client(config)
     relay = ViserRelay(guarded.port, guarded.secret)
-    shown = AsyncStationClient(config.url, config.token, timeout=_REQUEST_TIMEOUT)
+    shown = _client(config)
     dashboard = Dashboard(
         guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
     )
     button = StopButton(api, config.token, config.watchdog_url)
-    forwarded = ApiRelay(config.url, config.token)
+    forwarded = ApiRelay(config.url, config.token, api.tls)
     server = _Server(_gateway(config, api, button, dashboard, relay, forwarded))
 
     def move_to(access: StationAccess) -> None:
@@ -157,6 +160,12 @@ async def _serve(
         await relay.close()
         await forwarded.close()
         await api.close()
+
+
+def _client(config: DashboardConfig) -> AsyncStationClient:
+    return AsyncStationClient(
+        config.url, config.token, timeout=_REQUEST_TIMEOUT, ca=config.ca
+    )
 
 
 def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
@@ -203,7 +212,7 @@ def _gateway(
     forwarded: ApiRelay,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
-        return await ask_role(api.url, token)
+        return await ask_role(api.url, token, config.ca)
 
     def client_of(session: Session) -> AsyncStationClient:
         token = forwarded.credential(session)
@@ -224,12 +233,13 @@ def _gateway(
     )
 
 
-async def ask_role(url: str, token: str) -> Role | None:
+async def ask_role(url: str, token: str, ca: str | None = None) -> Role | None:
     """Ask the station which role a token has.
 
     Args:
         url: The station's API.
         token: What somebody entered.
+        ca: File of the certificates to trust with https, see `DashboardConfig`.
 
     Returns:
         The role, or None for a wrong token.
@@ -239,7 +249,9 @@ async def ask_role(url: str, token: str) -> Role | None:
     """
     if not token.isascii() or not token.isprintable():
         return None
-    async with AsyncStationClient(url, token, timeout=_REQUEST_TIMEOUT) as client:
+    async with AsyncStationClient(
+        url, token, timeout=_REQUEST_TIMEOUT, ca=ca
+    ) as client:
         try:
             return Role((await client.session()).role)
         except ApiError as error:

@@ -1,5 +1,7 @@
 """The lease of control."""
 
+import threading
+
 import pytest
 
 from station.api.auth import Access, Role, Session
@@ -32,6 +34,11 @@ def held():
 @pytest.fixture
 def control(log, held, clock):
     return Control(log, held.append, clock.now)
+
+
+def command(control, controller):
+    with control.commanding(ADA, None, controller):
+        pass
 
 
 def results(log):
@@ -77,7 +84,7 @@ def test_it_expires_without_a_heartbeat_and_what_moved_is_held(
     control, clock, held, log
 ):
     control.take(ADA, None, "Ada", 10.0, origin=ME)
-    control.note_command("arm")
+    command(control, "arm")
     clock.advance(9.0)
     control.renew(ADA, None, None, None, ME)
     clock.advance(9.0)
@@ -93,7 +100,7 @@ def test_it_expires_without_a_heartbeat_and_what_moved_is_held(
 
 def test_it_is_taken_by_force_and_what_moved_is_held(control, held, log):
     control.take(ADA, None, "Ada", 10.0, origin=ME)
-    control.note_command("arm")
+    command(control, "arm")
     told = []
     control.listen(lambda: told.append(control.present().owner))
 
@@ -109,7 +116,7 @@ def test_it_is_taken_by_force_and_what_moved_is_held(control, held, log):
 
 def test_it_is_handed_over_to_a_named_one_and_the_motion_goes_on(control, held, log):
     control.take(ADA, None, "Ada", 10.0, origin=ME)
-    control.note_command("arm")
+    command(control, "arm")
     control.renew(ADA, None, None, "grace", ME)
 
     with pytest.raises(ControlHeldError):
@@ -119,6 +126,41 @@ def test_it_is_handed_over_to_a_named_one_and_the_motion_goes_on(control, held, 
     assert control.present().owner == "Dr. Hopper"
     assert held == []
     assert results(log) == ["taken", "offered", "handed over"]
+
+
+def test_an_heir_who_uses_force_takes_control_as_anybody_does(control, held, log):
+    control.take(ADA, None, "Ada", 10.0, origin=ME)
+    command(control, "arm")
+    control.renew(ADA, None, None, "grace", ME)
+
+    control.take(GRACE, None, "Grace", 10.0, force=True, origin=ME)
+
+    assert held == [{"arm"}]
+    assert results(log) == ["taken", "offered", "forced"]
+
+
+def test_a_set_point_that_comes_after_the_take_over_is_refused(control):
+    control.take(ADA, None, "Ada", 10.0, origin=ME)
+    control.take(GRACE, None, "Grace", 10.0, force=True, origin=ME)
+
+    with pytest.raises(ControlHeldError):
+        command(control, "arm")
+    assert control.present().commanded == set()
+
+
+def test_nobody_takes_control_while_a_set_point_is_given(control, held):
+    control.take(ADA, None, "Ada", 10.0, origin=ME)
+    taken = threading.Thread(
+        target=lambda: control.take(GRACE, None, "G", 10.0, force=True, origin=ME)
+    )
+    with control.commanding(ADA, None, "arm"):
+        taken.start()
+        taken.join(0.05)  # as long as it takes to take control, many times over
+        assert control.present().owner == "Ada"
+    taken.join(5.0)
+
+    assert control.present().owner == "G"
+    assert held == [{"arm"}]
 
 
 def test_it_is_given_back(control, held):

@@ -2,9 +2,11 @@
 
 import asyncio
 import stat
+import threading
 
 import pytest
 
+from station.api import named_tokens
 from station.api.named_tokens import (
     MOST_TOKENS,
     NamedTokens,
@@ -20,7 +22,7 @@ def path(tmp_path):
 
 
 def test_a_token_is_known_again_after_a_restart_but_not_kept(path):
-    secret = NamedTokens(path).create("ada", "operator", None)
+    secret = asyncio.run(NamedTokens(path).create("ada", "operator", None))
 
     token = NamedTokens(path).find(secret)
 
@@ -32,22 +34,22 @@ def test_a_token_is_known_again_after_a_restart_but_not_kept(path):
 
 def test_a_revoked_token_is_gone_for_good(path):
     tokens = NamedTokens(path)
-    secret = tokens.create("ada", "operator", None)
+    secret = asyncio.run(tokens.create("ada", "operator", None))
     held = tokens.find(secret)
 
-    tokens.revoke("ada")
+    asyncio.run(tokens.revoke("ada"))
 
     assert held.has_ended()
     asyncio.run(asyncio.wait_for(held.wait_for_end(), 5.0))
     assert tokens.find(secret) is None
     assert NamedTokens(path).all() == []
     with pytest.raises(TokenNotFoundError):
-        tokens.revoke("ada")
+        asyncio.run(tokens.revoke("ada"))
 
 
 def test_an_expired_token_is_gone():
     tokens = NamedTokens(now=lambda: 1000.0)  # long ago
-    secret = tokens.create("ada", "viewer", 60.0)
+    secret = asyncio.run(tokens.create("ada", "viewer", 60.0))
 
     assert tokens.find(secret) is None
     assert tokens.all() == []
@@ -56,33 +58,69 @@ def test_an_expired_token_is_gone():
 @pytest.mark.parametrize("name", ["ada", "operator", "viewer"])
 def test_names_are_given_once(name):
     tokens = NamedTokens()
-    tokens.create("ada", "viewer", None)
+    asyncio.run(tokens.create("ada", "viewer", None))
 
     with pytest.raises(TokenExistsError):
-        tokens.create(name, "viewer", None)
+        asyncio.run(tokens.create(name, "viewer", None))
 
 
 def test_tokens_are_limited():
     tokens = NamedTokens()
     for number in range(MOST_TOKENS):
-        tokens.create(f"t{number}", "viewer", None)
+        asyncio.run(tokens.create(f"t{number}", "viewer", None))
 
     with pytest.raises(TokenExistsError):
-        tokens.create("another", "viewer", None)
+        asyncio.run(tokens.create("another", "viewer", None))
 
 
 def test_a_disk_that_fails_makes_no_token_and_revokes_all_the_same(tmp_path):
     tokens = NamedTokens(tmp_path / "tokens.json")
-    secret = tokens.create("ada", "operator", None)
+    secret = asyncio.run(tokens.create("ada", "operator", None))
     tokens._path = tmp_path / "missing" / "tokens.json"
 
     with pytest.raises(TokensNotKeptError):
-        tokens.create("grace", "operator", None)
+        asyncio.run(tokens.create("grace", "operator", None))
     with pytest.raises(TokensNotKeptError):
-        tokens.revoke("ada")
+        asyncio.run(tokens.revoke("ada"))
 
     assert tokens.find(secret) is None
     assert tokens.all() == []
+
+
+def test_the_event_loop_goes_on_while_the_disk_is_slow(path, monkeypatch):
+    tokens = NamedTokens(path)
+    went_on = threading.Event()
+
+    def write_when_the_loop_went_on(*_):
+        assert went_on.wait(5.0), "the event loop waits for the disk"
+
+    monkeypatch.setattr(named_tokens, "_write_whole", write_when_the_loop_went_on)
+
+    async def create_and_go_on():
+        created = asyncio.create_task(tokens.create("ada", "viewer", None))
+        await asyncio.sleep(0)
+        went_on.set()
+        return await created
+
+    secret = asyncio.run(create_and_go_on())
+
+    assert tokens.find(secret).name == "ada"
+
+
+def test_changes_at_the_same_time_keep_each_other(path):
+    tokens = NamedTokens(path)
+
+    async def change():
+        await tokens.create("old", "viewer", None)
+        await asyncio.gather(
+            tokens.create("ada", "viewer", None),
+            tokens.revoke("old"),
+            tokens.create("grace", "viewer", None),
+        )
+
+    asyncio.run(change())
+
+    assert [token.name for token in NamedTokens(path).all()] == ["ada", "grace"]
 
 
 def test_a_damaged_file_is_told(path):

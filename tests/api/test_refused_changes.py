@@ -3,6 +3,7 @@
 The routes are those of the app itself, so that a new one is tried, too.
 """
 
+import asyncio
 import re
 
 import httpx
@@ -115,15 +116,16 @@ def test_while_another_operator_holds_control(bare, app, method, path):
 @pytest.mark.parametrize(("method", "path"), but(WITHOUT_TOKEN))
 def test_a_revoked_token(bare, app, method, path):
     named = app.state.authenticator.named
-    secret = named.create("eve", "operator", None)
-    named.revoke("eve")
+    secret = asyncio.run(named.create("eve", "operator", None))
+    asyncio.run(named.revoke("eve"))
 
     assert bare.request(method, path, headers=bearer(secret)).status_code == 401
 
 
 def test_a_revoked_token_with_an_open_socket():
     app = create_app(make_station(), Authenticator(OPERATOR, VIEWER))
-    secret = app.state.authenticator.named.create("eve", "operator", None)
+    named = app.state.authenticator.named
+    secret = asyncio.run(named.create("eve", "operator", None))
     with (
         ApiServer(app, port=0) as server,
         httpx.Client(base_url=server.url, trust_env=False) as client,

@@ -10,8 +10,10 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from station.api.server import ApiServer, ServerStartError
+from station.local.tls import TlsFiles, TlsFilesError, trust
 from tests.api.conftest import OPERATOR
 from tests.api.test_errors import problem_of
+from tests.certificates import make_certificate
 
 BEARER = {"Authorization": f"Bearer {OPERATOR}"}
 
@@ -164,3 +166,25 @@ def test_answers_do_not_wait_for_acknowledgements(server):
 
 def test_it_does_not_say_what_it_is_made_of(server):
     assert "server" not in httpx.get(f"{server.url}/api/v1/health").headers
+
+
+def test_with_tls_it_speaks_https_alone(app, tmp_path):
+    tls = make_certificate(tmp_path)
+    with ApiServer(app, port=0, tls=tls) as server:
+        assert server.url == f"https://127.0.0.1:{server.port}"
+        trusted = trust(server.url, tls.certificate)
+        login = httpx.post(
+            f"{server.url}/api/v1/login", json={"token": OPERATOR}, verify=trusted
+        )
+        with pytest.raises(httpx.TransportError):
+            httpx.get(f"http://127.0.0.1:{server.port}/api/v1/health")
+
+    assert login.status_code == 200
+    assert "Secure" in login.headers["set-cookie"]
+
+
+def test_a_certificate_that_cannot_be_used_is_told_at_once(app, tmp_path):
+    tls = TlsFiles(tmp_path / "missing.crt", tmp_path / "missing.key")
+
+    with pytest.raises(TlsFilesError, match=r"missing\.crt cannot be read"):
+        ApiServer(app, port=0, tls=tls)

@@ -14,10 +14,14 @@ from station.api.server import ApiServer
 from station.app import lifecycle
 from station.app.lifecycle import StationRun
 from station.app.ui_process import UiOptions
+from station.client import StationClient
 from station.config import load_config
+from station.config.models import TlsSection
 from station.core.errors import StationError
 from station.local.runtime_file import find_running
+from station.local.tls import TlsFilesError
 from tests.app.mass_hw import BROKEN_TYPE, TYPE
+from tests.certificates import make_certificate
 
 CONTROLLERS = (
     "{arm: {type: position_controllers/JointGroupPositionController, "
@@ -217,3 +221,42 @@ def test_end_of_the_dashboard_is_told(config_with_ui, monkeypatch):
     listener.run(config_with_ui)
 
     assert "station ui --connect" in listener.warnings[-1]
+
+
+def with_tls(config, certificate, key):
+    tls = TlsSection(certificate=str(certificate), key=str(key))
+    api = config.api.model_copy(update={"tls": tls})
+    return config.model_copy(update={"api": api})
+
+
+def test_with_tls_programs_of_the_user_find_and_trust_the_station(
+    config, tmp_path, monkeypatch
+):
+    for variable in ("STATION_URL", "STATION_TOKEN", "STATION_CA"):
+        monkeypatch.delenv(variable, raising=False)
+    files = make_certificate(tmp_path, names="DNS:robot.example")
+    modes = []
+
+    def ask(_):
+        with StationClient() as client:
+            modes.append((client.url, client.ready().ready))
+
+    listener = Listener(when_running=ask)
+    listener.run(with_tls(config, files.certificate, files.key))
+
+    assert listener.announcements[0].api_url.startswith("https://127.0.0.1:")
+    assert modes == [(listener.announcements[0].api_url, modes[0][1])]
+
+
+def test_the_dashboard_of_a_station_with_tls_speaks_plain_http():
+    assert lifecycle._dashboard_url("https://[::1]:8000", 8080) == "http://[::1]:8080"
+
+
+def test_a_certificate_that_cannot_be_used_is_told_before_anything_starts(
+    config, tmp_path
+):
+    listener = Listener()
+    with pytest.raises(TlsFilesError, match=r"none\.crt cannot be read"):
+        listener.run(with_tls(config, tmp_path / "none.crt", tmp_path / "none.key"))
+
+    assert listener.announcements == []

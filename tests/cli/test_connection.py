@@ -9,7 +9,7 @@ from station.cli.errors import UsageError
 
 
 def test_client_talks_to_the_station():
-    with open_client(Namespace(url="http://robot:8000/", token="t")) as client:
+    with open_client(Namespace(url="http://robot:8000/", token="t", ca=None)) as client:
         assert client.url == "http://robot:8000"
 
 

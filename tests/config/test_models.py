@@ -3,6 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
+from station.config.errors import ConfigError
 from station.config.loading import load_config
 from station.config.models import ApiSection, LoopSection
 
@@ -41,3 +42,20 @@ def test_parameters_keep_their_types_and_order():
         "supervisor": {"velocity_factor": 1.5, "torque_factor": 1.2},
         "realtime_config": "ignore",
     }
+
+
+@pytest.mark.parametrize("given", ["certificate", "key"])
+def test_half_of_tls_is_refused_with_its_place(tmp_path, given):
+    path = tmp_path / "station.yaml"
+    path.write_text(f"api: {{tls: {{{given}: a.pem}}}}")
+
+    with pytest.raises(ConfigError, match="both certificate and key, or neither"):
+        load_config(path)
+
+
+def test_tls_is_set_by_flags():
+    flags = {"api.tls.certificate": "a.crt", "api.tls.key": "a.key"}
+    tls = load_config(flags=flags).api.tls
+
+    assert (tls.certificate, tls.key) == ("a.crt", "a.key")
+    assert load_config().api.tls.certificate is None

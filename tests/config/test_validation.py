@@ -71,7 +71,7 @@ def test_modules_of_configured_controllers_may_be_loaded_besides_the_listed_ones
         (
             "api",
             {"host": "h", "port": 0, "token": None, "prot": 1},
-            "<api/prot>: api.prot is unknown; allowed are host, port, token.",
+            "<api/prot>: api.prot is unknown; allowed are host, port, token, tls.",
         ),
         (
             "station",

@@ -108,6 +108,32 @@ def test_missed_deadlines_close_to_each_other_are_one_event(station, log, watche
     assert event.details["missed"] == 7
 
 
+def test_a_look_that_fails_is_told_once_and_the_others_go_on(
+    station, log, monkeypatch, caplog
+):
+    looks = []
+    watcher = StateWatcher(station, log, lambda: looks.append(1))
+
+    def fail():
+        raise RuntimeError("a list that changed its size")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(station.manager, "conditions", fail)
+        station.stop("now")
+        watcher.look()
+        watcher.look()
+    assert told(log, EventKind.EVENTS) == [("the controllers", "failed")]
+    assert told(log, EventKind.STOP) == [("", "stopped")]
+    assert len(looks) == 2
+    assert caplog.text.count("a list that changed its size") >= 1
+    assert caplog.text.count("cannot be watched") == 1
+
+    watcher.look()
+    monkeypatch.setattr(station.manager, "conditions", fail)
+    watcher.look()
+    assert len(told(log, EventKind.EVENTS)) == 2
+
+
 def test_the_thread_looks_and_ends(station, log):
     watcher = StateWatcher(station, log)
     watcher.start()

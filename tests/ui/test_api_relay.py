@@ -10,8 +10,14 @@ from starlette.routing import Route, WebSocketRoute
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.server import ApiServer
+from station.local.tls import trust
 from station.ui.api_relay import ApiRelay
 from station.ui.sessions import Role, Session
+from tests.api.spring import make_station
+from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
 from tests.ui.served import Served
 
@@ -19,8 +25,8 @@ from tests.ui.served import Served
 class _Page:
     """A relay that serves one browser, without the gateway before it."""
 
-    def __init__(self, url):
-        self.relay = ApiRelay(url, OPERATOR)
+    def __init__(self, url, tls=None):
+        self.relay = ApiRelay(url, OPERATOR, tls)
         self.session = Session("cookie", Role.OPERATOR, OPERATOR)
         self.logged_out = asyncio.Event()
 
@@ -152,3 +158,15 @@ def test_only_chosen_headers_go_either_way():
     assert "cookie" not in seen
     assert told.headers["etag"] == '"7"'
     assert "set-cookie" not in told.headers
+
+
+def test_a_station_with_tls_is_asked_if_its_certificate_is_trusted(tmp_path):
+    tls = make_certificate(tmp_path)
+    app = create_app(make_station(), Authenticator(OPERATOR, VIEWER))
+    with ApiServer(app, port=0, tls=tls) as server:
+        for trusted, status in ((trust(server.url, tls.certificate), 200), (None, 502)):
+            page = _Page(server.url, trusted)
+            with Served(page.app()) as gateway:
+                answer = httpx.get(f"{gateway.url}/api/v1/status")
+                httpx.get(gateway.url + "/close")
+            assert answer.status_code == status

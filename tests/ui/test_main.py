@@ -8,9 +8,14 @@ import time
 
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.server import ApiServer
 from station.client import StationUnreachableError
 from station.ui.main import ask_role, dashboard_url
 from station.ui.sessions import Role
+from tests.api.spring import make_station
+from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER
 
 PROGRAM = """
@@ -32,6 +37,15 @@ def test_the_station_decides_the_role(fake_station, token, role):
 def test_an_absent_station_is_no_wrong_token():
     with pytest.raises(StationUnreachableError):
         asyncio.run(ask_role("http://127.0.0.1:9", OPERATOR))
+
+
+def test_the_role_is_asked_over_tls(tmp_path):
+    tls = make_certificate(tmp_path)
+    app = create_app(make_station(), Authenticator(OPERATOR, VIEWER))
+    with ApiServer(app, port=0, tls=tls) as server:
+        role = asyncio.run(ask_role(server.url, VIEWER, str(tls.certificate)))
+
+    assert role is Role.VIEWER
 
 
 @pytest.mark.parametrize(

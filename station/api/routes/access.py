@@ -53,7 +53,7 @@ async def _access_of(
 
 
 def _set_cookie(
-    response: Response, authenticator: Authenticator, access: Access
+    request: Request, response: Response, authenticator: Authenticator, access: Access
 ) -> None:
     response.set_cookie(
         authenticator.cookie_name,
@@ -62,6 +62,7 @@ def _set_cookie(
         path="/",
         httponly=True,
         samesite="strict",
+        secure=request.url.scheme == "https",
     )
 
 
@@ -75,7 +76,7 @@ async def login(
 ) -> Session:
     """Exchange a token for a session cookie (SameSite=Strict, HttpOnly)."""
     access = await _access_of(request, authenticator, failed_logins, body.token)
-    _set_cookie(response, authenticator, access)
+    _set_cookie(request, response, authenticator, access)
     return Session(role=access.role.value, name=access.name)
 
 
@@ -126,5 +127,5 @@ async def login_by_link(
     # send people there; browsers take // and /\\ for the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))
     response = RedirectResponse(target if own else "/docs", status_code=303)
-    _set_cookie(response, authenticator, access)
+    _set_cookie(request, response, authenticator, access)
     return response

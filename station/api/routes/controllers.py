@@ -4,7 +4,7 @@ from fastapi import APIRouter, Request, Response
 
 from station.api import answers
 from station.api.dependencies import EventRecorderDep, Operator, StationDep, Viewer
-from station.api.json_route import JsonRoute
+from station.api.idempotency import Idempotent, IdempotentRoute
 from station.api.routes.problems import problems
 from station.core.control import switching
 from station.core.facade.station import Station
@@ -20,7 +20,9 @@ from station.wire import (
     SwitchResult,
 )
 
-router = APIRouter(tags=["controllers"], dependencies=[Viewer], route_class=JsonRoute)
+router = APIRouter(
+    tags=["controllers"], dependencies=[Viewer], route_class=IdempotentRoute
+)
 
 
 @router.get("/controllers", responses=problems())
@@ -32,7 +34,7 @@ def list_controllers(station: StationDep) -> Controllers:
 @router.post(
     "/controllers",
     status_code=201,
-    dependencies=[Operator],
+    dependencies=[Operator, Idempotent],
     responses={
         200: {"model": ControllerState, "description": "It is loaded already."},
         **problems(404, 409, 413, 422),
@@ -57,7 +59,7 @@ def _is_loaded(station: Station, name: str) -> bool:
 
 @router.post(
     "/controllers/switch",
-    dependencies=[Operator],
+    dependencies=[Operator, Idempotent],
     responses=problems(404, 409, 413, 422, 423, 503, 504),
 )
 def switch_controllers(
@@ -97,7 +99,9 @@ def get_controller(name: str, station: StationDep) -> ControllerState:
 
 
 @router.delete(
-    "/controllers/{name}", dependencies=[Operator], responses=problems(404, 409)
+    "/controllers/{name}",
+    dependencies=[Operator, Idempotent],
+    responses=problems(404, 409, 422),
 )
 def unload_controller(name: str, station: StationDep) -> ControllerState:
     """Unload a controller that does not run; return its last state.

@@ -3,7 +3,14 @@
 from fastapi import APIRouter
 
 from station.api import answers
-from station.api.dependencies import ControlDep, Operator, StationDep, Viewer
+from station.api.dependencies import (
+    AccessDep,
+    ControlDep,
+    LeaseKey,
+    Operator,
+    StationDep,
+    Viewer,
+)
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -30,17 +37,28 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
     responses=problems(404, 409, 413, 422, 423),
 )
 def put_command(
-    name: str, request: CommandRequest, station: StationDep, control: ControlDep
+    name: str,
+    request: CommandRequest,
+    station: StationDep,
+    control: ControlDep,
+    access: AccessDep,
+    key: LeaseKey = None,
 ) -> CommandAccepted:
     """Give a running controller a set-point; the newest wins.
 
     The answer says which cycle was the first with the set-point.
     """
     receipt = station.motion.receipt()
-    epoch = station.motion.set_command(
-        name, request.command, request.epoch, request.timeout, request.rates, receipt
-    )
-    control.note_command(name)
+    # Control may have changed hands since the request's access was checked.
+    with control.commanding(access, key, name):
+        epoch = station.motion.set_command(
+            name,
+            request.command,
+            request.epoch,
+            request.timeout,
+            request.rates,
+            receipt,
+        )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 
 

@@ -50,7 +50,7 @@ async def create_token(
     """
     _check_own(access)
     named = authenticator.named
-    secret = named.create(request.name, request.role, request.expires)
+    secret = await named.create(request.name, request.role, request.expires)
     token = named.get(request.name)
     event_recorder.log.record(
         EventKind.TOKEN,
@@ -73,7 +73,7 @@ async def revoke_token(
 ) -> Token:
     """Revoke a token; its sessions, streams and lease of control end at once."""
     _check_own(access)
-    token = authenticator.named.revoke(name)
+    token = await authenticator.named.revoke(name)
     event_recorder.log.record(
         EventKind.TOKEN,
         f"The token of {name} was revoked.",

@@ -214,6 +214,8 @@ class CommandStream:
             self._control.check(self._access, self._request.lease)
             try:
                 self._apply(message)
+            except ControlHeldError:
+                raise
             except (StationError, ValueError) as error:
                 self._refused += 1
                 self._error = _told(error)
@@ -224,6 +226,7 @@ class CommandStream:
         """Check a set-point and hand it on.
 
         Raises:
+            ControlHeldError: Somebody else holds control.
             ValueError: It is malformed, or asks to be valid for too long.
         """
         motion, request = self._station.motion, self._request
@@ -235,15 +238,15 @@ class CommandStream:
                 f"more than 0 and at most {request.timeout} s."
             )
         receipt = motion.receipt()
-        motion.set_command(
-            request.controller,
-            command.command,
-            command.epoch,
-            timeout,
-            command.rates,
-            receipt,
-        )
-        self._control.note_command(request.controller)
+        with self._control.commanding(self._access, request.lease, request.controller):
+            motion.set_command(
+                request.controller,
+                command.command,
+                command.epoch,
+                timeout,
+                command.rates,
+                receipt,
+            )
         self._waiting = receipt
 
     def _settle(self) -> None:

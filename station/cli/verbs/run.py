@@ -21,6 +21,8 @@ _FLAGS = {
     "host": "api.host",
     "port": "api.port",
     "token": "api.token",
+    "tls_cert": "api.tls.certificate",
+    "tls_key": "api.tls.key",
     "ui_port": "ui.port",
 }
 

@@ -29,9 +29,9 @@ def switch_controllers(options: Namespace) -> int:
             "No controller is named.",
             remedy="Name some with --activate, --deactivate or both.",
         )
-    limit: dict[str, float | None] = {}
-    if options.switch_bound is not None:
-        limit["bound"] = None if isinf(options.switch_bound) else options.switch_bound
+    from station.wire.controllers import SWITCH_BOUND
+
+    bound = SWITCH_BOUND if options.switch_bound is None else options.switch_bound
     with open_client(options) as client:
         result = client.switch_controllers(
             start=options.activate,
@@ -39,7 +39,7 @@ def switch_controllers(options: Namespace) -> int:
             strictness="best_effort" if options.best_effort else "strict",
             start_asap=options.activate_asap,
             timeout=options.switch_timeout,
-            **limit,
+            bound=None if isinf(bound) else bound,
             dry_run=options.dry_run,
         )
     return _tell(result, as_json=options.json)

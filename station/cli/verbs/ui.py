@@ -54,6 +54,7 @@ def ui(options: Namespace) -> int:
         ),
         host_names=tuple(host_names(options.host)),
         watchdog_url=watchdog_url,
+        ca=options.ca,
         follower=follower,
     )
     tell = _quiet if options.parent_pid else _say_json if options.json else _say

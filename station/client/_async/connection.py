@@ -2,6 +2,7 @@
 
 import json
 import math
+import ssl
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -26,12 +27,14 @@ class AsyncConnection:
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; httpx's own when None.
+        tls: How the station's certificate is checked; None for plain HTTP.
 
     Attributes:
         url: The station.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s]; may be changed.
         lease: The lease of control that requests act under; None without one.
+        tls: How the station's certificate is checked; None for plain HTTP.
     """
 
     def __init__(
@@ -40,17 +43,20 @@ class AsyncConnection:
         token: str | None,
         timeout: float,
         transport: httpx.AsyncBaseTransport | None = None,
+        tls: ssl.SSLContext | None = None,
     ) -> None:
         self.url = url
         self.token = token
         self.timeout = timeout
         self.lease: str | None = None
+        self.tls = tls
         self._http = httpx.AsyncClient(
             base_url=url,
             headers=bearer(token),
             timeout=timeout,
             transport=transport,
             trust_env=False,
+            verify=True if tls is None else tls,
         )
 
     async def close(self) -> None:
@@ -81,7 +87,14 @@ class AsyncConnection:
             reconnect: Connect again when the link breaks.
         """
         return StreamOptions(
-            self.url, self.token, topic, rate, tuple(fields), reconnect, self.timeout
+            self.url,
+            self.token,
+            topic,
+            rate,
+            tuple(fields),
+            reconnect,
+            self.timeout,
+            self._tls_of_streams(),
         )
 
     def command_options(self, controller: str, timeout: float) -> CommandOptions:
@@ -92,8 +105,18 @@ class AsyncConnection:
             timeout: Silence after which the last set-point expires [s], > 0.
         """
         return CommandOptions(
-            self.url, self.token, self.lease, controller, timeout, self.timeout
+            self.url,
+            self.token,
+            self.lease,
+            controller,
+            timeout,
+            self.timeout,
+            self._tls_of_streams(),
         )
+
+    def _tls_of_streams(self) -> ssl.SSLContext | None:
+        # A WebSocket without TLS takes no context.
+        return self.tls if self.url.startswith("https:") else None
 
     async def get(
         self, path: str, answer: type[ModelT], query: Query | None = None

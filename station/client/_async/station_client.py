@@ -1,6 +1,6 @@
 """The client of a station: one method per route."""
 
-import math
+import ssl
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -12,6 +12,7 @@ from station import wire
 from station.client._async.collecting import collect
 from station.client._async.connection import AsyncConnection
 from station.client._async.control_lease import AsyncControlLease
+from station.client._async.controller_changes import load, switch, unload
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.motion import move_to, start_move
 from station.client._async.recordings_client import kept_on_disk
@@ -34,7 +35,8 @@ from station.client.routes import (
 from station.client.samples import Samples
 from station.client.stream_options import Rate
 from station.local.station_locator import locate
-from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
+from station.local.tls import trust
+from station.wire.controllers import SWITCH_BOUND
 
 
 class AsyncStationClient:
@@ -58,9 +60,13 @@ class AsyncStationClient:
             of a station on this machine; without one only `health` and `ready` work.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; for tests.
+        ca: PEM file with the certificates to trust with an https `url`. When None it is
+            `STATION_CA`, or else the certificate of the station on this machine, or
+            else what the system trusts.
 
     Raises:
         NoStationError: No `url`, and no station or several on this machine.
+        TlsFilesError: The certificates to trust cannot be read.
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
@@ -77,9 +83,12 @@ class AsyncStationClient:
         *,
         timeout: float = 10.0,
         transport: httpx.AsyncBaseTransport | None = None,
+        ca: str | None = None,
     ) -> None:
         url, token = locate(url, token)
-        self._connection = AsyncConnection(url.rstrip("/"), token, timeout, transport)
+        self._connection = AsyncConnection(
+            url.rstrip("/"), token, timeout, transport, trust(url, ca)
+        )
         self.simulation = AsyncSimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
         self.gain_sets, self.recordings, self.incidents = kept
@@ -98,7 +107,7 @@ class AsyncStationClient:
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the station and where it is looked at."""
-        return describe(self.url, self._connection.token)
+        return describe(self.url, self._connection.token, tls=self._connection.tls)
 
     @property
     def url(self) -> str:
@@ -114,10 +123,16 @@ class AsyncStationClient:
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
 
+    @property
+    def tls(self) -> ssl.SSLContext | None:
+        """How the station's certificate is checked; None for plain HTTP."""
+        return self._connection.tls
+
     def talk_to(self, url: str, token: str | None) -> None:
         """Talk to another station from the next request on.
 
-        A stream that was opened before goes on with the station it was opened at.
+        A stream that was opened before goes on with the station it was opened at. The
+        certificates that are trusted stay the same.
 
         Args:
             url: The station.
@@ -165,6 +180,7 @@ class AsyncStationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
+        idempotency_key: str | None = None,
     ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
 
@@ -174,17 +190,23 @@ class AsyncStationClient:
             params: Its parameters; None when the station's configuration has them.
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
+            idempotency_key: Random name of the request, 1 to 200 visible ASCII
+                characters: sent again with the same key within 10 minutes, e.g. after a
+                lost connection, it is carried out once.
         """
         request = load_request(name, type, params, timeout)
-        patience = LOAD_TIMEOUT if timeout is None else timeout
-        return await self._connection.send(
-            "POST", "/controllers", wire.ControllerState, request, patience=patience
-        )
+        return await load(self._connection, request, idempotency_key)
 
-    async def unload_controller(self, name: str) -> wire.ControllerState:
-        """Unload a stopped controller, or cancel its loading; return its last state."""
-        path = controller_path(name)
-        return await self._connection.send("DELETE", path, wire.ControllerState)
+    async def unload_controller(
+        self, name: str, *, idempotency_key: str | None = None
+    ) -> wire.ControllerState:
+        """Unload a stopped controller, or cancel its loading; return its last state.
+
+        Args:
+            name: Its name.
+            idempotency_key: As for `load_controller`.
+        """
+        return await unload(self._connection, name, idempotency_key)
 
     async def switch_controllers(
         self,
@@ -196,6 +218,7 @@ class AsyncStationClient:
         timeout: float = 0.0,
         bound: float | None = SWITCH_BOUND,
         dry_run: bool = False,
+        idempotency_key: str | None = None,
     ) -> wire.SwitchResult:
         """Start and stop controllers in one cycle.
 
@@ -209,6 +232,7 @@ class AsyncStationClient:
             bound: How long a switch without a timeout may take [s of wall time]; None
                 means as long as the hardware takes.
             dry_run: Only return what would happen.
+            idempotency_key: As for `load_controller`.
         """
         request = wire.SwitchRequest(
             start=list(start),
@@ -219,10 +243,7 @@ class AsyncStationClient:
             bound=bound,
             dry_run=dry_run,
         )
-        patience = timeout or (math.inf if bound is None else bound)
-        return await self._connection.send(
-            "POST", "/controllers/switch", wire.SwitchResult, request, patience=patience
-        )
+        return await switch(self._connection, request, idempotency_key)
 
     async def gains(self, name: str) -> wire.Gains:
         """Return a controller's gains, their units and ranges, and their ETag."""

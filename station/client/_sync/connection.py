@@ -3,6 +3,7 @@
 
 import json
 import math
+import ssl
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -27,12 +28,14 @@ class Connection:
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; httpx's own when None.
+        tls: How the station's certificate is checked; None for plain HTTP.
 
     Attributes:
         url: The station.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s]; may be changed.
         lease: The lease of control that requests act under; None without one.
+        tls: How the station's certificate is checked; None for plain HTTP.
     """
 
     def __init__(
@@ -41,17 +44,20 @@ class Connection:
         token: str | None,
         timeout: float,
         transport: httpx.BaseTransport | None = None,
+        tls: ssl.SSLContext | None = None,
     ) -> None:
         self.url = url
         self.token = token
         self.timeout = timeout
         self.lease: str | None = None
+        self.tls = tls
         self._http = httpx.Client(
             base_url=url,
             headers=bearer(token),
             timeout=timeout,
             transport=transport,
             trust_env=False,
+            verify=True if tls is None else tls,
         )
 
     def close(self) -> None:
@@ -82,7 +88,14 @@ class Connection:
             reconnect: Connect again when the link breaks.
         """
         return StreamOptions(
-            self.url, self.token, topic, rate, tuple(fields), reconnect, self.timeout
+            self.url,
+            self.token,
+            topic,
+            rate,
+            tuple(fields),
+            reconnect,
+            self.timeout,
+            self._tls_of_streams(),
         )
 
     def command_options(self, controller: str, timeout: float) -> CommandOptions:
@@ -93,8 +106,18 @@ class Connection:
             timeout: Silence after which the last set-point expires [s], > 0.
         """
         return CommandOptions(
-            self.url, self.token, self.lease, controller, timeout, self.timeout
+            self.url,
+            self.token,
+            self.lease,
+            controller,
+            timeout,
+            self.timeout,
+            self._tls_of_streams(),
         )
+
+    def _tls_of_streams(self) -> ssl.SSLContext | None:
+        # A WebSocket without TLS takes no context.
+        return self.tls if self.url.startswith("https:") else None
 
     def get(
         self, path: str, answer: type[ModelT], query: Query | None = None

@@ -1,7 +1,7 @@
 # Generated from _async/station_client.py by tools/generate_client.py.
 """The client of a station: one method per route."""
 
-import math
+import ssl
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
@@ -13,6 +13,7 @@ from station import wire
 from station.client._sync.collecting import collect
 from station.client._sync.connection import Connection
 from station.client._sync.control_lease import ControlLease
+from station.client._sync.controller_changes import load, switch, unload
 from station.client._sync.goal_handle import GoalHandle
 from station.client._sync.motion import move_to, start_move
 from station.client._sync.recordings_client import kept_on_disk
@@ -35,7 +36,8 @@ from station.client.samples import Samples
 from station.client.stream import Stream
 from station.client.stream_options import Rate
 from station.local.station_locator import locate
-from station.wire.controllers import LOAD_TIMEOUT, SWITCH_BOUND
+from station.local.tls import trust
+from station.wire.controllers import SWITCH_BOUND
 
 
 class StationClient:
@@ -59,9 +61,13 @@ class StationClient:
             of a station on this machine; without one only `health` and `ready` work.
         timeout: Longest wait for an answer [s].
         transport: How requests travel; for tests.
+        ca: PEM file with the certificates to trust with an https `url`. When None it is
+            `STATION_CA`, or else the certificate of the station on this machine, or
+            else what the system trusts.
 
     Raises:
         NoStationError: No `url`, and no station or several on this machine.
+        TlsFilesError: The certificates to trust cannot be read.
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
@@ -78,9 +84,12 @@ class StationClient:
         *,
         timeout: float = 10.0,
         transport: httpx.BaseTransport | None = None,
+        ca: str | None = None,
     ) -> None:
         url, token = locate(url, token)
-        self._connection = Connection(url.rstrip("/"), token, timeout, transport)
+        self._connection = Connection(
+            url.rstrip("/"), token, timeout, transport, trust(url, ca)
+        )
         self.simulation = SimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
         self.gain_sets, self.recordings, self.incidents = kept
@@ -99,7 +108,7 @@ class StationClient:
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the station and where it is looked at."""
-        return describe(self.url, self._connection.token)
+        return describe(self.url, self._connection.token, tls=self._connection.tls)
 
     @property
     def url(self) -> str:
@@ -115,10 +124,16 @@ class StationClient:
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
 
+    @property
+    def tls(self) -> ssl.SSLContext | None:
+        """How the station's certificate is checked; None for plain HTTP."""
+        return self._connection.tls
+
     def talk_to(self, url: str, token: str | None) -> None:
         """Talk to another station from the next request on.
 
-        A stream that was opened before goes on with the station it was opened at.
+        A stream that was opened before goes on with the station it was opened at. The
+        certificates that are trusted stay the same.
 
         Args:
             url: The station.
@@ -166,6 +181,7 @@ class StationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
+        idempotency_key: str | None = None,
     ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
 
@@ -175,17 +191,23 @@ class StationClient:
             params: Its parameters; None when the station's configuration has them.
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
+            idempotency_key: Random name of the request, 1 to 200 visible ASCII
+                characters: sent again with the same key within 10 minutes, e.g. after a
+                lost connection, it is carried out once.
         """
         request = load_request(name, type, params, timeout)
-        patience = LOAD_TIMEOUT if timeout is None else timeout
-        return self._connection.send(
-            "POST", "/controllers", wire.ControllerState, request, patience=patience
-        )
+        return load(self._connection, request, idempotency_key)
 
-    def unload_controller(self, name: str) -> wire.ControllerState:
-        """Unload a stopped controller, or cancel its loading; return its last state."""
-        path = controller_path(name)
-        return self._connection.send("DELETE", path, wire.ControllerState)
+    def unload_controller(
+        self, name: str, *, idempotency_key: str | None = None
+    ) -> wire.ControllerState:
+        """Unload a stopped controller, or cancel its loading; return its last state.
+
+        Args:
+            name: Its name.
+            idempotency_key: As for `load_controller`.
+        """
+        return unload(self._connection, name, idempotency_key)
 
     def switch_controllers(
         self,
@@ -197,6 +219,7 @@ class StationClient:
         timeout: float = 0.0,
         bound: float | None = SWITCH_BOUND,
         dry_run: bool = False,
+        idempotency_key: str | None = None,
     ) -> wire.SwitchResult:
         """Start and stop controllers in one cycle.
 
@@ -210,6 +233,7 @@ class StationClient:
             bound: How long a switch without a timeout may take [s of wall time]; None
                 means as long as the hardware takes.
             dry_run: Only return what would happen.
+            idempotency_key: As for `load_controller`.
         """
         request = wire.SwitchRequest(
             start=list(start),
@@ -220,10 +244,7 @@ class StationClient:
             bound=bound,
             dry_run=dry_run,
         )
-        patience = timeout or (math.inf if bound is None else bound)
-        return self._connection.send(
-            "POST", "/controllers/switch", wire.SwitchResult, request, patience=patience
-        )
+        return switch(self._connection, request, idempotency_key)
 
     def gains(self, name: str) -> wire.Gains:
         """Return a controller's gains, their units and ranges, and their ETag."""

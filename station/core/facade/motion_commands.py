@@ -26,8 +26,6 @@ from station.core.trajectory.trajectory_port import TrajectoryPort
 
 _PICK_UP = 0.02
 """How long a running loop may take to pick a command up [s]."""
-_AT_ONCE = 1e-9
-"""How long a set-point is valid that is to expire in the next cycle [s]."""
 _OVERTAKEN = "A stop, a reset or a recovery came before it began."
 
 
@@ -124,7 +122,8 @@ class MotionCommands:
         """Let the set-points of controllers expire now, as if nobody had renewed them.
 
         What a controller then does is what its `command_timeout` parameters say: it
-        holds, or it stops. Controllers without a set-point are left alone.
+        holds, or it stops. A set-point that no cycle has picked up yet is dropped.
+        Controllers without a set-point are left alone.
 
         Args:
             names: The controllers; those that are no longer loaded are left out.
@@ -134,8 +133,7 @@ class MotionCommands:
                 port = self._set_point_port(name)
             except (ControllerNotFoundError, InvalidCommandError):
                 continue
-            if port.last is not None:
-                port.post(port.last, _AT_ONCE)
+            port.expire()
 
     def submit_goal(
         self, name: str, request: Mapping[str, object], epoch: int | None = None

@@ -75,8 +75,9 @@ class SetPointPort:
         self.feed_forward: list[SetPointElement] = []
         self.last: list[float] | None = None
         # Appending and popping are atomic, so that no set-point is lost without a lock.
-        self._slot: deque[tuple[list[float], float, int, Receipt | None]] = deque(
-            maxlen=1
+        # Without values, the entry lets the set-point in force expire.
+        self._slot: deque[tuple[list[float] | None, float, int, Receipt | None]] = (
+            deque(maxlen=1)
         )
         self.generation = 0
         self._deadline = inf
@@ -138,6 +139,14 @@ class SetPointPort:
         of = self.generation if generation is None else generation
         self._slot.append((list(values), deadline, of, receipt))
 
+    def expire(self) -> None:
+        """Let the set-point in force expire now, and drop the one in the slot.
+
+        What was not picked up yet never is. Without a set-point in force, nothing else
+        happens.
+        """
+        self._slot.append((None, -inf, self.generation, None))
+
     def has_news(self) -> bool:
         """Return whether a set-point waits, was made void, or has become invalid.
 
@@ -154,6 +163,10 @@ class SetPointPort:
             return None
         values, deadline, generation, receipt = self._slot.pop()
         if generation != self.generation:
+            return None
+        if values is None:
+            if self.last is not None:
+                self._deadline = deadline
             return None
         self.last, self._deadline = values, deadline
         if receipt is not None:

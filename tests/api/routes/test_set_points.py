@@ -2,8 +2,10 @@
 
 import pytest
 
+from station.api.auth import Access, Role
 from station.client import ApiError
 from station.core.ports.set_point import SetPointElement
+from station.events import Origin
 from tests.api.test_errors import problem_of
 from tests.patient_clock import PatientClock
 
@@ -171,3 +173,22 @@ def test_an_unknown_controller(spring, ask):
         getattr(spring, ask)("nobody", *arguments)
 
     assert (caught.value.status, caught.value.code) == (404, "controller_not_found")
+
+
+def test_a_set_point_under_way_at_a_take_over_does_not_land(spring, station, app):
+    control, motion = app.state.control, station.motion
+    make_receipt = motion.receipt
+
+    def receipt_and_take_over():
+        access = Access(Role.OPERATOR)
+        control.take(access, None, "Grace", 10.0, force=True, origin=Origin())
+        return make_receipt()
+
+    with spring.control(owner="Ada"):
+        motion.receipt = receipt_and_take_over  # after the first check, before the post
+        with pytest.raises(ApiError, match="Grace holds control") as refused:
+            spring.command("spring", [0.5])
+        station.loop.step()
+
+    assert refused.value.status == 423
+    assert spring.last_command("spring").last != [0.5]

@@ -92,3 +92,17 @@ def test_a_client_can_move_to_another_station(served):
             return (await client.session()).role
 
     assert asyncio.run(run()) == "viewer"
+
+
+def test_streams_are_encrypted_for_whoever_trusts_the_station(encrypted, tls):
+    async def run():
+        ca = str(tls.certificate)
+        async with AsyncStationClient(encrypted.url, OPERATOR, ca=ca) as client:
+            await client.load_controller("spring", "test/Spring", {"joint": "j"})
+            await client.switch_controllers(start=["spring"], idempotency_key="start")
+            async with client.stream("joint_states") as stream:
+                assert stream.progress.connected
+            async with client.command_stream("spring") as commands:
+                await commands.send([0.5])
+
+    asyncio.run(run())

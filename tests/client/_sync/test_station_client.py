@@ -9,6 +9,7 @@ from station.client import (
     StationUnreachableError,
 )
 from station.wire import SwitchResult
+from tests.api.conftest import OPERATOR
 
 
 def test_nobody_there_is_said_plainly():
@@ -68,3 +69,35 @@ def test_proxies_of_the_environment_are_not_used(monkeypatch, served):
         with pytest.raises(ApiError) as caught:
             client.status()
     assert caught.value.status == 401
+
+
+def test_requests_and_streams_are_encrypted_for_whoever_trusts_the_station(
+    encrypted, tls
+):
+    with StationClient(encrypted.url, OPERATOR, ca=str(tls.certificate)) as client:
+        client.load_controller("spring", "test/Spring", {"joint": "j"})
+        client.switch_controllers(start=["spring"])
+        with client.stream("joint_states") as stream:
+            assert stream.progress.connected
+        with client.command_stream("spring") as commands:
+            commands.send([0.5])
+        assert "running: spring" in client._repr_html_()
+
+
+def test_a_station_that_is_not_trusted_is_told_nothing(encrypted, monkeypatch):
+    monkeypatch.delenv("STATION_CA", raising=False)
+    with StationClient(encrypted.url, OPERATOR) as client:
+        with pytest.raises(StationUnreachableError, match="CERTIFICATE_VERIFY") as no:
+            client.session()
+        with pytest.raises(StationUnreachableError), client.stream("loop"):
+            pass
+    assert "--ca" in no.value.remedy
+
+
+def test_a_key_of_a_request_reaches_the_station(served):
+    with StationClient(served.url, OPERATOR) as client:
+        client.load_controller("spring", "test/Spring", {"joint": "j"})
+        for _ in range(2):
+            state = client.unload_controller("spring", idempotency_key="once")
+            assert state.name == "spring"
+        assert client.controllers() == []

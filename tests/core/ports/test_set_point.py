@@ -142,3 +142,24 @@ def test_there_is_news_when_a_set_point_waits_is_void_or_expired(port, clock):
     assert port.has_news()
     assert port.take_void()
     assert not port.has_news()
+
+
+def test_a_set_point_in_force_expires_at_once_when_told(port):
+    port.post([0.1, 0.1], timeout=0.0)
+    port.take()
+    port.expire()
+
+    assert port.has_news()
+    assert port.take() is None
+    assert port.take_expiry()
+    assert not port.take_expiry()
+    assert not port.has_news()
+
+
+def test_a_set_point_in_the_slot_never_is_picked_up_once_it_was_let_expire(port):
+    port.post([0.1, 0.1])
+    port.expire()
+
+    assert port.take() is None
+    assert not port.take_expiry()
+    assert port.last is None

@@ -1,0 +1,210 @@
+"""Requests that may be sent twice and are carried out once: `Idempotency-Key`.
+
+A client that has lost the connection cannot know whether its request was carried out.
+It sends the request again with the same key, and gets the answer of the first one.
+"""
+
+import asyncio
+import hashlib
+import re
+import time
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable, Coroutine
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+from fastapi import Depends, Header, Request, Response
+from starlette.types import Message
+from typing_extensions import override
+
+from station.api.audit import ACCESS, REPLAYED_HEADER
+from station.api.auth import Authenticator, Role
+from station.api.control import ControlHeldError
+from station.api.errors import ProblemError, station_error_response
+from station.api.json_route import JsonRoute
+from station.core.errors import StationError
+
+KEY_HEADER = "Idempotency-Key"
+"""Header in which a request has its key."""
+LIFETIME = 600.0
+"""How long an answer is kept [s]."""
+MOST_KEYS = 1024
+"""Most answers that are kept; beyond, the oldest are forgotten first."""
+KEY_PATTERN = r"^[!-~]{1,200}$"
+"""A key is 1 to 200 visible ASCII characters."""
+
+
+async def idempotency_key(
+    _: Annotated[
+        str | None,
+        Header(
+            alias=KEY_HEADER,
+            pattern=KEY_PATTERN,
+            examples=["5f0c6f0e-load-pose"],
+            description="Random name of the request, up to 200 visible ASCII "
+            "characters. A repetition with the same key within 10 minutes is not "
+            "carried out again, but gets the same answer.",
+        ),
+    ] = None,
+) -> None:
+    """Declare the header; `IdempotentRoute` reads it before the request is read."""
+
+
+Idempotent = Depends(idempotency_key)
+"""Dependency of a route whose requests are carried out once for each key."""
+
+
+@dataclass(eq=False, slots=True)
+class _Kept:
+    """A request with a key, and its answer.
+
+    Attributes:
+        fingerprint: Hash of method, address and body.
+        what: Method and path.
+        began: When the request came [s, monotonic].
+        answer: The answer; None while the request is being carried out.
+        ended: Set when it is over, with or without an answer that is kept.
+    """
+
+    fingerprint: bytes
+    what: str
+    began: float
+    answer: Response | None = None
+    ended: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class IdempotentAnswers:
+    """The answers that are kept for repetitions. For one event loop.
+
+    Args:
+        now: Monotonic clock [s].
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self._now = now
+        self._kept: OrderedDict[tuple[str, str], _Kept] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    async def answer(
+        self,
+        who: str,
+        key: str,
+        request: Request,
+        carry_out: Callable[[], Awaitable[Response]],
+    ) -> Response:
+        """Carry a request out, or return the answer that the first one of its key got.
+
+        A repetition that comes while the first request is being carried out waits for
+        its end. Refusals by the station are answers like others; a request that was
+        refused before it began (malformed, not permitted) leaves nothing behind.
+
+        Args:
+            who: Who asks; everybody has keys of their own.
+            key: The key.
+            request: The request.
+            carry_out: Does what is asked for.
+
+        Raises:
+            ProblemError: The key was used for another request.
+        """
+        what = f"{request.method} {request.url.path}"
+        content = f"{what}?{request.url.query}\n".encode() + await request.body()
+        fingerprint = hashlib.sha256(content).digest()
+        self._forget_old()
+        name = (who, key)
+        while (kept := self._kept.get(name)) is not None:
+            if kept.fingerprint != fingerprint:
+                error = _reused(key, kept.what)
+                raise error
+            if kept.answer is not None:
+                return _again(kept.answer)
+            await kept.ended.wait()
+        mine = self._kept[name] = _Kept(fingerprint, what, self._now())
+        try:
+            mine.answer = await _answer_of(carry_out)
+        finally:
+            if mine.answer is None:
+                del self._kept[name]
+            mine.ended.set()
+        return mine.answer
+
+    def _forget_old(self) -> None:
+        oldest = self._now() - LIFETIME
+        for name, kept in list(self._kept.items()):
+            is_too_much = len(self._kept) >= MOST_KEYS
+            if kept.began > oldest and not is_too_much:
+                return
+            # Forgetting a request that is being carried out would carry it out twice.
+            if kept.answer is not None:
+                del self._kept[name]
+
+
+async def _answer_of(carry_out: Callable[[], Awaitable[Response]]) -> Response:
+    """Return the answer, also that of a refusal by the station.
+
+    Raises:
+        ControlHeldError: Nothing has begun; the request may be sent again.
+    """
+    try:
+        return await carry_out()
+    except ControlHeldError:
+        raise
+    except StationError as error:
+        return station_error_response(error)
+
+
+def _again(answer: Response) -> Response:
+    copy = Response(bytes(answer.body), answer.status_code)
+    copy.raw_headers = list(answer.raw_headers)
+    copy.headers[REPLAYED_HEADER] = "true"
+    return copy
+
+
+def _reused(key: str, what: str) -> ProblemError:
+    return ProblemError(
+        422,
+        "idempotency_key_reused",
+        f"The {KEY_HEADER} '{key}' belongs to another request ({what}); method, "
+        "address and body of a repetition must be the same, byte for byte.",
+        "Use a new random key for each new request. Nothing changed.",
+    )
+
+
+async def _read(request: Request) -> Request:
+    """Return the request with its body to be read, although this has read it."""
+    parts: list[Message] = [{"type": "http.request", "body": await request.body()}]
+
+    async def receive() -> Message:
+        return parts.pop() if parts else await request.receive()
+
+    return Request(request.scope, receive)
+
+
+class IdempotentRoute(JsonRoute):
+    """A route that carries out each request with a key once, if it is `Idempotent`."""
+
+    @override
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        handle = super().get_route_handler()
+        if all(each is not Idempotent for each in self.dependencies):
+            return handle
+
+        async def handle_once(request: Request) -> Response:
+            key = request.headers.get(KEY_HEADER)
+            authenticator: Authenticator = request.app.state.authenticator
+            access = authenticator.access_of_headers(request.headers)
+            # Whoever may not ask, or has no proper key, is refused as without one.
+            if key is None or re.fullmatch(KEY_PATTERN, key) is None:
+                return await handle(request)
+            if access is None or not access.role.includes(Role.OPERATOR):
+                return await handle(request)
+            request.scope.setdefault("state", {})[ACCESS] = access
+            answers: IdempotentAnswers = request.app.state.idempotent_answers
+            repeatable = await _read(request)
+            return await answers.answer(
+                access.name, key, request, lambda: handle(repeatable)
+            )
+
+        return handle_once
