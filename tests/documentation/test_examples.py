@@ -1,12 +1,13 @@
 """Every shell example works: curl and `station` lines run against a real station."""
 
+import calendar
 import re
 import time
 
 import httpx
 import pytest
 
-from station.api.app import create_app
+from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.app.composition import compose
@@ -15,6 +16,9 @@ from station.cli.main import main, normalise
 from station.client import StationClient
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
+from station.records.record_store import RecordStore
+from station.records.recorder import Recorder
+from tests.api.spring import make_station
 from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
 
 OPERATOR = "operator-token"
@@ -35,18 +39,38 @@ VERBS = [
 ]
 
 
+def keep_an_incident(incidents):
+    """Stop another station, so that there is an incident."""
+    station = make_station()
+    recorder = Recorder(station, RecordStore(incidents.folder.parent), incidents)
+    station.stop("for the examples")
+    station.loop.step(2_100)  # an incident lasts until 2 s after its cause
+    recorder.close()
+
+
 @pytest.fixture
-def url():
-    """Serve the station of the default configuration; return its address."""
+def url(tmp_path):
+    """Serve the station of the default configuration; return its address.
+
+    Recordings and incidents have the names that the pages give as examples.
+    """
     config = load_config()
     station = compose(config).station
+    begin = calendar.timegm((2026, 11, 22, 9, 15, 0)) + 0.1235
+    incidents = RecordStore(tmp_path / "incidents", now=lambda: begin)
+    keep_an_incident(incidents)
+    store = RecordStore(tmp_path / "recordings", now=lambda: begin)
+    recorder = Recorder(station, store, incidents)
+    recorder.start_thread()
     station.loop.start()
+    app = create_app(station, Authenticator(OPERATOR), kept=Kept(recorder=recorder))
     try:
         station.switch_controllers(SwitchRequest(start=config.start))
-        with ApiServer(create_app(station, Authenticator(OPERATOR)), port=0) as server:
+        with ApiServer(app, port=0) as server:
             yield server.url
     finally:
         station.loop.stop()
+        recorder.close()
 
 
 @pytest.mark.slow
