@@ -148,7 +148,7 @@ class StationRun:
     ) -> Announcement:
         self._watchdog.announce("Starting the server and the dashboard")
         api, ui, tls = self._config.api, self._config.ui, self._tls()
-        options = self._ui_options("", "", ui.port)
+        options = self._ui_options("", "", "", ui.port)
         orphan = find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
         ui_port = orphan.port if orphan else 0
         if ui.enabled and not orphan:
@@ -200,7 +200,9 @@ class StationRun:
             kernel=self._kernel.start(),
         )
 
-    def _ui_options(self, api_url: str, token: str, port: int) -> UiOptions:
+    def _ui_options(
+        self, api_url: str, token: str, viewer_token: str, port: int
+    ) -> UiOptions:
         first, *beside = _drawn_robots(self._config.robot_parameters())
         return UiOptions(
             api_url,
@@ -214,6 +216,7 @@ class StationRun:
             watchdog_url=self._watchdog.url,
             reconnect_window=self._config.ui.reconnect_window,
             certificate=_fingerprint(self._tls()),
+            viewer_token=viewer_token,
         )
 
     def _tls(self) -> TlsFiles | None:
