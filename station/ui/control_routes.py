@@ -144,8 +144,7 @@ class ControlRoutes:
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
     ) -> "ControlState":
         key, asked_at = self._access.lease_of(session), self._now()
-        async with self._access.client_of(session) as client:
-            told = await ask(client)
+        told = await ask(self._access.acting_for(session))
         self._access.note(session, told, key, asked_at)
         return told
 

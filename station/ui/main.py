@@ -176,6 +176,7 @@ async def _serve(
         guarded.stop()
         await relay.close()
         await forwarded.close()
+        await sessions.close()
         await api.close()
 
 

@@ -60,7 +60,7 @@ class _Access(SessionAccess):
         super().__init__(StationAccess("http://station", "token", ""))
         self.client = _Client()
 
-    def client_of(self, session):
+    def acting_for(self, session):
         assert session is not None
         return self.client
 

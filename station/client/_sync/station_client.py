@@ -568,7 +568,8 @@ class StationClient:
 
     def control_state(self) -> wire.ControlState:
         """Return who holds control."""
-        return self._connection.get("/control", wire.ControlState)
+        # Unlike `get`, this names the lease: the station says whose it is.
+        return self._connection.send("GET", "/control", wire.ControlState)
 
     def control(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
