@@ -187,7 +187,8 @@ class StationRun:
         path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
         if ui.enabled:
-            options = self._ui_options(server.url, token, ui_port)
+            viewer = authenticator.viewer_token
+            options = self._ui_options(server.url, token, viewer, ui_port)
             self._ui = UiProcess(options, adopted=orphan)
             stack.callback(self._terminate_ui)
             self._ui.start()

@@ -411,7 +411,7 @@ def test_a_viewer_watches_and_stops_and_changes_nothing(
     page.goto(f"{running_station.ui}/login?token={running_station.viewer_token}")
     workspace = WorkspacePage(page)
     workspace.page.get_by_text("Viewer: watching only").wait_for()
-    assert workspace.button("controllers", f"Start {CONTROLLER}").is_disabled()
+    assert workspace.button("controllers", f"Start {OTHER}").is_disabled()
     status = page.evaluate(
         "async () => (await fetch('/api/v1/controllers/switch', {method: 'POST', "
         "headers: {'Content-Type': 'application/json'}, body: '{}'})).status"

@@ -18,6 +18,8 @@ from station.ui.api_relay import ApiRelay
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session
 from station.ui.station_follower import StationAccess
+from tests.api.spring import make_station
+from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
 from tests.ui.served import Served
 
@@ -29,9 +31,9 @@ def _station(url):
 class _Page:
     """A relay that serves one browser, without the gateway before it."""
 
-    def __init__(self, url):
+    def __init__(self, url, tls=None):
         self.access = SessionAccess(_station(url))
-        self.relay = ApiRelay(self.access)
+        self.relay = ApiRelay(self.access, tls)
         self.session = Session("cookie", Role.OPERATOR, OPERATOR)
         self.logged_out = asyncio.Event()
 
