@@ -5,7 +5,6 @@ import pytest
 from station.client import ApiError
 from station.events import EventKind
 
-
 CONTROL = "/api/v1/control"
 
 
