@@ -22,6 +22,8 @@ _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 _PREFIX = "/api/v1"
 # They change nothing of the station; logins have events of their own.
 _UNREMARKABLE = frozenset({"/login", "/logout", "/stream-tickets"})
+# It comes every few seconds for hours. An offer to hand over has an event of its own.
+_HEARTBEAT = "PATCH /control"
 
 
 def origin_of(connection: HTTPConnection) -> Origin:
@@ -78,6 +80,8 @@ class Audit:
             return
         origin = origin_of(HTTPConnection(scope))
         what = f"{scope['method']} {path}"
+        if is_done and what == _HEARTBEAT:
+            return
         code = scope["state"].get(PROBLEM_CODE, "")
         result = f"{status} {code}".strip() if status else "no answer"
         if not is_done and not origin.who:

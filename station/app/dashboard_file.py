@@ -34,6 +34,7 @@ class DashboardRecord:
         api_url: The station's API.
         token: The operator's token.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
+        viewer_token: The viewer's token; empty when it is not known.
     """
 
     pid: int
@@ -46,6 +47,7 @@ class DashboardRecord:
     api_url: str
     token: str
     watchdog_url: str
+    viewer_token: str = ""
 
     def write(self) -> Path:
         """Write the file, or replace it.

@@ -148,7 +148,7 @@ class StationRun:
     ) -> Announcement:
         self._watchdog.announce("Starting the server and the dashboard")
         api, ui, tls = self._config.api, self._config.ui, self._tls()
-        options = self._ui_options("", "", ui.port)
+        options = self._ui_options("", "", "", ui.port)
         orphan = find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
         ui_port = orphan.port if orphan else 0
         if ui.enabled and not orphan:
@@ -187,7 +187,8 @@ class StationRun:
         path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
         if ui.enabled:
-            options = self._ui_options(server.url, token, ui_port)
+            viewer = authenticator.viewer_token
+            options = self._ui_options(server.url, token, viewer, ui_port)
             self._ui = UiProcess(options, adopted=orphan)
             stack.callback(self._terminate_ui)
             self._ui.start()
@@ -200,7 +201,9 @@ class StationRun:
             kernel=self._kernel.start(),
         )
 
-    def _ui_options(self, api_url: str, token: str, port: int) -> UiOptions:
+    def _ui_options(
+        self, api_url: str, token: str, viewer_token: str, port: int
+    ) -> UiOptions:
         first, *beside = _drawn_robots(self._config.robot_parameters())
         return UiOptions(
             api_url,
@@ -214,6 +217,7 @@ class StationRun:
             watchdog_url=self._watchdog.url,
             reconnect_window=self._config.ui.reconnect_window,
             certificate=_fingerprint(self._tls()),
+            viewer_token=viewer_token,
         )
 
     def _tls(self) -> TlsFiles | None:

@@ -72,5 +72,7 @@ class StationWatch:
         if station == self._station or not is_alive(*station):
             return False
         self._station = station
-        self.access = StationAccess(record.api_url, record.token, record.watchdog_url)
+        self.access = StationAccess(
+            record.api_url, record.token, record.watchdog_url, record.viewer_token
+        )
         return True

@@ -58,6 +58,10 @@ def free_port(host: str, port: int) -> int:
         return int(probe.getsockname()[1])
 
 
+VIEWER_VARIABLE = "STATION_VIEWER_TOKEN"
+"""Environment variable by which a dashboard is told the viewer's token."""
+
+
 @dataclass(frozen=True, slots=True)
 class UiOptions:
     """What the dashboard is told.
@@ -75,6 +79,7 @@ class UiOptions:
         reconnect_window: How long it waits for another station after a crash [s].
         certificate: Hash of the station's certificate, which the dashboard trusts;
             empty without TLS. A station with another one needs another dashboard.
+        viewer_token: The viewer's token, for sessions that outlive a station.
     """
 
     api_url: str
@@ -88,6 +93,7 @@ class UiOptions:
     watchdog_url: str = ""
     reconnect_window: float = 60.0
     certificate: str = ""
+    viewer_token: str = ""
 
     def shown(self) -> str:
         """Return what the dashboard draws, and with which version of the program."""
@@ -189,7 +195,7 @@ class UiProcess:
     by the station that is started next. It ends by itself when nobody does that.
 
     Args:
-        options: What the dashboard is told. The token goes by the environment.
+        options: What the dashboard is told. The tokens go by the environment.
         command: The command line; the options' own when None.
         adopted: A dashboard that runs already; None starts one.
     """
@@ -227,13 +233,18 @@ class UiProcess:
             api_url=options.api_url,
             token=options.token,
             watchdog_url=options.watchdog_url,
+            viewer_token=options.viewer_token,
         )
 
     def _start_process(self) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(
             self._command,
             stdin=subprocess.DEVNULL,
-            env={**os.environ, "STATION_TOKEN": self._options.token},
+            env={
+                **os.environ,
+                "STATION_TOKEN": self._options.token,
+                VIEWER_VARIABLE: self._options.viewer_token,
+            },
             start_new_session=True,
         )
         # The dashboard must not share the favour that the station's threads enjoy.

@@ -62,6 +62,12 @@ def certificate_of(url: str) -> str:
     return found.get(_netloc(url), "")
 
 
+def viewer_token_of(url: str) -> str:
+    """Return the viewer's token of a station on this machine; empty if unknown."""
+    found = {urlsplit(s.url).netloc: s.viewer_token for s in find_running()}
+    return found.get(_netloc(url), "")
+
+
 def _netloc(url: str) -> str:
     return urlsplit(url).netloc.replace("localhost", "127.0.0.1")
 

@@ -1,7 +1,7 @@
 """Forward requests and streams of the dashboard's pages to the station.
 
-A page has the dashboard's cookie and no token. The relay adds the token with which
-that browser logged in, so the station sees who acts and decides by that role.
+A page has the dashboard's cookie and no token. The relay adds what its session has at
+the station, so the station sees who acts, by which role and under which lease.
 """
 
 import asyncio
@@ -17,6 +17,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
 from station.ui.forwarded_routes import PREFIX, may_ask, may_forward, may_stream
+from station.ui.session_access import SessionAccess
 from station.ui.sessions import Session
 
 if TYPE_CHECKING:
@@ -37,35 +38,20 @@ class ApiRelay:
     """The gateway's way to the station, for the pages' own requests.
 
     Args:
-        url: The station's API, e.g. `http://127.0.0.1:8000`.
-        token: The operator's token that the dashboard itself acts with.
+        access: The credentials of the sessions.
         tls: How the station's certificate is checked; None for plain HTTP.
     """
 
-    def __init__(self, url: str, token: str, tls: ssl.SSLContext | None = None) -> None:
-        self._url = url
-        self._token = token
+    def __init__(
+        self, access: SessionAccess, tls: ssl.SSLContext | None = None
+    ) -> None:
+        self._access = access
         self._tls = tls
         self._http = httpx.AsyncClient(
             trust_env=False,
             timeout=httpx.Timeout(ANSWER_TIME, connect=_CONNECT_TIME),
             verify=True if tls is None else tls,
         )
-        self._home = url, token
-
-    def move_to(self, url: str, token: str) -> None:
-        """Forward to another station from now on."""
-        self._url, self._token = url, token
-
-    def credential(self, session: Session) -> str:
-        """Return the token that a session's requests carry.
-
-        Every start of a station makes new tokens. A session that has outlived the
-        station that it logged in to is therefore served with the dashboard's token;
-        `may_ask` then keeps viewers from what only operators may do.
-        """
-        outlived = (self._url, self._token) != self._home
-        return self._token if outlived or not session.token else session.token
 
     async def close(self) -> None:
         """Close the connections."""
@@ -92,7 +78,7 @@ class ApiRelay:
             )
         outgoing = self._http.build_request(
             request.method,
-            f"{self._url}{PREFIX}{path}",
+            f"{self._access.url}{PREFIX}{path}",
             params=httpx.QueryParams(request.url.query),
             content=await request.body(),
             headers=self._headers(request, session),
@@ -116,7 +102,7 @@ class ApiRelay:
             for name in _REQUEST_HEADERS
             if name in request.headers
         }
-        return {**kept, "Authorization": f"Bearer {self.credential(session)}"}
+        return {**kept, **self._access.headers_of(session)}
 
     async def socket(
         self,
@@ -135,14 +121,12 @@ class ApiRelay:
         if not may_stream(topic):
             await _refuse(browser, _NOT_FOUND, "the dashboard does not forward this")
             return
-        address = self._url.replace("http", "ws", 1)
+        address = self._access.url.replace("http", "ws", 1)
         query = f"?{browser.url.query}" if browser.url.query else ""
         try:
             upstream = await connect(
                 f"{address}{PREFIX}/streams/{topic}{query}",
-                additional_headers={
-                    "Authorization": f"Bearer {self.credential(session)}"
-                },
+                additional_headers=self._access.headers_of(session),
                 compression=None,
                 max_size=_MAX_FRAME_BYTES,
                 max_queue=4,

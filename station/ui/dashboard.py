@@ -15,6 +15,7 @@ import viser
 from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.markup import warning
+from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.jog_panel import JogPanel
 from station.ui.panels.operate_panel import OperatePanel
@@ -140,6 +141,19 @@ class Dashboard:
     def view(self) -> StationView:
         """Return what is known of the station; callable by any thread."""
         return self._link.view()
+
+    def act_under(self, lease: str | None) -> None:
+        """Act under another lease of control; in Viser's event loop.
+
+        What was asked for under the former one does not go on by itself.
+
+        Args:
+            lease: What some browser of this dashboard holds; None for none.
+        """
+        self._client.act_under(lease)
+        for panel in self._panels:
+            if isinstance(panel, CommandingPanel):
+                panel.let_go()
 
     async def _run(self) -> None:
         self._task = asyncio.current_task()

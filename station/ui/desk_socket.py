@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from station.client import ApiError, AsyncStationClient
+from station.ui.cartesian_model import HELD_FOR
 from station.ui.hand_desk import HandDesk
 from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk, SetPoint
 from station.ui.station_view import StationView
@@ -82,6 +83,8 @@ class DeskSocket:
         socket: The browser's WebSocket, not accepted yet.
         client: The station, with the credential of the browser's session.
         view: Returns what is known of the station.
+        renew: Lets the client act with what its session has at the station now, and
+            returns the lease of control that it acts under; None without one.
         now: Monotonic clock [s].
     """
 
@@ -90,12 +93,16 @@ class DeskSocket:
         socket: "WebSocket",
         client: AsyncStationClient,
         view: Callable[[], StationView],
+        renew: Callable[[], str | None] = lambda: None,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self._socket = socket
         self._client = client
         self._view = view
+        self._renew = renew
         self._now = now
+        self._lease: str | None = None
+        self._barred_until = float("-inf")
         self._joints = JointDesk()
         self._hand = HandDesk()
 
@@ -143,6 +150,8 @@ class DeskSocket:
         match said:
             case _Go():
                 refusal = self._joints.go(said.targets, now)
+            case _Jog() | _HandJog() if now < self._barred_until:
+                self._barred_until = now + HELD_FOR
             case _Jog():
                 refusal = self._joints.hold(said.joint, said.sign, now)
             case _HandJog():
@@ -166,6 +175,7 @@ class DeskSocket:
             view = self._view()
             self._joints.refresh(view)
             self._hand.refresh(view)
+            self._look_at_control()
             joints = self._joints.step(SEND_PERIOD, self._now())
             for set_point in (joints, self._hand.step(self._now())):
                 if set_point is not None:
@@ -177,14 +187,25 @@ class DeskSocket:
             elif rounds % _TELL_EVERY == 0:
                 await self._tell()
 
+    def _look_at_control(self) -> None:
+        """End every motion when the control is lost under which it was asked for."""
+        before, self._lease = self._lease, self._renew()
+        if before is not None and self._lease != before:
+            self._let_go()
+
+    def _let_go(self) -> None:
+        """Forget every motion; a button that is still held has to be pressed anew."""
+        self._barred_until = self._now() + HELD_FOR
+        self._joints.let_go()
+        self._hand.let_go()
+
     async def _command(self, set_point: SetPoint) -> None:
         try:
             await self._client.command(
                 set_point.controller, set_point.values, epoch=set_point.epoch
             )
         except ApiError as error:
-            self._joints.let_go()
-            self._hand.let_go()
+            self._let_go()
             await self._tell(refused=error.detail, code=error.code, remedy=error.remedy)
 
     async def _tell(self, **more: str) -> None:

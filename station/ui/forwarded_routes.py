@@ -55,7 +55,6 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("GET", "POST", "DELETE"), "/robots/{}/faults"),
     (_READ, "/robots/{}/gripper"),
     (("POST",), "/robots/{}/gripper/{}"),
-    (_READ, "/control"),
     (_READ, "/events"),
     (("GET", "POST"), "/recordings"),
     (_READ, "/recordings/{}"),
@@ -111,8 +110,7 @@ def may_forward(method: str, path: str) -> bool:
 def may_ask(role: Role, method: str, path: str) -> bool:
     """Return whether a browser with this role may send a request that is forwarded.
 
-    The station checks the role as well. This check stands before it, because a
-    session that has outlived its station is served with the dashboard's own token.
+    The station checks the role as well: a request carries the token of its session.
     """
     return role is Role.OPERATOR or method == "GET" or (method, path) in _FOR_VIEWERS
 

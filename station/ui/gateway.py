@@ -13,7 +13,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 from urllib.parse import parse_qs, urlencode
 
 from starlette.applications import Starlette
@@ -46,6 +46,14 @@ _METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
 
 
+class Release(Protocol):
+    """Takes a stop back."""
+
+    def __call__(self, session: Session, *, arm: bool) -> "Awaitable[StopState]":
+        """Take a stop back for a session; with `arm`, its second step."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class GatewayParts:
     """What the gateway is made of.
@@ -54,7 +62,8 @@ class GatewayParts:
         role_of: Asks the station which role a token has; None for a wrong token.
             Raises `ApiError` when the station does not answer.
         stop: Stops the robot. Raises `ApiError` when that is not confirmed.
-        release: Takes a stop back; with True, the second step: allows motion again.
+        release: Takes a stop back for a session; with True, the second step: allows
+            motion again.
         bar: Returns what the status strip shows now.
         relay: The way to Viser.
         api: The way to the station for the pages' own requests.
@@ -66,7 +75,7 @@ class GatewayParts:
 
     role_of: Callable[[str], Awaitable[Role | None]]
     stop: Callable[[], Awaitable["StopState"]]
-    release: Callable[[bool], Awaitable["StopState"]]
+    release: Release
     bar: Callable[[], "BarState"]
     relay: "ViserRelay"
     api: "ApiRelay"
@@ -136,7 +145,8 @@ class _Gateway:
         if role is None:
             await self._parts.failed_logins.slow_down(request)
             return RedirectResponse("/login?" + urlencode({"refused": "token"}), 303)
-        session = self._parts.sessions.open(role, token.strip())
+        kept = self._parts.workspace.access.own_token(token.strip())
+        session = self._parts.sessions.open(role, kept)
         answer = RedirectResponse("/", 303)
         answer.set_cookie(
             session_cookie(request.scope),
@@ -181,13 +191,17 @@ class _Gateway:
             return _no_session()
         if session.role is not Role.OPERATOR:
             return _json({"code": "forbidden", "detail": "Viewers only watch."}, 403)
-        return await _answer(self._parts.release(arm))
+        return await _answer(self._parts.release(session, arm=arm))
 
     async def api(self, request: "Request") -> Response:
         session = self.find_session(request)
         if session is None:
             return _no_session()
-        return await self._parts.api.forward(request, session)
+        answer = await self._parts.api.forward(request, session)
+        if answer.status_code == 401:
+            # Its token was revoked, or the station has others since it was restarted.
+            self._parts.sessions.close(session.identifier)
+        return answer
 
     async def stream(self, socket: "WebSocket") -> None:
         session = self.find_session(socket)
@@ -214,8 +228,11 @@ class _Gateway:
             await socket.close(4401, "log in first")
             return
         sessions = self._parts.sessions
+        access = self._parts.workspace.access
         await self._parts.relay.socket(
-            socket, session.role, lambda: sessions.wait_for_end(session)
+            socket,
+            lambda: access.role_at_viser(session),
+            lambda: sessions.wait_for_end(session),
         )
 
 

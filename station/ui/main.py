@@ -18,6 +18,7 @@ from station.ui.dashboard import Dashboard
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
 from station.ui.robot_model import RobotModel, RobotModelError, load_robot
+from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_follower import StationAccess, StationFollower
 from station.ui.stop_button import StopButton
@@ -25,6 +26,7 @@ from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
 from station.ui.workspace_routes import WorkspaceParts
 from station.web.limited_server import LimitedServer, connection_share
+from station.wire import StopState
 
 _logger = logging.getLogger(__name__)
 _LOOK_PERIOD = 0.2
@@ -67,6 +69,8 @@ class DashboardConfig:
         watchdog_url: The listener of the station's watchdog; empty when there is none.
         ca: File of the certificates to trust with https; None for those of the station
             on this machine, or of the system.
+        viewer_token: The viewer's token, for viewers whose session outlives a station;
+            empty when it is not known.
         follower: Tells which station takes the place of one that has crashed, and when
             to end; None stays with the station at `url` until a signal comes.
     """
@@ -82,6 +86,7 @@ class DashboardConfig:
     host_names: tuple[str, ...] = ()
     watchdog_url: str = ""
     ca: str | None = None
+    viewer_token: str = ""
     follower: StationFollower | None = None
 
 
@@ -136,15 +141,27 @@ async def _serve(
         guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
     )
     button = StopButton(api, config.token, config.watchdog_url)
-    forwarded = ApiRelay(config.url, config.token, api.tls)
-    server = _Server(_gateway(config, api, button, dashboard, relay, forwarded))
+    # The dashboard's own client belongs to Viser's event loop.
+    viser_loop = guarded.server.get_event_loop()
+
+    def lease_changed(lease: str | None) -> None:
+        viser_loop.call_soon_threadsafe(dashboard.act_under, lease)
+
+    sessions = SessionAccess(
+        StationAccess(
+            config.url, config.token, config.watchdog_url, config.viewer_token
+        ),
+        lease_changed,
+        ca=config.ca,
+    )
+    forwarded = ApiRelay(sessions, api.tls)
+    gateway = _gateway(config, api, button, dashboard, relay, forwarded, sessions)
+    server = _Server(gateway)
 
     def move_to(access: StationAccess) -> None:
         api.talk_to(access.url, access.token)
         button.move_to(access.token, access.watchdog_url)
-        forwarded.move_to(access.url, access.token)
-        # That client belongs to Viser's event loop.
-        viser_loop = guarded.server.get_event_loop()
+        sessions.move_to(access)
         viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
 
     dashboard.start()
@@ -159,6 +176,7 @@ async def _serve(
         guarded.stop()
         await relay.close()
         await forwarded.close()
+        await sessions.close()
         await api.close()
 
 
@@ -210,23 +228,24 @@ def _gateway(
     dashboard: Dashboard,
     relay: ViserRelay,
     forwarded: ApiRelay,
+    access: SessionAccess,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
         return await ask_role(api.url, token, config.ca)
 
-    def client_of(session: Session) -> AsyncStationClient:
-        token = forwarded.credential(session)
-        return AsyncStationClient(api.url, token, timeout=_REQUEST_TIMEOUT)
+    async def release(session: Session, *, arm: bool) -> StopState:
+        async with access.client_of(session) as client:
+            return await client.release_stop(arm=arm)
 
     return build_gateway(
         GatewayParts(
             role_of=role_of,
             stop=button.press,
-            release=lambda arm: api.release_stop(arm=arm),
+            release=release,
             bar=dashboard.bar,
             relay=relay,
             api=forwarded,
-            workspace=WorkspaceParts(dashboard.view, client_of),
+            workspace=WorkspaceParts(dashboard.view, access),
             origins=OriginPolicy(config.host, config.host_names),
             sessions=Sessions(),
         )

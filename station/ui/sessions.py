@@ -29,8 +29,9 @@ class Session:
     Attributes:
         identifier: Random value of its cookie.
         role: What it may do.
-        token: The station's token that it logged in with; it never leaves the gateway
-            but for the station.
+        token: The named token that it logged in with, which never leaves the gateway
+            but for the station; empty for a token of the station's start, for which the
+            role stands.
         closed: Set when the session is closed, or dropped for a newer one.
     """
 
@@ -64,7 +65,8 @@ class Sessions:
 
         Args:
             role: What the browser may do.
-            token: The station's token with which it has logged in.
+            token: The named token with which it has logged in; empty for a token of
+                the station's start.
         """
         self._forget_expired()
         alike = [one for one, _ in self._sessions.values() if one.role is role]

@@ -1,6 +1,6 @@
 """How a dashboard learns which station it belongs to. Imports nothing heavy."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 
@@ -12,11 +12,13 @@ class StationAccess:
         url: The API.
         token: The operator's token.
         watchdog_url: The listener of its watchdog; empty when there is none.
+        viewer_token: The viewer's token; empty when it is not known.
     """
 
     url: str
     token: str
     watchdog_url: str
+    viewer_token: str = field(default="", repr=False)
 
 
 class StationFollower(Protocol):

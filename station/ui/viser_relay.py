@@ -59,14 +59,14 @@ class ViserRelay:
     async def socket(
         self,
         browser: WebSocket,
-        role: "Role",
+        role: Callable[[], "Role"],
         wait_for_end: Callable[[], Awaitable[None]],
     ) -> None:
         """Connect a browser with Viser until either closes or the session ends.
 
         Args:
             browser: The browser's WebSocket, not accepted yet.
-            role: Decides which of its frames pass.
+            role: Returns the role that decides which of its frames pass.
             wait_for_end: Returns when the browser's session has ended.
         """
         offered = [Subprotocol(name) for name in browser.scope["subprotocols"]]
@@ -93,7 +93,7 @@ class ViserRelay:
 async def _relay(
     browser: WebSocket,
     upstream: ClientConnection,
-    role: "Role",
+    role: Callable[[], "Role"],
     ended: asyncio.Future[None],
 ) -> None:
     downwards = asyncio.create_task(_to_browser(browser, upstream))
@@ -125,7 +125,7 @@ async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
 
 
 async def _to_viser(
-    browser: WebSocket, upstream: ClientConnection, role: "Role"
+    browser: WebSocket, upstream: ClientConnection, role: Callable[[], "Role"]
 ) -> None:
     """Send the browser's frames on, those that may pass; forward its close code."""
     while True:
@@ -134,7 +134,7 @@ async def _to_viser(
             await upstream.close(*_closing(message.get("code"), message.get("reason")))
             return
         frame = message.get("bytes")
-        if frame is not None and may_pass(frame, role):
+        if frame is not None and may_pass(frame, role()):
             try:
                 await upstream.send(frame)
             except ConnectionClosed:

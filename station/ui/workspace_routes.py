@@ -1,5 +1,6 @@
 """Requests of the page that the gateway answers itself: docks, examples, the desk."""
 
+import asyncio
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,10 +11,12 @@ from pydantic import ValidationError
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
-from station.client import ApiError, AsyncStationClient
+from station.client import ApiError
+from station.ui.control_routes import ControlRoutes, refused
 from station.ui.desk_socket import DeskSocket
 from station.ui.load_examples import example_parameters, suggested_name
 from station.ui.response_bench import BenchRefusedError, BenchRequest, measure
+from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_view import StationView
 from station.ui.workspace_state import workspace_state
@@ -41,12 +44,11 @@ class WorkspaceParts:
 
     Attributes:
         view: Returns what is known of the station; callable by any thread.
-        client_of: Returns a client with the credential of a session; whoever calls
-            closes it.
+        access: The credentials of the sessions at the station.
     """
 
     view: Callable[[], StationView]
-    client_of: Callable[[Session], AsyncStationClient]
+    access: SessionAccess
 
 
 class WorkspaceRoutes:
@@ -64,6 +66,7 @@ class WorkspaceRoutes:
         self._parts = parts
         self._sessions = sessions
         self._find = find
+        self._control = ControlRoutes(parts.access, find)
 
     def routes(self) -> "list[BaseRoute]":
         """Return the routes."""
@@ -73,6 +76,7 @@ class WorkspaceRoutes:
             Route("/workspace/parameters", self._read_yaml, methods=["POST"]),
             Route("/workspace/bench", self._bench, methods=["POST"]),
             WebSocketRoute("/workspace/desk", self._desk),
+            *self._control.routes(),
         ]
 
     async def _state(self, request: "Request") -> Response:
@@ -102,10 +106,10 @@ class WorkspaceRoutes:
             params = yaml.safe_load(text) or {}
             json.dumps(params, allow_nan=False)
         except (yaml.YAMLError, TypeError, ValueError) as error:
-            return _refused(422, "invalid_yaml", f"The parameters are no YAML: {error}")
+            return refused(422, "invalid_yaml", f"The parameters are no YAML: {error}")
         if not isinstance(params, dict):
             detail = "The parameters must be keys with values, e.g. `joints: [a, b]`."
-            return _refused(422, "invalid_yaml", detail)
+            return refused(422, "invalid_yaml", detail)
         return JSONResponse({"params": params})
 
     async def _bench(self, request: "Request") -> Response:
@@ -113,20 +117,20 @@ class WorkspaceRoutes:
         if session is None:
             return _no_session()
         if session.role is not Role.OPERATOR:
-            return _refused(403, "forbidden", "Viewers only watch.")
+            return refused(403, "forbidden", "Viewers only watch.")
         try:
             wanted = BenchRequest.model_validate_json(await request.body())
         except ValidationError as error:
             first = error.errors()[0]
             place = ".".join(str(part) for part in first["loc"])
-            return _refused(422, "invalid_request", f"{place}: {first['msg']}.")
+            return refused(422, "invalid_request", f"{place}: {first['msg']}.")
         try:
-            async with self._parts.client_of(session) as client:
+            async with self._parts.access.client_of(session) as client:
                 measured = await measure(client, self._parts.view(), wanted)
         except BenchRefusedError as error:
-            return _refused(409, "bench_refused", str(error))
+            return refused(409, "bench_refused", str(error))
         except ApiError as error:
-            return _refused(error.status or 502, error.code, error.detail, error.remedy)
+            return refused(error.status or 502, error.code, error.detail, error.remedy)
         return JSONResponse(measured)
 
     async def _desk(self, socket: "WebSocket") -> None:
@@ -137,15 +141,21 @@ class WorkspaceRoutes:
             code = _NOT_LOGGED_IN if session is None else _FORBIDDEN
             await socket.close(code, "operators only")
             return
-        async with self._parts.client_of(session) as client:
-            desk = DeskSocket(socket, client, self._parts.view)
-            await desk.run(lambda: self._sessions.wait_for_end(session))
+        async with self._parts.access.client_of(session) as client:
+            desk = DeskSocket(
+                socket,
+                client,
+                self._parts.view,
+                lambda: self._parts.access.renew(client, session),
+            )
+            # Its socket is open as long as the page is.
+            keeping = asyncio.create_task(self._control.keep(session))
+            try:
+                await desk.run(lambda: self._sessions.wait_for_end(session))
+            finally:
+                keeping.cancel()
+                await asyncio.wait([keeping])
 
 
 def _no_session() -> Response:
-    return _refused(401, "no_session", "Log in first.")
-
-
-def _refused(status: int, code: str, detail: str, remedy: str = "") -> Response:
-    body = {"status": status, "code": code, "detail": detail, "remedy": remedy}
-    return JSONResponse(body, status, media_type="application/problem+json")
+    return refused(401, "no_session", "Log in first.")

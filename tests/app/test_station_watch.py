@@ -24,7 +24,8 @@ watch.is_serving = SERVING
 print(os.getpid(), flush=True)
 while not watch.is_over:
     if watch.access.url != "http://old":
-        print(watch.access.url, watch.access.token, flush=True)
+        access = watch.access
+        print(access.url, access.token, access.viewer_token, flush=True)
         break
     time.sleep(0.02)
 """
@@ -107,9 +108,10 @@ def test_a_dashboard_that_serves_learns_of_the_station_that_adopts_it(start):
         api_url="http://new",
         token="fresh",
         watchdog_url="",
+        viewer_token="looks",
     ).write()
 
-    assert station.stdout.readline().split() == ["http://new", "fresh"]
+    assert station.stdout.readline().split() == ["http://new", "fresh", "looks"]
 
 
 def test_a_watch_is_not_begun_for_a_station_that_has_ended():

@@ -1,10 +1,11 @@
 """The workspace in a real browser, at a real station: docks, strip, first minute."""
 
 import time
+from pathlib import Path
 
-import httpx
 import pytest
 
+from station.client import ApiError
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 from tests.browser.workspace_page import WorkspacePage
@@ -244,20 +245,124 @@ def test_a_plot_takes_other_channels(workspace):
     dock.locator(".picker summary").first.click()
 
 
-@pytest.mark.parametrize("name", ["Events", "Recordings", "Incidents"])
-def test_the_timeline_says_what_the_station_does_not_offer(
-    workspace, running_station, name
-):
-    answer = httpx.get(
-        f"{running_station.api}/api/v1/{name.lower()}",
-        headers={"Authorization": f"Bearer {running_station.token}"},
-    )
-    workspace.button("timeline", name).click()
+def test_events_come_as_they_happen(workspace, client):
+    workspace.button("timeline", "Events").click()
     log = workspace.dock("timeline").locator(".log")
-    if answer.status_code == 404:
-        log.get_by_text(f"{name}: not offered by this station").wait_for()
-    else:
-        log.get_by_text("not offered").wait_for(state="detached")
+    client.stop("a test of the timeline")
+    log.get_by_text("a test of the timeline").first.wait_for(timeout=3000)
+    client.release_stop()
+    client.release_stop(arm=True)
+
+
+def test_a_recording_is_started_stopped_and_downloaded(workspace, client):
+    page = workspace.page
+    workspace.button("timeline", "Recordings").click()
+    workspace.button("timeline", "Record").click()
+    stop = workspace.button("timeline", "Stop recording")
+    stop.wait_for()
+    running = client.recordings.list()[-1]
+    assert running.state == "recording"
+    stop.click()
+    row = workspace.dock("timeline").locator(".log .row").first
+    row.get_by_text("stopped").wait_for()
+    assert client.recordings.get(running.identifier).state == "stopped"
+    with page.expect_download() as download:
+        row.get_by_role("link", name="download").click()
+    kept = Path(download.value.path()).read_bytes()
+    assert kept.startswith(b"\x89MCAP")
+    assert len(kept) == client.recordings.get(running.identifier).size
+
+
+def test_a_stop_is_kept_as_an_incident(workspace, client):
+    workspace.button("timeline", "Incidents").click()
+    assert _wait_until(lambda: client.incidents.list())
+    row = workspace.dock("timeline").locator(".log .row").first
+    row.get_by_role("link", name="download").wait_for()
+    newest = client.incidents.list()[-1]
+    assert newest.causes[0] in row.inner_text()
+
+
+@pytest.fixture
+def in_control(workspace, client):
+    """The page holds control as ada; a script gives it back after the test."""
+    page = workspace.page
+    page.locator("#control").click()
+    page.get_by_label("Your name").fill("ada")
+    page.get_by_role("button", name="Take control", exact=True).click()
+    page.locator("#control").get_by_text("you (ada)").wait_for()
+    yield client
+    taken = client.take_control("the test", force=True)
+    client.act_under(taken.lease)
+    client.release_control()
+    page.locator("#control").get_by_text("any operator").wait_for()
+
+
+def test_who_holds_control_acts_and_others_are_refused(workspace, in_control):
+    assert in_control.control_state().owner == "ada"
+    with pytest.raises(ApiError, match="ada holds control"):
+        in_control.reset_loop_statistics()
+    running = _state(in_control, OTHER) == "running"
+    name = f"Stop {OTHER}" if running else f"Start {OTHER}"
+    workspace.button("controllers", name).click()
+    assert _wait_until(lambda: (_state(in_control, OTHER) == "running") != running)
+    workspace.page.locator("#stop").click()
+    assert _wait_until(lambda: in_control.status().stop_state == "stopped")
+    bar = workspace.page.locator("#bar")
+    bar.get_by_role("button", name="Release stop").click()
+    bar.get_by_role("button", name="Allow motion").click()
+    assert _wait_until(lambda: in_control.status().stop_state == "armed")
+
+
+def test_no_lease_reaches_the_page(workspace, in_control):
+    told = workspace.page.evaluate(
+        "async () => (await Promise.all(['/workspace/control', '/api/v1/control']"
+        ".map(async (p) => await (await fetch(p)).text()))).join()"
+    )
+    assert '"owner":"ada"' in told
+    assert "lease" not in told
+    assert "not_forwarded" in told
+    assert in_control.control_state().owner == "ada"
+
+
+def test_control_is_offered_and_given_back(workspace, in_control):
+    page = workspace.page
+    page.locator("#control").click()
+    panel = page.locator("#control-panel")
+    panel.get_by_label("Hand over to").fill("grace")
+    panel.get_by_role("button", name="Offer").click()
+    panel.get_by_text("Offered to grace").wait_for()
+    assert in_control.control_state().hand_over_to == "grace"
+    panel.get_by_role("button", name="Give back").click()
+    assert _wait_until(lambda: in_control.control_state().owner is None)
+    panel.get_by_role("button", name="Close").click()
+
+
+def test_a_jog_ends_when_control_is_taken_and_is_taken_back_by_force(
+    workspace, enabled
+):
+    page = workspace.page
+    button = workspace.button("joints", "Move joint7 up while held")
+    button.hover()
+    page.mouse.down()
+    before = _position(enabled, "panda_joint7")
+    assert _wait_until(lambda: _position(enabled, "panda_joint7") > before + 0.05)
+    taken = enabled.take_control("grace", force=True)
+    line = page.locator("#refusal-line")
+    line.get_by_text("grace holds control").wait_for(timeout=3000)
+    rest = enabled.last_command(CONTROLLER).last
+    page.wait_for_timeout(400)
+    assert enabled.last_command(CONTROLLER).last == rest
+    page.mouse.up()
+    line.get_by_role("button", name="Take control …").click()
+    page.get_by_label("Your name").fill("ada")
+    assert enabled.control_state().lease is None
+    page.get_by_role("button", name="Yes, take it from grace").click()
+    assert _wait_until(lambda: enabled.control_state().owner == "ada")
+    assert taken.lease
+    page.locator("#control").click()
+    page.get_by_role("button", name="Give back").click()
+    assert _wait_until(lambda: enabled.control_state().owner is None)
+    page.locator("#control-panel").get_by_role("button", name="Close").click()
 
 
 def test_no_token_reaches_the_page(page, running_station):
@@ -306,7 +411,7 @@ def test_a_viewer_watches_and_stops_and_changes_nothing(
     page.goto(f"{running_station.ui}/login?token={running_station.viewer_token}")
     workspace = WorkspacePage(page)
     workspace.page.get_by_text("Viewer: watching only").wait_for()
-    assert workspace.button("controllers", f"Start {CONTROLLER}").is_disabled()
+    assert workspace.button("controllers", f"Start {OTHER}").is_disabled()
     status = page.evaluate(
         "async () => (await fetch('/api/v1/controllers/switch', {method: 'POST', "
         "headers: {'Content-Type': 'application/json'}, body: '{}'})).status"

@@ -15,18 +15,25 @@ from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.local.tls import trust
 from station.ui.api_relay import ApiRelay
+from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session
+from station.ui.station_follower import StationAccess
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
 from tests.ui.served import Served
 
 
+def _station(url):
+    return StationAccess(url, OPERATOR, "", VIEWER)
+
+
 class _Page:
     """A relay that serves one browser, without the gateway before it."""
 
     def __init__(self, url, tls=None):
-        self.relay = ApiRelay(url, OPERATOR, tls)
+        self.access = SessionAccess(_station(url))
+        self.relay = ApiRelay(self.access, tls)
         self.session = Session("cookie", Role.OPERATOR, OPERATOR)
         self.logged_out = asyncio.Event()
 
@@ -113,20 +120,12 @@ def test_viewers_change_nothing(browser, page, served):
 
 
 def test_a_station_that_is_gone_is_said_to_be(browser, page, served):
-    page.relay.move_to("http://127.0.0.1:1", OPERATOR)
+    page.access.move_to(_station("http://127.0.0.1:1"))
     try:
         answer = browser.get("/status")
     finally:
-        page.relay.move_to(served[0].url, OPERATOR)
+        page.access.move_to(_station(served[0].url))
     assert (answer.status_code, answer.json()["code"]) == (502, "unreachable")
-
-
-def test_a_session_outlives_the_station_whose_token_it_has():
-    relay = ApiRelay("http://one", OPERATOR)
-    session = Session("cookie", Role.VIEWER, VIEWER)
-    assert relay.credential(session) == VIEWER
-    relay.move_to("http://one", "token of the next start")
-    assert relay.credential(session) == "token of the next start"
 
 
 def test_frames_of_a_stream_reach_the_browser(served):

@@ -28,6 +28,7 @@ class _Client:
     def __init__(self):
         self.sent = []
         self.refusal = None
+        self.lease = None
 
     async def command(self, name, values, *, epoch):
         if self.refusal is not None:
@@ -40,7 +41,8 @@ def served():
     client = _Client()
 
     async def serve(socket):
-        await DeskSocket(socket, client, lambda: VIEW).run(asyncio.Event().wait)
+        desk = DeskSocket(socket, client, lambda: VIEW, lambda: client.lease)
+        await desk.run(asyncio.Event().wait)
 
     app = Starlette(routes=[WebSocketRoute("/desk", serve)])
     with Served(app) as server:
@@ -113,3 +115,35 @@ def test_two_browsers_do_not_share_a_motion(served, desk):
         _say(desk, do="go", targets={"joint1": 0.9})
         assert _hear(desk, lambda told: told["remaining"] > 0.0)
         assert _hear(other, lambda told: "remaining" in told)["remaining"] == 0.0
+
+
+def _sent_while_held(desk, client, rounds):
+    """Hold a button for some rounds of the desk; return how much was sent after one."""
+    _say(desk, do="jog", joint="joint2", sign=-1)
+    _hear(desk, lambda told: "remaining" in told)
+    before = len(client.sent)
+    for _ in range(rounds):
+        _say(desk, do="jog", joint="joint2", sign=-1)
+        _hear(desk, lambda told: "remaining" in told)
+    return len(client.sent) - before
+
+
+def test_a_button_that_is_held_when_control_is_lost_has_to_be_pressed_anew(
+    desk, client
+):
+    client.lease = "mine"
+    assert _sent_while_held(desk, client, 1) > 0
+    client.lease = None
+    assert _sent_while_held(desk, client, 3) == 0
+    _say(desk, do="release")
+    _hear(desk, lambda told: "remaining" in told)
+    _hear(desk, lambda told: "remaining" in told)
+    assert _sent_while_held(desk, client, 2) > 0
+
+
+def test_a_button_that_is_held_is_refused_once(desk, client):
+    client.refusal = ApiError("Ada holds control.", status=423, code="control_held")
+    _say(desk, do="jog", joint="joint2", sign=-1)
+    _hear(desk, lambda told: "refused" in told)
+    client.refusal = None
+    assert _sent_while_held(desk, client, 3) == 0

@@ -27,6 +27,8 @@ def test_what_a_panel_needs_is_forwarded(method, path):
         ("POST", "/stream-tickets"),
         ("POST", "/tokens"),
         ("GET", "/session"),
+        ("GET", "/control"),
+        ("POST", "/control"),
         ("PUT", "/parameters/x"),
         ("POST", "/controller-types/reload"),
         ("DELETE", "/status"),

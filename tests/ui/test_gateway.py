@@ -12,7 +12,9 @@ from station.client import ApiError, StationUnreachableError
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.gateway_state import BarState
 from station.ui.origins import OriginPolicy
+from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Sessions
+from station.ui.station_follower import StationAccess
 from station.ui.station_view import StationView
 from station.ui.workspace_routes import WorkspaceParts
 from station.web.failed_logins import FailedLogins
@@ -20,6 +22,7 @@ from station.wire import StopState
 from tests.ui.served import Served
 
 ROLES = {"good": Role.OPERATOR, "watch": Role.VIEWER}
+ACCESS = SessionAccess(StationAccess("http://station", "of the start", ""))
 
 
 class _Relay:
@@ -28,7 +31,8 @@ class _Relay:
     async def page(self):
         return PlainTextResponse("viser")
 
-    async def socket(self, browser, role, wait_for_end):
+    async def socket(self, browser, role_now, wait_for_end):
+        role = role_now()
         await browser.accept()
         await browser.send_text(role.value)
         if role is Role.VIEWER:
@@ -40,6 +44,8 @@ class _Api:
     """Stands for the way to the station's API; says whose credential it would add."""
 
     async def forward(self, request, session):
+        if request.url.path.endswith("/loop"):
+            return PlainTextResponse("who are you?", 401)
         return PlainTextResponse(f"{request.method} {session.token}")
 
     async def socket(self, browser, session, wait_for_end):
@@ -69,7 +75,8 @@ class _Station:
         self.done.append("stop")
         return StopState(state="stopped", reason="", epoch=2)
 
-    async def release(self, arm):
+    async def release(self, session, *, arm):
+        assert session.role is Role.OPERATOR
         self.done.append(("release", arm))
         return StopState(state="armed" if arm else "released", reason="", epoch=3)
 
@@ -85,7 +92,7 @@ def gateway():
             bar=lambda: BarState("live", 0.1, mode="idle"),
             relay=_Relay(),
             api=_Api(),
-            workspace=WorkspaceParts(StationView, lambda _: None),
+            workspace=WorkspaceParts(StationView, ACCESS),
             origins=OriginPolicy("127.0.0.1"),
             sessions=Sessions(),
             failed_logins=FailedLogins(sleep=station.sleep),
@@ -357,3 +364,9 @@ def test_a_body_without_a_length_is_refused_when_it_grows_too_large(browser):
     parts = iter([b"token=" + b"x" * 3000, b"x" * 3000])
     answer = browser.post("/login", content=parts, headers=_own(browser))
     assert answer.status_code == 413
+
+
+def test_a_session_that_the_station_does_not_know_any_more_ends(browser):
+    _log_in(browser)
+    assert browser.get("/api/v1/loop").status_code == 401
+    assert browser.get("/session").status_code == 401

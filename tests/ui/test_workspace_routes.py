@@ -30,6 +30,23 @@ class _Client:
         return None
 
 
+class _Access:
+    """Stands for the credentials of the sessions."""
+
+    def __init__(self, client):
+        self.client = client
+
+    def client_of(self, session):
+        assert session.role is Role.OPERATOR
+        return self.client
+
+    def renew(self, client, session):
+        assert (client, session.role) == (self.client, Role.OPERATOR)
+
+    def lease_of(self, session):
+        assert session.role is Role.OPERATOR
+
+
 class _Bench:
     """The workspace's routes, without the gateway before them."""
 
@@ -38,7 +55,7 @@ class _Bench:
         self.sessions = Sessions()
         self.session = None
         self.view = _running()
-        parts = WorkspaceParts(lambda: self.view, lambda _: self.client)
+        parts = WorkspaceParts(lambda: self.view, _Access(self.client))
         self.routes = WorkspaceRoutes(parts, self.sessions, self._find).routes()
 
     def _find(self, connection):

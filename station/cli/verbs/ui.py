@@ -1,15 +1,16 @@
 """Verb `ui`: the dashboard alone, for any station."""
 
 import json
+import os
 import sys
 from argparse import Namespace
 
 from station.app.access import host_names
 from station.app.station_watch import StationWatch
-from station.app.ui_process import PortTakenError
+from station.app.ui_process import VIEWER_VARIABLE, PortTakenError
 from station.cli.connection import locate
 from station.cli.output import say, say_json, say_progress
-from station.local.station_locator import NoStationError, watchdog_of
+from station.local.station_locator import NoStationError, viewer_token_of, watchdog_of
 from station.ui.station_follower import StationAccess
 
 
@@ -27,9 +28,10 @@ def ui(options: Namespace) -> int:
             remedy="Set STATION_TOKEN, or give --token.",
         )
     watchdog_url = options.watchdog or watchdog_of(url)
+    viewer_token = os.environ.get(VIEWER_VARIABLE) or viewer_token_of(url)
     follower = None
     if options.parent_pid is not None:
-        access = StationAccess(url, token, watchdog_url)
+        access = StationAccess(url, token, watchdog_url, viewer_token)
         follower = StationWatch(options.parent_pid, access, options.reconnect_window)
         if not follower.start():
             return 0  # the station that wanted a dashboard is gone already
@@ -55,6 +57,7 @@ def ui(options: Namespace) -> int:
         host_names=tuple(host_names(options.host)),
         watchdog_url=watchdog_url,
         ca=options.ca,
+        viewer_token=viewer_token,
         follower=follower,
     )
     tell = _quiet if options.parent_pid else _say_json if options.json else _say

@@ -550,13 +550,43 @@ class AsyncStationClient:
         """
         self._connection.lease = lease
 
+    async def take_control(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> wire.ControlState:
+        """Take control, for clients that act under its `lease`; `control` does more.
+
+        Args:
+            owner: Name that others are told; that of the token when None.
+            ttl: How long control lasts without `renew_control` [s], 0.5 to 3600.
+            force: Take control from whoever holds it.
+        """
+        request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
+        return await self._connection.send(
+            "POST", "/control", wire.ControlState, request
+        )
+
+    async def renew_control(
+        self, *, hand_over_to: str | None = None
+    ) -> wire.ControlState:
+        """Keep control, which this client, or its named token, holds.
+
+        Args:
+            hand_over_to: Owner or token that may take control without force; as before
+                when None.
+        """
+        request = wire.ControlPatch(hand_over_to=hand_over_to)
+        return await self._connection.send(
+            "PATCH", "/control", wire.ControlState, request
+        )
+
     async def release_control(self) -> wire.ControlState:
         """Give control back, which this client, or its named token, holds."""
         return await self._connection.send("DELETE", "/control", wire.ControlState)
 
     async def control_state(self) -> wire.ControlState:
         """Return who holds control."""
-        return await self._connection.get("/control", wire.ControlState)
+        # Unlike `get`, this names the lease: the station says whose it is.
+        return await self._connection.send("GET", "/control", wire.ControlState)
 
     def control(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False

@@ -1,8 +1,9 @@
 // The workspace: where the docks are, their sizes and folds, and what the strip's log,
 // the first minute and the progress line show. Each panel is a file in `panels/`.
 import { h, kept, number, show } from "./lib/dom.js";
+import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
-import { act, api, desk } from "./lib/station.js";
+import { act, desk } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
@@ -26,7 +27,6 @@ const DOCKS = [
   { id: "simulation", title: "Simulation", place: "below" },
 ];
 const FOLDED_AT_FIRST = { move: true, tuning: true, simulation: true };
-const LEASE_MS = 2000;
 
 const element = (id) => document.getElementById(id);
 const layout = kept.get("layout", { side: 468, below: 236, folded: FOLDED_AT_FIRST, dock: "joints", heights: {} });
@@ -152,6 +152,7 @@ const remedies = {
   arm: () => window.dispatchEvent(new CustomEvent("station-act", { detail: "/arm" })),
   recover,
   enable: enableSliders,
+  takeControl: () => control.open({ asking: true }),
   switchTo,
   stopController,
 };
@@ -213,20 +214,6 @@ function showAge() {
   document.body.classList.toggle("stale", age === null || age > 700);
 }
 
-// Who holds control. A station without `/control` answers 404: everybody who is logged
-// in as operator may act, and the strip says so.
-async function showControl() {
-  let text = "any operator";
-  try {
-    const { owner, mine } = await api("GET", "/control");
-    if (owner) text = mine ? `you (${owner})` : owner;
-  } catch (error) {
-    if (error.status !== 404) text = "–";
-  }
-  show(element("control"), text);
-  setTimeout(showControl, LEASE_MS);
-}
-
 function start() {
   for (const dock of DOCKS) makeDock(dock);
   makeNav();
@@ -253,7 +240,7 @@ function start() {
   store.addEventListener("docks", showTrouble);
   store.start();
   setInterval(showAge, 100);
-  showControl();
+  control.start();
   watchScene(element("view"), element("progress"));
   showTour(element("tour"), openDock);
 }

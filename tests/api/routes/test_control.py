@@ -3,8 +3,14 @@
 import pytest
 
 from station.client import ApiError
+from station.events import EventKind
 
 CONTROL = "/api/v1/control"
+
+
+@pytest.fixture
+def log(app):
+    return app.state.event_recorder.log
 
 
 def test_nobody_holds_it_at_first(client):
@@ -71,3 +77,17 @@ def test_without_it_there_is_nothing_to_give_back(operator):
     answer = operator.delete(CONTROL)
 
     assert (answer.status_code, answer.json()["code"]) == (409, "control_not_held")
+
+
+def test_a_lease_is_taken_kept_offered_and_given_back_without_a_block(client, log):
+    taken = client.take_control("Ada")
+    assert not client.control_state().mine
+    client.act_under(taken.lease)
+    assert client.control_state().mine
+    assert client.renew_control().hand_over_to is None
+    assert client.renew_control(hand_over_to="Grace").hand_over_to == "Grace"
+    assert client.release_control().owner is None
+    requests = [e.what for e in log.since(kinds=[EventKind.REQUEST])]
+    assert requests == ["POST /control", "DELETE /control"]
+    texts = [e.text for e in log.since(kinds=[EventKind.CONTROL])]
+    assert "Ada offers control to Grace." in texts

@@ -8,6 +8,8 @@ class Refusals extends EventTarget {
 
   /** Note a refusal. `request` is what was asked for, to offer it again. */
   add(error, request = {}) {
+    // The station's words are for scripts; here is a button.
+    const own = error.code === "control_held" && error.status ? "Ask for a hand-over, or take control. STOP always works." : error.remedy;
     const last = this.entries[0];
     if (last && last.detail === error.detail && Date.now() - last.at < 3000) {
       last.count += 1;
@@ -18,7 +20,7 @@ class Refusals extends EventTarget {
         count: 1,
         code: error.code ?? "",
         detail: error.detail ?? error.message,
-        remedy: [error.remedy, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)]
+        remedy: [own, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)]
           .filter(Boolean)
           .join(" "),
         request,
@@ -41,6 +43,7 @@ export function remedyOf(entry, state, actions) {
     if (["stopped", "not_sent", "bench_refused"].includes(entry.code))
       return { label: "Allow motion", run: actions.arm };
   }
+  if (entry.code === "control_held") return { label: "Take control …", run: actions.takeControl };
   const wanted = entry.request?.body?.start?.[0];
   if (entry.code === "resource_conflict" && wanted)
     return { label: `Stop the others and start ${wanted}`, run: () => actions.switchTo(wanted) };

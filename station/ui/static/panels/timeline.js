@@ -1,11 +1,12 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { act, api } from "../lib/station.js";
+import { act, api, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 const LOOK_MS = 2000;
 const SHOWN = 60;
+const KEPT = 500;
 const SOURCES = [
   { id: "events", title: "Events" },
   { id: "recordings", title: "Recordings" },
@@ -27,8 +28,21 @@ class Timeline extends Panel {
     this.list.setAttribute("aria-label", "What happened");
     this.append(h("div", { class: "line" }, ...this.buttons, this.record), this.list);
     store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
+    this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
     this.look();
+    follow("events", "rate=10", (frame) => this.hear([frame.data]));
+  }
+
+  /** Keep events that have come, from the list or the stream, and show them. */
+  hear(events) {
+    for (const event of events) this.events.set(event.id, event);
+    for (const id of [...this.events.keys()].sort((a, b) => a - b).slice(0, -KEPT)) this.events.delete(id);
+    if (this.chosen === "events" && this.isShown) this.draw(this.inOrder());
+  }
+
+  inOrder() {
+    return [...this.events.values()].sort((a, b) => a.id - b.id);
   }
 
   choose(id) {
@@ -47,11 +61,13 @@ class Timeline extends Panel {
   async ask() {
     const id = this.chosen;
     try {
-      const told = await api("GET", `/${id}`, undefined, { Accept: "application/json" });
+      const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
+      const told = await api("GET", path, undefined, { Accept: "application/json" });
       if (id !== this.chosen) return;
       this.offered = true;
       this.record.hidden = id !== "recordings" || !store.isOperator;
-      this.draw(told.events ?? told.recordings ?? []);
+      if (id === "events") this.hear(told.events);
+      else this.draw(told.recordings);
     } catch (error) {
       if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
       if (error.status !== 404) return this.list.replaceChildren(h("p", { class: "hint" }, `${error.detail} ${error.remedy}`));
@@ -88,13 +104,15 @@ class Timeline extends Panel {
     const row = (...parts) => h("div", { class: `row ${item.severity ?? ""}`, title: JSON.stringify(item, null, 1) }, time, ...parts);
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
-      return row(item.who ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}`));
+      return row(item.who && !item.text.includes(item.who) ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}`));
     }
     const name = item.identifier;
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
-    const what = [item.name || name, item.state, size, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
+    const lost = item.lost ? `${item.lost} cycles lost` : "";
+    const what = [item.name || name, item.state, size, lost, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
     const link = h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: `${name}.mcap` }, "download");
-    return row(h("span", {}, `${what} `), link);
+    // The file is whole once the recording has ended; until then there is nothing to load.
+    return row(h("span", {}, `${what} `), item.state === "recording" ? null : link);
   }
 
   async toggleRecording() {
