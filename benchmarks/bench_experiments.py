@@ -23,8 +23,8 @@ from measuring import print_table, print_title
 from station.experiments.analysis import ranked, summary
 from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
+from station.experiments.pools import make_pool
 from station.experiments.results import Results
-from station.experiments.runner import make_pool
 from station.experiments.script import Script, Step
 from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, sweep

@@ -1,7 +1,7 @@
 """Tune the gains of a joint in simulation, on all processors; no station has to run."""
 
+from station.experiments.pools import make_pool
 from station.experiments.results import Results, file_of
-from station.experiments.runner import make_pool
 from station.experiments.script import Script, Step
 from station.experiments.setup import Setup
 from station.experiments.trial import Trial

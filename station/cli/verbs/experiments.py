@@ -18,8 +18,9 @@ from station.experiments.errors import ExperimentError
 from station.experiments.identification import Estimate, JointModel
 from station.experiments.identification import identify as fit
 from station.experiments.parameters import check
+from station.experiments.pools import make_pool
 from station.experiments.results import Results, file_of
-from station.experiments.runner import Progress, Watcher, make_pool
+from station.experiments.runner import Progress, Watcher
 from station.experiments.script import Multisine, Script, read_script
 from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, keep_worst
@@ -98,6 +99,7 @@ def tune(options: Namespace) -> int:
                 "best": tuned.best.hash,
                 "cost": tuned.best_cost,
                 "stopped": tuned.stopped,
+                "refused": tuned.progress.refused,
                 "first": dict(tuned.first_result.metrics),
                 "metrics": dict(tuned.best_result.metrics),
                 "gains": dict(tuned.best.parameters),
@@ -113,8 +115,12 @@ def tune(options: Namespace) -> int:
                 f"{tuned.best_cost:.3f} of the first; it ended because "
                 f"{tuned.stopped}."
             )
+            _say_refused(tuned.progress)
             name = results.path.stem
-            say(f"`station experiments apply {name}` shows what would change.")
+            if tuned.best == tuned.first:
+                say("No trial was better than the first: there is nothing to apply.")
+            else:
+                say(f"`station experiments apply {name}` shows what would change.")
         return INTERRUPTED if tuned.progress.is_interrupted else 0
 
 
@@ -270,6 +276,8 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
             "experiment": results.path.stem,
             "ended": progress.ended,
             "failed": sum(row.result.state == "failed" for row in results.rows()),
+            "repeated": progress.repeated,
+            "refused": progress.refused,
             "metrics": {
                 d.metric: {
                     "median": d.median,
@@ -282,10 +290,19 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
         })
     else:
         say_summary(results)
+        _say_refused(progress)
         if progress.is_interrupted:
             say(f"{progress.ended} of {progress.total} trials are kept.")
             say(f"Repeat the command with --name {results.path.stem} to go on.")
     return INTERRUPTED if progress.is_interrupted else 0
+
+
+def _say_refused(progress: Progress) -> None:
+    """Print which workers got no work, and how often trials were given away again."""
+    if progress.repeated:
+        say(f"Trials were given away again {progress.repeated} times.")
+    for reason in progress.refused:
+        say(f"No trials for a worker: {reason}")
 
 
 def say_summary(results: Results) -> None:
