@@ -33,7 +33,7 @@ class ClusterExecutor(Executor):
 
     Attributes:
         refused: Why a worker gets no work, by its address.
-        worker_losses: What a future ends with when its workers died one after the other.
+        worker_losses: What a future ends with when worker after worker died of it.
 
     Raises:
         ExperimentError: The scheduler does not answer, or has no worker that fits.
