@@ -118,7 +118,10 @@ def tune(options: Namespace) -> int:
             _say_refused(tuned.progress)
             name = results.path.stem
             if tuned.best == tuned.first:
-                say("No trial was better than the first: there is nothing to apply.")
+                say(
+                    "No trial that keeps the bounds was better than the first; a looser"
+                )
+                say("bound may help, such as --at-most effort_peak=1.5x violations=0.")
             else:
                 say(f"`station experiments apply {name}` shows what would change.")
         return INTERRUPTED if tuned.progress.is_interrupted else 0
