@@ -6,8 +6,9 @@ Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
   friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
   worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
-- `cost`: wall time of one trial of 2 s of the default effort trajectory controller, on
-  one process at a time, and what a million of them cost. docs/experiments.md has it.
+- `cost`: wall and processor time of one trial of 2 s of the default effort trajectory
+  controller, one after the other, and what a million of them cost. docs/experiments.md
+  has it.
 - `memory`: the memory of a process that runs 10,000 trials of 20 ms.
 """
 
@@ -111,7 +112,7 @@ def _loads(count: int, first: float = 0.0) -> Sequence[dict[str, float]]:
 
 
 def cost(trials: int, folder: Path) -> None:
-    """Print the wall time of a default trial, and that of a million."""
+    """Print what a default trial takes, and what a million of them take."""
     del folder  # no results are kept
     setup = Setup.load()
     with TrialWorld(setup) as world:
@@ -130,10 +131,11 @@ def cost(trials: int, folder: Path) -> None:
         ["median [s]", "5 % [s]", "95 % [s]", "processor [s]"],
         [[median, fifth, last, used]],
     )
-    hours = median * 1e6 / 3600.0
+    # Processor time, because others may have used the cores at the same time.
+    hours = used * 1e6 / 3600.0
     sys.stdout.write(
-        f"A million trials: {hours:.0f} hours of one core, or {hours / 100.0:.1f} "
-        "hours of 100 workers.\n"
+        f"A million trials: {hours:.0f} hours of one core to itself, or "
+        f"{hours / 100.0:.2f} hours of 100 such cores.\n"
     )
 
 

@@ -55,6 +55,7 @@ def test_best_trials_are_ranked(hashes, capsys):
     assert f"{hashes[0]}  0.05       2" in say(capsys, "best", "one")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("hashes")
 def test_results_are_exported_drawn_and_compared(capsys, tmp_path):
     say(capsys, "export", "one", str(tmp_path / "one.csv"))
