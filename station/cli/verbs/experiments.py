@@ -6,7 +6,6 @@ from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from pathlib import Path
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
@@ -25,7 +24,7 @@ from station.experiments.script import Multisine, Script, read_script
 from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, keep_worst
 from station.experiments.sweep import sweep as run_sweep
-from station.experiments.trace import Trace
+from station.experiments.trace import Trace, read_trace
 from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
 from station.experiments.tuning import Bound, Goal, Search, tunable_gains
@@ -132,7 +131,7 @@ def identify(options: Namespace) -> int:
     if options.recording is None:
         trace = _excite(options)
     else:
-        trace = _read_trace(options.recording)
+        trace = read_trace(options.recording)
     found = fit(trace, options.joint)
     if options.record is not None:
         options.record.write_bytes(trace.to_bytes())
@@ -351,21 +350,6 @@ def _excite(options: Namespace) -> Trace:
     if trace is None or result.state == "failed":
         raise ExperimentError(f"The motion failed. {result.reason}")
     return trace
-
-
-def _read_trace(path: Path) -> Trace:
-    """Return the motion in a file.
-
-    Raises:
-        ExperimentError: The file cannot be read.
-    """
-    try:
-        return Trace.from_bytes(path.read_bytes())
-    except (OSError, ValueError, KeyError) as error:
-        raise ExperimentError(
-            f"The recording {path} cannot be read: {error}.",
-            remedy="`station identify --record FILE.npz` writes such a file.",
-        ) from error
 
 
 def _estimates(found: JointModel) -> Mapping[str, Estimate]:
