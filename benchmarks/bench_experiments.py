@@ -6,6 +6,9 @@ Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
   friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
   worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
+- `cost`: wall and processor time of one trial of 2 s of the default effort trajectory
+  controller, one after the other, and what a million of them cost. docs/experiments.md
+  has it.
 - `memory`: the memory of a process that runs 10,000 trials of 20 ms.
 """
 
@@ -23,8 +26,8 @@ from measuring import print_table, print_title
 from station.experiments.analysis import ranked, summary
 from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
+from station.experiments.pools import make_pool
 from station.experiments.results import Results
-from station.experiments.runner import make_pool
 from station.experiments.script import Script, Step
 from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
@@ -108,6 +111,34 @@ def _loads(count: int, first: float = 0.0) -> Sequence[dict[str, float]]:
     return [{"load": first + number / (2.0 * count)} for number in range(count)]
 
 
+def cost(trials: int, folder: Path) -> None:
+    """Print what a default trial takes, and what a million of them take."""
+    del folder  # no results are kept
+    setup = Setup.load()
+    with TrialWorld(setup) as world:
+        base = Trial(setup, default_script(world, CONTROLLER))
+        world.run(base)  # the first one touches memory for the first time
+        begin_cpu = time.process_time()
+        found = [
+            world.run(base.with_parameters({"load": n / trials})).seconds
+            for n in range(trials)
+        ]
+        used = (time.process_time() - begin_cpu) / trials
+    median = statistics.median(found)
+    fifth, *_, last = statistics.quantiles(found, n=20)
+    print_title(f"{trials} trials of 2 s of {CONTROLLER}, one after the other")
+    print_table(
+        ["median [s]", "5 % [s]", "95 % [s]", "processor [s]"],
+        [[median, fifth, last, used]],
+    )
+    # Processor time, because others may have used the cores at the same time.
+    hours = used * 1e6 / 3600.0
+    sys.stdout.write(
+        f"A million trials: {hours:.0f} hours of one core to itself, or "
+        f"{hours / 100.0:.2f} hours of 100 such cores.\n"
+    )
+
+
 def memory(trials: int, folder: Path) -> None:
     """Print the memory of a process as its trials go by."""
     setup = Setup.load()
@@ -137,6 +168,7 @@ def _resident() -> float:
 PARTS = {
     "robustness": (robustness, 500),
     "efficiency": (efficiency, 40),
+    "cost": (cost, 40),
     "memory": (memory, 10_000),
 }
 

@@ -3,8 +3,8 @@
 from station.experiments.analysis import compare
 from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
+from station.experiments.pools import make_pool
 from station.experiments.results import Results, file_of
-from station.experiments.runner import make_pool
 from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
 from station.experiments.trial import Trial

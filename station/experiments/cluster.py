@@ -3,9 +3,9 @@
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from typing import ParamSpec, TypeVar
+from typing import ClassVar, ParamSpec, TypeVar
 
-from distributed import Client
+from distributed import Client, KilledWorker
 from typing_extensions import override
 
 from station.core.errors import StationError
@@ -33,10 +33,13 @@ class ClusterExecutor(Executor):
 
     Attributes:
         refused: Why a worker gets no work, by its address.
+        worker_losses: What a future ends with when worker after worker died of it.
 
     Raises:
         ExperimentError: The scheduler does not answer, or has no worker that fits.
     """
+
+    worker_losses: ClassVar[tuple[type[BaseException], ...]] = (KilledWorker,)
 
     def __init__(self, address: str, setup_text: str, timeout: float = 30.0) -> None:
         self.refused: dict[str, str] = {}

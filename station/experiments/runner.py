@@ -1,37 +1,22 @@
 """Hands trials to an executor and keeps what comes back."""
 
-import os
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    wait,
-)
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass, field
-from multiprocessing import get_context
-from typing import ParamSpec, TypeVar
-
-from typing_extensions import override
 
 from station.experiments.errors import ExperimentError, WorkerMismatchError
+from station.experiments.pools import losses, refusals, worker_count
 from station.experiments.results import Results
 from station.experiments.trial import Trial, TrialResult
-from station.experiments.workers import Identity, begin_worker, identity, run_trial
+from station.experiments.workers import Identity, identity, run_trial
 
-P = ParamSpec("P")
-T = TypeVar("T")
-
-NICENESS = 10
-"""How much lower the priority of worker processes is: they never delay a station."""
 _AHEAD = 4
 """Trials in hand per worker: enough to keep it busy, too few to need memory."""
 _ATTEMPTS = 5
-"""How often a trial is given away again after its worker was lost or refused."""
+"""How often a trial is given away when workers refuse it or its worker goes."""
+_DEATHS = 5
+"""After so many processes that died one after the other, the fault is not a trial's."""
 
 
 @dataclass(slots=True)
@@ -60,72 +45,38 @@ class Progress:
 Watcher = Callable[[Progress], None]
 
 
-class InThisProcess(Executor):
-    """Runs what is submitted at once, in the caller's thread."""
-
-    @override
-    def submit(
-        self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
-    ) -> Future[T]:
-        future: Future[T] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:  # noqa: BLE001 - the caller of result() gets it
-            future.set_exception(error)
-        return future
-
-
-def make_pool(workers: int | None = None) -> Executor:
-    """Return worker processes of low priority.
-
-    Args:
-        workers: How many, >= 1; one per processor when None; with 0, trials run in
-            this process.
-
-    Raises:
-        ExperimentError: The number is negative.
-    """
-    count = len(os.sched_getaffinity(0)) if workers is None else workers
-    if count < 0:
-        raise ExperimentError(
-            f"There cannot be {count} workers; allowed are 0 or more."
-        )
-    if count == 0:
-        return InThisProcess()
-    # A fork would copy locks and MuJoCo's memory in whatever state they are.
-    return ProcessPoolExecutor(
-        count, get_context("spawn"), initializer=begin_worker, initargs=(NICENESS,)
-    )
-
-
-def worker_count(executor: Executor) -> int:
-    """Return how many trials an executor can run at the same time, as far as known."""
-    for name in ("worker_count", "_max_workers"):
-        known = getattr(executor, name, None)
-        if isinstance(known, int):
-            return known
-    return 1
-
-
 class Runner:
     """Runs trials on an executor; every trial that ends is in the results at once.
 
     Trials that the results have already are not run again, so that an experiment that
     was interrupted or killed goes on where it was.
 
+    A process that dies takes the trials along that were in hand. Each of them is run
+    once more, alone: one whose process dies again has failed, and the others go on.
+
     Args:
         results: Where the trials are kept.
         executor: Where they run; its owner shuts it down.
-        watch: Is told after every trial.
+        watch: Is told after every trial, and when workers were refused or lost.
+        sleep: Waits [s] before a trial is given away again.
     """
 
     def __init__(
-        self, results: Results, executor: Executor, watch: Watcher = lambda _: None
+        self,
+        results: Results,
+        executor: Executor,
+        watch: Watcher = lambda _: None,
+        sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self._results = results
         self._executor = executor
         self._watch = watch
+        self._sleep = sleep
         self._expected: Identity | None = None
+        self._losses = losses(executor)
+        self._lost: list[Trial] = []
+        self._has_one_ended = False
+        self._deaths = 0
 
     def run(self, trials: Iterable[Trial], total: int) -> Progress:
         """Run trials until all have ended or Ctrl-C.
@@ -140,10 +91,14 @@ class Runner:
             StationError: The setup cannot be used.
         """
         progress = Progress(total)
+        self._lost.clear()
         waiting: dict[Future[TrialResult], tuple[Trial, int]] = {}
         left = self._not_ended(trials, progress)
         try:
-            while self._fill(waiting, left) or waiting:
+            while self._fill(waiting, left) or waiting or self._lost:
+                self._note_refusals(progress)
+                if not waiting:
+                    self._give(self._lost[0], 1, waiting)
                 done, _ = wait(waiting, return_when=FIRST_COMPLETED)
                 # In the order in which they were given away: sets have none.
                 for future in [one for one in waiting if one in done]:
@@ -173,7 +128,13 @@ class Runner:
         waiting: dict[Future[TrialResult], tuple[Trial, int]],
         left: Iterator[Trial],
     ) -> bool:
-        """Give trials away until enough are in hand; return whether one was given."""
+        """Give trials away until enough are in hand; return whether one was given.
+
+        None is given away while lost ones wait: these must be alone to show which one
+        its process dies of.
+        """
+        if self._lost:
+            return False
         has_given = False
         while len(waiting) < _AHEAD * worker_count(self._executor):
             trial = next(left, None)
@@ -192,7 +153,15 @@ class Runner:
         text = self._results.setup.text
         if self._expected is None:
             self._expected = identity(text)
-        future = self._executor.submit(run_trial, text, trial.to_json(), self._expected)
+        try:
+            future = self._executor.submit(
+                run_trial, text, trial.to_json(), self._expected
+            )
+        except self._losses as error:
+            raise ExperimentError(
+                "A worker process died, and the executor begins no other.",
+                remedy="All trials that ended are kept: repeat the command to go on.",
+            ) from error
         waiting[future] = (trial, attempt)
 
     def _collect(
@@ -207,14 +176,18 @@ class Runner:
             ExperimentError: It was given away too often.
         """
         trial, attempt = waiting.pop(future)
+        is_alone = trial in self._lost
         try:
             result = future.result()
-        except BrokenProcessPool as error:
-            raise ExperimentError(
-                "A worker process died, and the others with it.",
-                remedy="All trials that ended are kept: repeat the command to go on. "
-                "The machine may be short of memory; try fewer --workers.",
-            ) from error
+        except self._losses as error:
+            if not is_alone:
+                self._lost.append(trial)
+                progress.repeated += 1
+                return
+            died = self._died_again(trial, error)
+            if died is None:
+                return
+            result = died
         except (WorkerMismatchError, CancelledError) as error:
             reason = str(error) or "A worker was lost."
             if reason not in progress.refused:
@@ -226,13 +199,48 @@ class Runner:
                     "the workers are in order.",
                 ) from error
             progress.repeated += 1
-            time.sleep(0.1 * attempt)  # a cluster needs a moment to see what it lost
+            self._sleep(0.1 * attempt)  # a cluster needs a moment to see what it lost
             self._give(trial, attempt + 1, waiting)
             return
+        else:
+            self._has_one_ended, self._deaths = True, 0
+        if is_alone:
+            self._lost.remove(trial)
         if self._results.add(trial, result):
             progress.ended += 1
             progress.failed += result.state == "failed"
         self._watch(progress)
+
+    def _died_again(self, trial: Trial, error: BaseException) -> TrialResult | None:
+        """Return the failure of a lost trial whose process has died again.
+
+        As long as no trial has ended, the fault may be that of the machine: the trial
+        then goes behind the other lost ones, and None is returned.
+
+        Raises:
+            ExperimentError: No process lives any more.
+        """
+        self._deaths += 1
+        if self._deaths >= _DEATHS or (not self._has_one_ended and len(self._lost) < 2):
+            raise ExperimentError(
+                f"Worker processes die again and again, last with trial {trial.hash}.",
+                remedy="All trials that ended are kept: repeat the command to go on. "
+                "The machine may be short of memory; try fewer --workers. A program of "
+                'your own needs `if __name__ == "__main__":`.',
+            ) from error
+        if not self._has_one_ended:
+            self._lost.append(self._lost.pop(0))
+            return None
+        reason = "Its process died, and once more when it was repeated alone."
+        return TrialResult(trial.hash, "failed", reason, {}, 0.0, "")
+
+    def _note_refusals(self, progress: Progress) -> None:
+        """Tell of workers that the executor has refused since the last time."""
+        found = refusals(self._executor).values()
+        new = [reason for reason in found if reason not in progress.refused]
+        if new:
+            progress.refused.extend(new)
+            self._watch(progress)
 
     def _let_run_end(
         self, waiting: dict[Future[TrialResult], tuple[Trial, int]], progress: Progress

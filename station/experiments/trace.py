@@ -2,10 +2,13 @@
 
 import io
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+from station.experiments.errors import ExperimentError
 
 Array = NDArray[np.float64]
 
@@ -51,3 +54,18 @@ class Trace:
             arrays = {f.name: file[f.name] for f in fields(cls)}
         joints = tuple(str(name) for name in arrays.pop("joints"))
         return cls(joints, float(arrays.pop("period")), **arrays)
+
+
+def read_trace(path: Path) -> Trace:
+    """Return the motion in a file.
+
+    Raises:
+        ExperimentError: The file cannot be read.
+    """
+    try:
+        return Trace.from_bytes(path.read_bytes())
+    except (OSError, ValueError, KeyError) as error:
+        raise ExperimentError(
+            f"The recording {path} cannot be read: {error}.",
+            remedy="`station identify --record FILE.npz` writes such a file.",
+        ) from error

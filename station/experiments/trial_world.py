@@ -102,6 +102,10 @@ class TrialWorld:
         """Return MuJoCo's model of the robot; whoever changes it changes the world."""
         return self._world.model
 
+    def data(self) -> mujoco.MjData:
+        """Return MuJoCo's state of the robot, to look at."""
+        return self._world.data
+
     def joint_inertia(self, joint: str) -> float:
         """Return the inertia of a joint in the present pose [kg m^2 or kg]."""
         return self._world.joints([joint]).read_inertia()[0]

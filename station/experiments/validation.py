@@ -149,17 +149,23 @@ def _loading(world: TrialWorld) -> Iterator[Check]:
 def _limits(world: TrialWorld) -> Check:
     reports = world.station.facade.loop.hw.joint_limits()
     known = {report.joint for report in reports}
-    problems = [
-        f"{joint} has no limits"
-        for joint in world.station.joint_names
-        if joint not in known
-    ]
+    without = [joint for joint in world.station.joint_names if joint not in known]
+    # Nothing can command a joint without a motor, such as one that mimics another.
+    driven = [joint for joint in without if _has_motor(world.model(), joint)]
+    problems = [f"{joint} has no limits" for joint in driven]
     problems += [problem for report in reports for problem in _gaps(report)]
     if problems:
         return Check("limits of joints", "failed", f"{'; '.join(problems)}.")
+    idle = [joint for joint in without if joint not in driven]
+    also = f" Without a motor: {', '.join(idle)}." if idle else ""
     return Check(
-        "limits of joints", "passed", f"{len(reports)} joints have all limits."
+        "limits of joints", "passed", f"{len(reports)} joints have all limits.{also}"
     )
+
+
+def _has_motor(model: mujoco.MjModel, joint: str) -> bool:
+    number: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, joint)
+    return number >= 0
 
 
 def _gaps(report: JointLimitsReport) -> Iterator[str]:
@@ -208,6 +214,7 @@ def _at_rest(world: TrialWorld) -> Check:
     robot = world.station
     world.put_back()
     robot.step()
+    touching = _touching(world)
     before = np.array(robot.latest().position)
     robot.run(1.0)
     moved = np.abs(np.array(robot.latest().position) - before)
@@ -217,8 +224,22 @@ def _at_rest(world: TrialWorld) -> Check:
         name,
         outcome,
         f"{robot.joint_names[worst]} moved by {moved[worst]:.2g} in 1 s; allowed are "
-        f"{IDLE_MOTION:g} rad or m.",
+        f"{IDLE_MOTION:g} rad or m.{touching if outcome == 'failed' else ''}",
     )
+
+
+def _touching(world: TrialWorld) -> str:
+    """Return a sentence on links that touch each other now; empty when none do."""
+    model, data = world.model(), world.data()
+    pairs = sorted({
+        tuple(sorted(model.body(model.geom_bodyid[geom]).name for geom in contact.geom))
+        for contact in data.contact
+        if (contact.geom >= 0).all()
+    })
+    if not pairs:
+        return ""
+    shown = "; ".join(" and ".join(pair) for pair in pairs)
+    return f" At its start these touch: {shown}. Choose other initial_positions."
 
 
 def _moving(world: TrialWorld) -> list[str]:

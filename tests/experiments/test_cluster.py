@@ -47,6 +47,7 @@ def test_no_trial_is_lost_or_counted_twice_when_workers_go_and_come(
     assert found["metrics"][trial.hash] == world.run(trial).metrics
 
 
+@pytest.mark.slow
 def test_scheduler_that_does_not_answer_is_told_by_name():
     script = (
         "from station.experiments.cluster import ClusterExecutor\n"

@@ -16,8 +16,8 @@ from station.experiments.default_script import default_script, small_motions
 from station.experiments.errors import ExperimentError, UnknownParameterError
 from station.experiments.exports import data_frame, export, table, write_gains
 from station.experiments.plots import KINDS, pareto_front, plot
+from station.experiments.pools import InThisProcess
 from station.experiments.results import Results
-from station.experiments.runner import InThisProcess
 from station.experiments.sweep import keep_worst, sweep
 from station.experiments.trial import TrialResult
 from station.experiments.tuning import Bound, Goal

@@ -1,12 +1,15 @@
 """Trials are handed to an executor, and each that ends is kept once."""
 
+import json
 from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
 from station.experiments.errors import ExperimentError, WorkerMismatchError
+from station.experiments.pools import InThisProcess, make_pool
 from station.experiments.results import Results
-from station.experiments.runner import InThisProcess, Runner, make_pool, worker_count
+from station.experiments.runner import Runner
 from station.experiments.script import Script
 from station.experiments.setup import Setup
 from station.experiments.trial import Trial
@@ -81,7 +84,11 @@ class Losing(Counting):
 
 
 def test_trial_of_a_worker_that_refuses_is_repeated_and_counted_once(results, trials):
-    progress = Runner(results, Losing()).run(trials, 3)
+    waits = []
+    runner = Runner(results, Losing(), sleep=waits.append)
+    progress = runner.run(trials, 3)
+
+    assert waits == [0.1, 0.1]
 
     assert progress.repeated == 2
     assert progress.refused == ["Worker x has mujoco 1; not 4."]
@@ -93,7 +100,88 @@ def test_workers_that_refuse_for_ever_end_the_run(results, trials):
     losing.losses = 100
 
     with pytest.raises(ExperimentError, match="given away 5 times: Worker x has"):
-        Runner(results, losing).run(trials[:1], 1)
+        Runner(results, losing, sleep=lambda _: None).run(trials[:1], 1)
+
+
+class Dying(InThisProcess):
+    """Has processes that some trials kill; all that are in hand die with them.
+
+    Args:
+        deaths: How often the trial with each load kills its process.
+    """
+
+    _max_workers = 2
+
+    def __init__(self, deaths):
+        self.deaths = deaths
+
+    def submit(self, fn, /, *args, **kwargs):
+        load = json.loads(args[1])["parameters"]["load"]
+        if self.deaths.get(load, 0) > 0:
+            self.deaths[load] -= 1
+            future = Future()
+            future.set_exception(BrokenProcessPool("A child process terminated."))
+            return future
+        return super().submit(fn, *args, **kwargs)
+
+
+def test_trial_that_was_lost_is_repeated_once(results, trials):
+    progress = Runner(results, Dying({0.5: 1})).run(trials, 3)
+
+    assert (progress.ended, progress.failed, progress.repeated) == (3, 0, 1)
+    assert {row.parameters["load"] for row in results.rows()} == set(LOADS)
+
+
+def test_trial_that_kills_its_process_twice_fails_by_name(results, trials):
+    progress = Runner(results, Dying({0.0: 2, 0.5: 1})).run(trials, 3)
+
+    assert (progress.ended, progress.failed, progress.repeated) == (3, 1, 2)
+    lost = results.find(trials[0].hash)
+    assert lost.state == "failed"
+    assert lost.reason.startswith("Its process died, and once more")
+    assert results.find(trials[1].hash).state == "done"
+
+
+def test_first_trials_that_are_all_lost_do_not_end_the_run(results, trials):
+    dying = Dying({0.0: 3, 0.5: 1, 1.0: 1})
+
+    progress = Runner(results, dying).run(trials, 3)
+
+    assert (progress.ended, progress.failed) == (3, 1)
+    assert results.find(trials[0].hash).state == "failed"
+
+
+def test_machine_on_which_every_process_dies_ends_the_run(results, trials):
+    dying = Dying(dict.fromkeys(LOADS, 100))
+
+    with pytest.raises(ExperimentError, match="die again and again, last with trial"):
+        Runner(results, dying).run(trials, 3)
+    assert results.count() == 0
+
+
+class Refusing(InThisProcess):
+    """Has refused a worker when it was asked for the second trial."""
+
+    def __init__(self):
+        self.refused = {}
+        self.submitted = 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.submitted += 1
+        if self.submitted == 2:
+            self.refused["tcp://x:1"] = "Worker x has mujoco 1; not 4."
+        return super().submit(fn, *args, **kwargs)
+
+
+def test_worker_that_the_executor_refuses_is_told(results, trials):
+    told = []
+
+    progress = Runner(results, Refusing(), lambda p: told.append(len(p.refused))).run(
+        trials, 3
+    )
+
+    assert progress.refused == ["Worker x has mujoco 1; not 4."]
+    assert told[0] == 1
 
 
 class Interrupting(Executor):
@@ -134,17 +222,9 @@ def test_impossible_setup_is_refused_before_any_trial(tmp_path):
             runner.run([trial], 1)
 
 
-def test_pools():
-    assert isinstance(make_pool(0), InThisProcess)
-    assert worker_count(make_pool(0)) == 1
-    with pytest.raises(ExperimentError, match="cannot be -1 workers"):
-        make_pool(-1)
-
-
 @pytest.mark.slow
 def test_processes_give_the_same_numbers(results, trials, world):
     with make_pool(2) as pool:
-        assert worker_count(pool) == 2
         Runner(results, pool).run(trials, 3)
 
     for trial in trials:

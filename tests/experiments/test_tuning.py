@@ -7,8 +7,8 @@ from station.experiments.errors import (
     ImpossibleRangeError,
     UnknownParameterError,
 )
+from station.experiments.pools import InThisProcess
 from station.experiments.results import Results
-from station.experiments.runner import InThisProcess
 from station.experiments.trial import TrialResult
 from station.experiments.tuning import (
     Bound,

@@ -45,6 +45,45 @@ def test_robot_that_cannot_be_built_is_a_scorecard_too():
     assert "cannot be read" in card.checks[0].detail
 
 
+URDF = """
+<robot name="two">
+  <link name="base">
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <link name="slide">
+    <inertial><mass value="1"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+  </link>
+  <link name="block">
+    <inertial><mass value="1"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="slide"/>
+    <axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="50" velocity="1"/></joint>
+  <joint name="push" type="prismatic"><parent link="slide"/><child link="block"/>
+    <origin xyz="0.05 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" effort="0.1" velocity="1"/><mimic joint="lift"/></joint>
+</robot>
+"""
+
+
+def test_joint_without_motor_and_links_that_touch_are_named(tmp_path):
+    (tmp_path / "two.urdf").write_text(URDF)
+    robot = {
+        "type": "mujoco_hw/MujocoRobotHW",
+        "robot_description": str(tmp_path / "two.urdf"),
+    }
+
+    card = validate(Setup.load({"robot": robot}), "two")
+
+    found = {check.name: check for check in card.checks}
+    limits = found["limits of joints"]
+    assert limits.outcome == "passed", limits
+    assert limits.detail == "1 joints have all limits. Without a motor: push."
+    rest = found["holds its weight without a controller"]
+    assert rest.outcome == "failed", rest
+    assert "At its start these touch: base and block; block and world." in rest.detail
+
+
 def test_page_shows_every_check_and_escapes_what_it_shows():
     check = Check("a <b>", "failed", "1 > 0")
     page = Scorecard("<robot>", "abc", (check, Check("c", "skipped", "-"))).to_html()

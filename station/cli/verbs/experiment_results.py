@@ -1,18 +1,24 @@
 """Verb `experiments`: what experiments have found, and what follows from it."""
 
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_table
 from station.cli.verbs.experiments import say_summary
+from station.client import ApiError
 from station.experiments.analysis import compare, ranked
 from station.experiments.errors import ExperimentError
 from station.experiments.exports import export, table, write_gains
 from station.experiments.results import Results, default_folder, file_of, names
 from station.experiments.trial_world import TrialWorld
+
+if TYPE_CHECKING:
+    from station.client import StationClient
+    from station.wire import Gains, GainsChange
 
 
 def experiments(options: Namespace) -> int:
@@ -154,18 +160,60 @@ def _apply(options: Namespace) -> int:
             for name, gains in wanted.items()
             for gain, new in gains.items()
         ]
-        if options.yes:
-            for name, gains in wanted.items():
-                # Somebody may have changed them since they were shown.
-                client.set_gains(name, gains, etag=present[name].etag)
-            client.gain_sets.save(options.name, list(wanted))
-    say_table(["controller", "gain", "present", "new"], rows)
-    if options.yes:
-        say(f"Trial {trial.hash} is in force, and saved as gain set {options.name}.")
-        say("`station gains undo` takes it back.")
-    else:
-        say("Nothing has changed; with --yes the new gains are put into force.")
+        say_table(["controller", "gain", "present", "new"], rows)
+        if not options.yes:
+            say("Nothing has changed; with --yes the new gains are put into force.")
+            return 0
+        _put_into_force(client, wanted, present)
+        say(f"The gains of trial {trial.hash} are in force.")
+        undo = "`station gains undo` takes them back"
+        more = f", typed {len(wanted)} times: once per controller"
+        say(f"{undo}{more if len(wanted) > 1 else ''}.")
+        client.gain_sets.save(options.name, list(wanted))
+        say(f"They are saved as gain set {options.name}.")
     return 0
+
+
+def _put_into_force(
+    client: "StationClient",
+    wanted: Mapping[str, Mapping[str, float]],
+    present: Mapping[str, "Gains"],
+) -> None:
+    """Set the gains of all controllers, or of none: what was set is put back.
+
+    Args:
+        client: The running station.
+        wanted: New gains by controller and name.
+        present: The gains that were shown; a controller that has others by now refuses.
+
+    Raises:
+        ExperimentError: A controller refused; the text says what became of the others.
+    """
+    done: dict[str, GainsChange] = {}
+    for name, gains in wanted.items():
+        try:
+            done[name] = client.set_gains(name, gains, etag=present[name].etag)
+        except ApiError as error:
+            fates = [_put_back(client, one, change) for one, change in done.items()]
+            raise ExperimentError(
+                f"The gains of '{name}' were not set: {error} "
+                f"{' '.join(fates) or 'No others had been set.'}",
+                remedy="Look at the present gains with `station experiments apply`, "
+                "then repeat it with --yes.",
+            ) from error
+
+
+def _put_back(client: "StationClient", name: str, change: "GainsChange") -> str:
+    """Set the gains from before a change; return a sentence on what came of it."""
+    try:
+        now = client.gains(name)
+        if now.revision == change.revision:
+            client.set_gains(name, change.previous, etag=now.etag)
+            return f"Those of '{name}' had been set, and were put back."
+        why = "somebody has changed them since"
+    except ApiError as error:
+        why = str(error)
+    return f"Those of '{name}' WERE SET and could not be put back: {why}."
 
 
 def _metric(options: Namespace) -> str | None:

@@ -6,7 +6,6 @@ from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from pathlib import Path
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
@@ -18,13 +17,14 @@ from station.experiments.errors import ExperimentError
 from station.experiments.identification import Estimate, JointModel
 from station.experiments.identification import identify as fit
 from station.experiments.parameters import check
+from station.experiments.pools import make_pool
 from station.experiments.results import Results, file_of
-from station.experiments.runner import Progress, Watcher, make_pool
+from station.experiments.runner import Progress, Watcher
 from station.experiments.script import Multisine, Script, read_script
 from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, keep_worst
 from station.experiments.sweep import sweep as run_sweep
-from station.experiments.trace import Trace
+from station.experiments.trace import Trace, read_trace
 from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
 from station.experiments.tuning import Bound, Goal, Search, tunable_gains
@@ -98,6 +98,7 @@ def tune(options: Namespace) -> int:
                 "best": tuned.best.hash,
                 "cost": tuned.best_cost,
                 "stopped": tuned.stopped,
+                "refused": tuned.progress.refused,
                 "first": dict(tuned.first_result.metrics),
                 "metrics": dict(tuned.best_result.metrics),
                 "gains": dict(tuned.best.parameters),
@@ -113,8 +114,15 @@ def tune(options: Namespace) -> int:
                 f"{tuned.best_cost:.3f} of the first; it ended because "
                 f"{tuned.stopped}."
             )
+            _say_refused(tuned.progress)
             name = results.path.stem
-            say(f"`station experiments apply {name}` shows what would change.")
+            if tuned.best == tuned.first:
+                say(
+                    "No trial that keeps the bounds was better than the first; a looser"
+                )
+                say("bound may help, such as --at-most effort_peak=1.5x violations=0.")
+            else:
+                say(f"`station experiments apply {name}` shows what would change.")
         return INTERRUPTED if tuned.progress.is_interrupted else 0
 
 
@@ -123,7 +131,7 @@ def identify(options: Namespace) -> int:
     if options.recording is None:
         trace = _excite(options)
     else:
-        trace = _read_trace(options.recording)
+        trace = read_trace(options.recording)
     found = fit(trace, options.joint)
     if options.record is not None:
         options.record.write_bytes(trace.to_bytes())
@@ -270,6 +278,8 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
             "experiment": results.path.stem,
             "ended": progress.ended,
             "failed": sum(row.result.state == "failed" for row in results.rows()),
+            "repeated": progress.repeated,
+            "refused": progress.refused,
             "metrics": {
                 d.metric: {
                     "median": d.median,
@@ -282,10 +292,19 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
         })
     else:
         say_summary(results)
+        _say_refused(progress)
         if progress.is_interrupted:
             say(f"{progress.ended} of {progress.total} trials are kept.")
             say(f"Repeat the command with --name {results.path.stem} to go on.")
     return INTERRUPTED if progress.is_interrupted else 0
+
+
+def _say_refused(progress: Progress) -> None:
+    """Print which workers got no work, and how often trials were given away again."""
+    if progress.repeated:
+        say(f"Trials were given away again {progress.repeated} times.")
+    for reason in progress.refused:
+        say(f"No trials for a worker: {reason}")
 
 
 def say_summary(results: Results) -> None:
@@ -331,21 +350,6 @@ def _excite(options: Namespace) -> Trace:
     if trace is None or result.state == "failed":
         raise ExperimentError(f"The motion failed. {result.reason}")
     return trace
-
-
-def _read_trace(path: Path) -> Trace:
-    """Return the motion in a file.
-
-    Raises:
-        ExperimentError: The file cannot be read.
-    """
-    try:
-        return Trace.from_bytes(path.read_bytes())
-    except (OSError, ValueError, KeyError) as error:
-        raise ExperimentError(
-            f"The recording {path} cannot be read: {error}.",
-            remedy="`station identify --record FILE.npz` writes such a file.",
-        ) from error
 
 
 def _estimates(found: JointModel) -> Mapping[str, Estimate]:

@@ -1,16 +1,19 @@
 """What the command line says about experiments that have ended."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 from station.cli.main import main
+from station.client import ApiError
 from station.experiments.results import Results, file_of
 from station.experiments.script import Script
 from station.experiments.setup import Setup
 from station.experiments.trial import Trial, TrialResult
 
 GROUP = "effort_group_position_controller"
+TRAJECTORY = "effort_joint_trajectory_controller"
 
 
 @pytest.fixture
@@ -52,6 +55,7 @@ def test_best_trials_are_ranked(hashes, capsys):
     assert f"{hashes[0]}  0.05       2" in say(capsys, "best", "one")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("hashes")
 def test_results_are_exported_drawn_and_compared(capsys, tmp_path):
     say(capsys, "export", "one", str(tmp_path / "one.csv"))
@@ -87,11 +91,19 @@ def test_wrong_words_are_refused(capsys, words, reason, code):
 
 
 class FakeGains:
-    """A running station whose gains are read and set."""
+    """A running station whose gains are read and set.
 
-    def __init__(self):
+    Args:
+        refusing: The controller that refuses.
+        meddled: Whether somebody changes gains right after every change.
+    """
+
+    def __init__(self, refusing=None, *, meddled=False):
         self.calls = []
         self.gain_sets = self
+        self.revisions = {}
+        self.refusing = refusing
+        self.meddled = meddled
 
     def __enter__(self):
         return self
@@ -100,27 +112,83 @@ class FakeGains:
         return None
 
     def gains(self, name):
-        self.etag = "7"
-        self.values = {"panda_joint1/p": 600.0}
-        return self
+        revision = self.revisions.get(name, 7)
+        return SimpleNamespace(
+            etag=str(revision), revision=revision, values={"panda_joint1/p": 600.0}
+        )
 
     def set_gains(self, name, values, etag):
+        if name == self.refusing:
+            raise ApiError("The gains have changed.", status=412, code="changed")
         self.calls.append((name, values["panda_joint1/p"], etag))
+        revision = self.revisions[name] = self.revisions.get(name, 7) + 1
+        if self.meddled:
+            self.revisions[name] += 1
+        return SimpleNamespace(revision=revision, previous={"panda_joint1/p": 600.0})
 
     def save(self, name, controllers):
         self.calls.append((name, controllers))
 
 
-def test_apply_shows_first_and_sets_when_told_so(hashes, capsys, monkeypatch):
-    fake = FakeGains()
-    monkeypatch.setattr(
-        "station.cli.verbs.experiment_results.open_client", lambda _: fake
-    )
+@pytest.fixture
+def use(monkeypatch):
+    """Return a function that makes the verb talk to a fake."""
+
+    def choose(fake):
+        monkeypatch.setattr(
+            "station.cli.verbs.experiment_results.open_client", lambda _: fake
+        )
+        return fake
+
+    return choose
+
+
+def test_apply_shows_first_and_sets_when_told_so(hashes, capsys, use):
+    fake = use(FakeGains())
 
     shown = say(capsys, "apply", "one", hashes[1])
     assert "panda_joint1/p  600" in shown
     assert "Nothing has changed" in shown
     assert fake.calls == []
 
-    say(capsys, "apply", "one", hashes[1], "--yes")
+    shown = say(capsys, "apply", "one", hashes[1], "--yes")
     assert fake.calls == [(GROUP, 480.0, "7"), ("one", [GROUP])]
+    assert "`station gains undo` takes them back." in shown
+
+
+@pytest.fixture
+def both(tmp_path, monkeypatch):
+    """Make the experiment `both`, whose trial changes gains of two controllers."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    base = Trial(Setup.load(), Script(controller=GROUP, duration=0.1))
+    with Results.create(file_of("both"), "sweep", base.setup, {}) as results:
+        gains = {f"gains/{name}/panda_joint1/p": 500.0 for name in (GROUP, TRAJECTORY)}
+        trial = base.with_parameters(gains)
+        results.add(
+            trial, TrialResult(trial.hash, "done", None, {"rms_error": 1.0}, 0.1, "w")
+        )
+
+
+@pytest.mark.usefixtures("both")
+def test_apply_to_two_controllers_sets_both_or_none(capsys, use):
+    fake = use(FakeGains())
+    assert "typed 2 times" in say(capsys, "apply", "both", "--yes")
+    assert [call[0] for call in fake.calls] == [GROUP, TRAJECTORY, "both"]
+
+    fake = use(FakeGains(refusing=TRAJECTORY))
+    assert main(["experiments", "apply", "both", "--yes"]) == 1
+    assert fake.calls == [(GROUP, 500.0, "7"), (GROUP, 600.0, "8")]
+    error = capsys.readouterr().err
+    assert f"gains of '{TRAJECTORY}' were not set: The gains have changed." in error
+    assert f"Those of '{GROUP}' had been set, and were put back." in error
+
+
+@pytest.mark.usefixtures("both")
+def test_apply_says_what_it_could_not_put_back(capsys, use):
+    fake = use(FakeGains(refusing=TRAJECTORY, meddled=True))
+
+    assert main(["experiments", "apply", "both", "--yes"]) == 1
+
+    assert fake.calls == [(GROUP, 500.0, "7")]
+    error = capsys.readouterr().err
+    assert f"Those of '{GROUP}' WERE SET and could not be put back: somebody" in error

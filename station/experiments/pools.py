@@ -1,0 +1,115 @@
+"""Where trials run on this machine: in processes of low priority, or in this one."""
+
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+from typing import ParamSpec, TypeVar
+
+from typing_extensions import override
+
+from station.experiments.errors import ExperimentError
+from station.experiments.workers import begin_worker
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+NICENESS = 10
+"""How much lower the priority of worker processes is: they never delay a station."""
+
+
+class InThisProcess(Executor):
+    """Runs what is submitted at once, in the caller's thread."""
+
+    @override
+    def submit(
+        self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> Future[T]:
+        future: Future[T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # noqa: BLE001 - the caller of result() gets it
+            future.set_exception(error)
+        return future
+
+
+class ProcessPool(Executor):
+    """Worker processes that are replaced when one of them dies.
+
+    The pool of the standard library is of no use any more once a process has died: all
+    its futures end with `BrokenProcessPool`. This one begins a new pool with the next
+    `submit`, so that the caller can hand the lost work out again.
+
+    Args:
+        workers: How many processes, >= 1.
+
+    Attributes:
+        worker_count: How many processes.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self.worker_count = workers
+        self._pool = self._begin()
+
+    @override
+    def submit(
+        self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> Future[T]:
+        try:
+            return self._pool.submit(fn, *args, **kwargs)
+        except BrokenProcessPool:
+            self._pool.shutdown(wait=True)
+            self._pool = self._begin()
+            return self._pool.submit(fn, *args, **kwargs)
+
+    @override
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        self._pool.shutdown(wait, cancel_futures=cancel_futures)
+
+    def _begin(self) -> ProcessPoolExecutor:
+        # A fork would copy locks and MuJoCo's memory in whatever state they are.
+        return ProcessPoolExecutor(
+            self.worker_count,
+            get_context("spawn"),
+            initializer=begin_worker,
+            initargs=(NICENESS,),
+        )
+
+
+def make_pool(workers: int | None = None) -> Executor:
+    """Return worker processes of low priority.
+
+    Args:
+        workers: How many, >= 1; one per processor when None; with 0, trials run in
+            this process.
+
+    Raises:
+        ExperimentError: The number is negative.
+    """
+    count = len(os.sched_getaffinity(0)) if workers is None else workers
+    if count < 0:
+        raise ExperimentError(
+            f"There cannot be {count} workers; allowed are 0 or more."
+        )
+    return ProcessPool(count) if count else InThisProcess()
+
+
+def worker_count(executor: Executor) -> int:
+    """Return how many trials an executor can run at the same time, as far as known."""
+    for name in ("worker_count", "_max_workers"):
+        known = getattr(executor, name, None)
+        if isinstance(known, int):
+            return known
+    return 1
+
+
+def losses(executor: Executor) -> tuple[type[BaseException], ...]:
+    """Return what a future ends with when the process that had its work died."""
+    return (BrokenProcessPool, *getattr(executor, "worker_losses", ()))
+
+
+def refusals(executor: Executor) -> Mapping[str, str]:
+    """Return why workers get no work, by their addresses; empty for local processes."""
+    found: Mapping[str, str] = getattr(executor, "refused", {})
+    return found

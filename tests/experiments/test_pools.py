@@ -1,0 +1,52 @@
+"""Executors of this machine."""
+
+import os
+import signal
+from concurrent.futures import Executor
+from concurrent.futures.process import BrokenProcessPool
+
+import pytest
+
+from station.experiments.errors import ExperimentError
+from station.experiments.pools import (
+    NICENESS,
+    InThisProcess,
+    losses,
+    make_pool,
+    refusals,
+    worker_count,
+)
+
+
+def test_this_process():
+    with make_pool(0) as pool:
+        assert isinstance(pool, InThisProcess)
+        assert worker_count(pool) == 1
+        assert pool.submit(os.getpid).result() == os.getpid()
+        assert isinstance(pool.submit(int, "x").exception(), ValueError)
+
+
+def test_negative_number_is_refused():
+    with pytest.raises(ExperimentError, match="cannot be -1 workers"):
+        make_pool(-1)
+
+
+def test_executor_that_says_nothing():
+    assert worker_count(Executor()) == 1
+    assert losses(Executor()) == (BrokenProcessPool,)
+    assert refusals(Executor()) == {}
+
+
+@pytest.mark.slow
+def test_process_that_was_killed_is_replaced():
+    with make_pool(1) as pool:
+        assert worker_count(pool) == 1
+        first = pool.submit(os.getpid).result()
+        # Ends the process as the system does when memory is short.
+        killed = pool.submit(os.kill, first, signal.SIGKILL)
+        assert isinstance(killed.exception(), BrokenProcessPool)
+
+        second = pool.submit(os.getpid).result()
+
+        assert second not in {first, os.getpid()}
+        assert pool.submit(os.nice, 0).result() == os.nice(0) + NICENESS
