@@ -34,6 +34,7 @@ NAMES = {
     "AsyncGainSetsClient": "GainSetsClient",
     "AsyncGripperClient": "GripperClient",
     "AsyncHeartbeat": "Heartbeat",
+    "AsyncLeaseClient": "LeaseClient",
     "AsyncIncidentsClient": "IncidentsClient",
     "AsyncRecordingsClient": "RecordingsClient",
     "_AsyncFiles": "_Files",

@@ -25,7 +25,7 @@ def open_client(options: Namespace) -> "StationClient":
 
     url, token = locate(options.url, options.token)
     client = StationClient(url, token, ca=options.ca)
-    client.act_under(os.environ.get(LEASE_VARIABLE))
+    client.lease.act_under(os.environ.get(LEASE_VARIABLE))
     return client
 
 

@@ -84,7 +84,7 @@ class ControlRoutes:
         if key is None:
             return
         try:
-            await self._ask(session, lambda client: client.renew_control())
+            await self._ask(session, lambda client: client.lease.renew())
         except StationUnreachableError:
             return  # The link may come back before the lease is over.
         except ApiError:
@@ -92,7 +92,7 @@ class ControlRoutes:
 
     async def _show(self, request: "Request") -> Response:
         return await self._answer(
-            request, lambda client: client.control_state(), may_watch=True
+            request, lambda client: client.lease.state(), may_watch=True
         )
 
     async def _take(self, request: "Request") -> Response:
@@ -102,7 +102,7 @@ class ControlRoutes:
             return _invalid(error)
         return await self._answer(
             request,
-            lambda client: client.take_control(
+            lambda client: client.lease.take(
                 wanted.owner or None, ttl=TTL, force=wanted.force
             ),
         )
@@ -114,11 +114,11 @@ class ControlRoutes:
             return _invalid(error)
         return await self._answer(
             request,
-            lambda client: client.renew_control(hand_over_to=wanted.hand_over_to),
+            lambda client: client.lease.renew(hand_over_to=wanted.hand_over_to),
         )
 
     async def _release(self, request: "Request") -> Response:
-        return await self._answer(request, lambda client: client.release_control())
+        return await self._answer(request, lambda client: client.lease.release())
 
     async def _answer(
         self,

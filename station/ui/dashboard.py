@@ -150,7 +150,7 @@ class Dashboard:
         Args:
             lease: What some browser of this dashboard holds; None for none.
         """
-        self._client.act_under(lease)
+        self._client.lease.act_under(lease)
         for panel in self._panels:
             if isinstance(panel, CommandingPanel):
                 panel.let_go()

@@ -117,7 +117,7 @@ class SessionAccess:
         client = AsyncStationClient(
             self.url, self.token_of(session), timeout=_REQUEST_TIMEOUT, ca=self._ca
         )
-        client.act_under(self.lease_of(session))
+        client.lease.act_under(self.lease_of(session))
         return client
 
     def acting_for(self, session: Session) -> AsyncStationClient:
@@ -146,7 +146,7 @@ class SessionAccess:
         """
         lease = self.lease_of(session)
         client.talk_to(self.url, self.token_of(session))
-        client.act_under(lease)
+        client.lease.act_under(lease)
         return lease
 
     def role_at_viser(self, session: Session) -> Role:

@@ -12,6 +12,7 @@ from playwright.sync_api import sync_playwright
 
 from station.client import StationClient
 from tests.browser.viser_page import ViserPage
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage, without_scene
 
 CHROMIUM = "/usr/bin/chromium"
 FLAGS = [
@@ -106,3 +107,36 @@ def keep_screenshot(page, name):
     picture = page.screenshot()
     ARTIFACTS.mkdir(exist_ok=True)
     (ARTIFACTS / name).write_bytes(picture)
+
+
+@pytest.fixture(scope="module")
+def workspace_tab(browser, running_station):
+    """The workspace, logged in; a script error on the page fails the last test."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    without_scene(context)
+    page = context.new_page()
+    failures = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(f"{running_station.ui}/login?token={running_station.token}")
+    yield page
+    context.close()
+    assert failures == []
+
+
+@pytest.fixture(scope="module")
+def workspace(workspace_tab):
+    """What a person does on the workspace."""
+    return WorkspacePage(workspace_tab)
+
+
+@pytest.fixture
+def enabled(client, workspace):
+    """The default controller runs, and the page has noticed."""
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    others = [n for n in running if n not in {CONTROLLER, "joint_state_controller"}]
+    if CONTROLLER not in running:
+        client.switch_controllers(start=[CONTROLLER], stop=others)
+    workspace.page.wait_for_function(
+        "() => !document.querySelector('.joints input').disabled"
+    )
+    return client

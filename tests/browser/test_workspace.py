@@ -1,74 +1,25 @@
 """The workspace in a real browser, at a real station: docks, strip, first minute."""
 
-import time
 from pathlib import Path
 
 import pytest
 
-from station.client import ApiError
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
-from tests.browser.workspace_page import WorkspacePage
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    OTHER,
+    WorkspacePage,
+    position,
+    wait_until,
+    without_scene,
+)
 
 pytestmark = pytest.mark.slow
-
-CONTROLLER = "effort_group_position_controller"
-OTHER = "position_group_controller"
-
-
-def _position(client, joint):
-    joints = client.joint_states()
-    return joints.position[joints.name.index(joint)]
-
-
-def _wait_until(holds, seconds=10.0):
-    """Poll `holds` until it is true; whoever calls asserts the outcome."""
-    deadline = time.monotonic() + seconds
-    while not holds() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    return holds()
 
 
 def _state(client, name):
     return client.controller(name).state
-
-
-def _without_scene(context):
-    """Leave the 3D view empty: drawn in software it takes longer than the rest."""
-    context.route("**/ui/", lambda route: route.fulfill(body="<p>no 3D view</p>"))
-    context.set_default_timeout(20_000)
-
-
-@pytest.fixture(scope="module")
-def page(browser, running_station):
-    """The workspace, logged in; a script error on the page fails the last test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    _without_scene(context)
-    page = context.new_page()
-    failures = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
-    page.goto(f"{running_station.ui}/login?token={running_station.token}")
-    yield page
-    context.close()
-    assert failures == []
-
-
-@pytest.fixture(scope="module")
-def workspace(page):
-    return WorkspacePage(page)
-
-
-@pytest.fixture
-def enabled(client, workspace):
-    """The default controller runs, and the page has noticed."""
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    others = [n for n in running if n not in {CONTROLLER, "joint_state_controller"}]
-    if CONTROLLER not in running:
-        client.switch_controllers(start=[CONTROLLER], stop=others)
-    workspace.page.wait_for_function(
-        "() => !document.querySelector('.joints input').disabled"
-    )
-    return client
 
 
 def test_a_newcomer_is_shown_around_and_enables_the_sliders(workspace, client):
@@ -80,7 +31,7 @@ def test_a_newcomer_is_shown_around_and_enables_the_sliders(workspace, client):
     tour.get_by_role("button", name="Done").click()
     assert not tour.is_visible()
     page.get_by_role("button", name="Enable sliders").click()
-    assert _wait_until(lambda: _state(client, CONTROLLER) == "running")
+    assert wait_until(lambda: _state(client, CONTROLLER) == "running")
     page.locator("#enable").wait_for(state="hidden")
 
 
@@ -88,10 +39,10 @@ def test_a_typed_value_keeps_its_precision(workspace, enabled):
     workspace.button("joints", "rad").click()
     workspace.type_into("joints", "Command of joint1", "0.3217")
     sent = 0.3217
-    assert _wait_until(
+    assert wait_until(
         lambda: (enabled.last_command(CONTROLLER).last or [None])[0] == sent
     )
-    assert _wait_until(lambda: abs(_position(enabled, "panda_joint1") - sent) < 0.02)
+    assert wait_until(lambda: abs(position(enabled, "panda_joint1") - sent) < 0.02)
     field = workspace.dock("joints").get_by_label("Command of joint1", exact=True)
     assert field.input_value() == "0.3217"
 
@@ -100,7 +51,7 @@ def test_degrees_are_converted_exactly(workspace, enabled):
     workspace.button("joints", "deg").click()
     workspace.type_into("joints", "Command of joint3", "10")
     wanted = 0.17453292519943295
-    assert _wait_until(
+    assert wait_until(
         lambda: enabled.last_command(CONTROLLER).last[2] == pytest.approx(wanted)
     )
 
@@ -114,9 +65,9 @@ def test_a_value_beyond_the_limit_is_refused_with_the_range(workspace, enabled):
 
 
 def test_a_joint_moves_while_its_button_is_held_and_stays_after(workspace, enabled):
-    before = _position(enabled, "panda_joint7")
+    before = position(enabled, "panda_joint7")
     workspace.hold("joints", "Move joint7 down while held", 700)
-    moved = before - _position(enabled, "panda_joint7")
+    moved = before - position(enabled, "panda_joint7")
     assert 0.1 < moved < 0.8
     workspace.page.wait_for_timeout(500)
     rest = enabled.last_command(CONTROLLER).last[6]
@@ -132,9 +83,9 @@ def test_stop_is_shown_at_once_and_refused_values_offer_the_release(workspace, e
     workspace.button("controllers", f"Start {CONTROLLER}").click()
     remedy = page.locator("#refusal-line").get_by_role("button", name="Release stop")
     remedy.click()
-    assert _wait_until(lambda: enabled.status().stop_state == "released")
+    assert wait_until(lambda: enabled.status().stop_state == "released")
     page.locator("#bar").get_by_role("button", name="Allow motion").click()
-    assert _wait_until(lambda: enabled.status().stop_state == "armed")
+    assert wait_until(lambda: enabled.status().stop_state == "armed")
     page.locator("#log-button").click()
     assert page.locator("#log .row").count() >= 1
     page.locator("#log-button").click()
@@ -147,7 +98,7 @@ def test_a_switch_says_what_it_does_before_the_click(workspace, enabled):
     preview.get_by_text(f"stops {CONTROLLER}").wait_for()
     assert _state(enabled, OTHER) != "running"
     start.click()
-    assert _wait_until(lambda: _state(enabled, OTHER) == "running")
+    assert wait_until(lambda: _state(enabled, OTHER) == "running")
     assert _state(enabled, CONTROLLER) != "running"
 
 
@@ -159,9 +110,9 @@ def test_a_controller_is_loaded_from_a_form_and_unloaded(workspace, client):
     dock.get_by_role("option", name=kind).click()
     dock.get_by_label("Name of the controller").fill("mine")
     dock.get_by_role("button", name="Load", exact=True).click()
-    assert _wait_until(lambda: "mine" in [c.name for c in client.controllers()])
+    assert wait_until(lambda: "mine" in [c.name for c in client.controllers()])
     workspace.button("controllers", "Unload mine").click()
-    assert _wait_until(lambda: "mine" not in [c.name for c in client.controllers()])
+    assert wait_until(lambda: "mine" not in [c.name for c in client.controllers()])
 
 
 def test_gains_change_together_and_are_undone(workspace, enabled):
@@ -172,14 +123,14 @@ def test_gains_change_together_and_are_undone(workspace, enabled):
     dock.get_by_label("d of panda_joint6").fill("9.25")
     before = enabled.gains(CONTROLLER)
     workspace.button("tuning", "Apply").click()
-    assert _wait_until(
+    assert wait_until(
         lambda: enabled.gains(CONTROLLER).values["panda_joint6/p"] == 140.5
     )
     after = enabled.gains(CONTROLLER)
     assert after.values["panda_joint6/d"] == 9.25
     assert after.revision == before.revision + 1
     workspace.button("tuning", "Undo").click()
-    assert _wait_until(lambda: enabled.gains(CONTROLLER).values == before.values)
+    assert wait_until(lambda: enabled.gains(CONTROLLER).values == before.values)
 
 
 def test_two_tests_of_a_joint_are_compared(workspace, enabled):
@@ -187,34 +138,34 @@ def test_two_tests_of_a_joint_are_compared(workspace, enabled):
     dock.get_by_label("Controller to tune").select_option(CONTROLLER)
     dock.get_by_label("Joint to tune").select_option("panda_joint5")
     dock.get_by_label("for [s]").fill("0.8")
-    before = _position(enabled, "panda_joint5")
+    before = position(enabled, "panda_joint5")
     run = workspace.button("tuning", "Run test")
     run.click()
     dock.locator(".metrics tbody tr").nth(0).get_by_text("ms").first.wait_for()
     run.click()
     dock.locator(".metrics tbody tr").nth(1).wait_for()
-    assert _wait_until(lambda: abs(_position(enabled, "panda_joint5") - before) < 0.02)
+    assert wait_until(lambda: abs(position(enabled, "panda_joint5") - before) < 0.02)
 
 
 def test_waypoints_are_captured_and_played(workspace, enabled):
-    here = _position(enabled, "panda_joint1")
+    here = position(enabled, "panda_joint1")
     workspace.button("move", "+ Capture").click()
     workspace.button("joints", "rad").click()
     workspace.type_into("joints", "Command of joint1", f"{here + 0.2:.3f}")
-    assert _wait_until(lambda: _position(enabled, "panda_joint1") > here + 0.15)
+    assert wait_until(lambda: position(enabled, "panda_joint1") > here + 0.15)
     workspace.button("move", "▶ Play").click()
     dock = workspace.dock("move")
     dock.get_by_text("The motion succeeded.").wait_for(timeout=8000)
-    assert _position(enabled, "panda_joint1") == pytest.approx(here, abs=0.02)
+    assert position(enabled, "panda_joint1") == pytest.approx(here, abs=0.02)
     dock.get_by_role("button", name="Remove: point 1").click()
 
 
 def test_the_gripper_opens_and_closes(workspace, client):
     panda = client.robot("panda")
     workspace.button("gripper", "Close").click()
-    assert _wait_until(lambda: panda.gripper.state().width < 0.01)
+    assert wait_until(lambda: panda.gripper.state().width < 0.01)
     workspace.button("gripper", "Open").click()
-    assert _wait_until(lambda: panda.gripper.state().width > 0.07)
+    assert wait_until(lambda: panda.gripper.state().width > 0.07)
 
 
 def test_an_arm_that_stopped_itself_is_recovered_by_one_click(workspace, client):
@@ -223,18 +174,18 @@ def test_an_arm_that_stopped_itself_is_recovered_by_one_click(workspace, client)
     line = workspace.page.locator("#trouble")
     line.get_by_text("panda stopped itself").wait_for()
     line.get_by_role("button", name="Recover panda").click()
-    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
+    assert wait_until(lambda: panda.errors().robot_mode == "idle")
     line.wait_for(state="hidden")
 
 
 def test_the_simulation_pauses_and_steps(workspace, client):
     workspace.button("simulation", "Pause").click()
-    assert _wait_until(lambda: client.simulation.state().paused)
+    assert wait_until(lambda: client.simulation.state().paused)
     time_before = client.simulation.state().time
     workspace.button("simulation", "Step").click()
-    assert _wait_until(lambda: client.simulation.state().time > time_before + 0.09)
+    assert wait_until(lambda: client.simulation.state().time > time_before + 0.09)
     workspace.button("simulation", "Resume").click()
-    assert _wait_until(lambda: not client.simulation.state().paused)
+    assert wait_until(lambda: not client.simulation.state().paused)
 
 
 def test_a_plot_takes_other_channels(workspace):
@@ -275,97 +226,15 @@ def test_a_recording_is_started_stopped_and_downloaded(workspace, client):
 
 def test_a_stop_is_kept_as_an_incident(workspace, client):
     workspace.button("timeline", "Incidents").click()
-    assert _wait_until(lambda: client.incidents.list())
+    assert wait_until(lambda: client.incidents.list())
     row = workspace.dock("timeline").locator(".log .row").first
     row.get_by_role("link", name="download").wait_for()
     newest = client.incidents.list()[-1]
     assert newest.causes[0] in row.inner_text()
 
 
-@pytest.fixture
-def in_control(workspace, client):
-    """The page holds control as ada; a script gives it back after the test."""
+def test_no_token_reaches_the_page(workspace, running_station):
     page = workspace.page
-    page.locator("#control").click()
-    page.get_by_label("Your name").fill("ada")
-    page.get_by_role("button", name="Take control", exact=True).click()
-    page.locator("#control").get_by_text("you (ada)").wait_for()
-    yield client
-    taken = client.take_control("the test", force=True)
-    client.act_under(taken.lease)
-    client.release_control()
-    page.locator("#control").get_by_text("any operator").wait_for()
-
-
-def test_who_holds_control_acts_and_others_are_refused(workspace, in_control):
-    assert in_control.control_state().owner == "ada"
-    with pytest.raises(ApiError, match="ada holds control"):
-        in_control.reset_loop_statistics()
-    running = _state(in_control, OTHER) == "running"
-    name = f"Stop {OTHER}" if running else f"Start {OTHER}"
-    workspace.button("controllers", name).click()
-    assert _wait_until(lambda: (_state(in_control, OTHER) == "running") != running)
-    workspace.page.locator("#stop").click()
-    assert _wait_until(lambda: in_control.status().stop_state == "stopped")
-    bar = workspace.page.locator("#bar")
-    bar.get_by_role("button", name="Release stop").click()
-    bar.get_by_role("button", name="Allow motion").click()
-    assert _wait_until(lambda: in_control.status().stop_state == "armed")
-
-
-def test_no_lease_reaches_the_page(workspace, in_control):
-    told = workspace.page.evaluate(
-        "async () => (await Promise.all(['/workspace/control', '/api/v1/control']"
-        ".map(async (p) => await (await fetch(p)).text()))).join()"
-    )
-    assert '"owner":"ada"' in told
-    assert "lease" not in told
-    assert "not_forwarded" in told
-    assert in_control.control_state().owner == "ada"
-
-
-def test_control_is_offered_and_given_back(workspace, in_control):
-    page = workspace.page
-    page.locator("#control").click()
-    panel = page.locator("#control-panel")
-    panel.get_by_label("Hand over to").fill("grace")
-    panel.get_by_role("button", name="Offer").click()
-    panel.get_by_text("Offered to grace").wait_for()
-    assert in_control.control_state().hand_over_to == "grace"
-    panel.get_by_role("button", name="Give back").click()
-    assert _wait_until(lambda: in_control.control_state().owner is None)
-    panel.get_by_role("button", name="Close").click()
-
-
-def test_a_jog_ends_when_control_is_taken_and_is_taken_back_by_force(
-    workspace, enabled
-):
-    page = workspace.page
-    button = workspace.button("joints", "Move joint7 up while held")
-    button.hover()
-    page.mouse.down()
-    before = _position(enabled, "panda_joint7")
-    assert _wait_until(lambda: _position(enabled, "panda_joint7") > before + 0.05)
-    taken = enabled.take_control("grace", force=True)
-    line = page.locator("#refusal-line")
-    line.get_by_text("grace holds control").wait_for(timeout=3000)
-    rest = enabled.last_command(CONTROLLER).last
-    page.wait_for_timeout(400)
-    assert enabled.last_command(CONTROLLER).last == rest
-    page.mouse.up()
-    line.get_by_role("button", name="Take control …").click()
-    page.get_by_label("Your name").fill("ada")
-    assert enabled.control_state().lease is None
-    page.get_by_role("button", name="Yes, take it from grace").click()
-    assert _wait_until(lambda: enabled.control_state().owner == "ada")
-    assert taken.lease
-    page.locator("#control").click()
-    page.get_by_role("button", name="Give back").click()
-    assert _wait_until(lambda: enabled.control_state().owner is None)
-    page.locator("#control-panel").get_by_role("button", name="Close").click()
-
-
-def test_no_token_reaches_the_page(page, running_station):
     stored = page.evaluate("() => JSON.stringify([localStorage, document.cookie])")
     assert running_station.token not in stored
     assert running_station.token not in page.content()
@@ -406,7 +275,7 @@ def test_a_viewer_watches_and_stops_and_changes_nothing(
     browser, running_station, client
 ):
     context = browser.new_context(viewport={"width": 1280, "height": 800})
-    _without_scene(context)
+    without_scene(context)
     page = context.new_page()
     page.goto(f"{running_station.ui}/login?token={running_station.viewer_token}")
     workspace = WorkspacePage(page)
@@ -418,7 +287,7 @@ def test_a_viewer_watches_and_stops_and_changes_nothing(
     )
     assert status == 403
     page.locator("#stop").click()
-    assert _wait_until(lambda: client.status().stop_state == "stopped")
+    assert wait_until(lambda: client.status().stop_state == "stopped")
     context.close()
     client.release_stop()
     client.release_stop(arm=True)

@@ -1,5 +1,12 @@
 """Find and use the docks of the workspace with Playwright, as a person would."""
 
+import time
+
+CONTROLLER = "effort_group_position_controller"
+"""The controller that the page starts first."""
+OTHER = "position_group_controller"
+"""Another one that wants the same joints."""
+
 
 class WorkspacePage:
     """The page around the 3D view.
@@ -39,3 +46,23 @@ class WorkspacePage:
         self.page.mouse.down()
         self.page.wait_for_timeout(milliseconds)
         self.page.mouse.up()
+
+
+def position(client, joint):
+    """Return the measured position of a joint [rad]."""
+    joints = client.joint_states()
+    return joints.position[joints.name.index(joint)]
+
+
+def wait_until(holds, seconds=10.0):
+    """Poll `holds` until it is true; whoever calls asserts the outcome."""
+    deadline = time.monotonic() + seconds
+    while not holds() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return holds()
+
+
+def without_scene(context):
+    """Leave the 3D view empty: drawn in software it takes longer than the rest."""
+    context.route("**/ui/", lambda route: route.fulfill(body="<p>no 3D view</p>"))
+    context.set_default_timeout(20_000)

@@ -123,7 +123,7 @@ class FakeStation:
         self.simulation = FakeSimulation(self)
         self.tokens = FakeTokens(self)
         self.control_found = ControlState()
-        self.lease = None
+        self.acts_under = None
         self.gain_sets = FakeGainSets(self)
 
     def __enter__(self):
@@ -263,14 +263,19 @@ class FakeStation:
     def _stop_state(self, state):
         return StopState(state=state, reason="", epoch=2)
 
-    def act_under(self, lease):
-        self.lease = lease
+    @property
+    def lease(self):
+        """What takes control and gives it back."""
+        return self
 
-    def control_state(self):
+    def act_under(self, lease):
+        self.acts_under = lease
+
+    def state(self):
         return self.control_found
 
-    def release_control(self):
-        self._record("release_control")
+    def release(self):
+        self._record("release")
         return ControlState()
 
     def control(self, owner, **options):

@@ -28,6 +28,10 @@ class _Client:
         self.asked = []
         self.refusal = None
 
+    @property
+    def lease(self):
+        return self
+
     async def __aenter__(self):
         return self
 
@@ -40,16 +44,16 @@ class _Client:
             raise self.refusal
         return ControlState() if asked[0] == "release" else MINE
 
-    async def control_state(self):
+    async def state(self):
         return self._told("show")
 
-    async def take_control(self, owner, *, ttl, force):
+    async def take(self, owner, *, ttl, force):
         return self._told("take", owner, ttl, force)
 
-    async def renew_control(self, *, hand_over_to=None):
+    async def renew(self, *, hand_over_to=None):
         return self._told("renew", hand_over_to)
 
-    async def release_control(self):
+    async def release(self):
         return self._told("release")
 
 

@@ -23,10 +23,10 @@ def control(options: Namespace) -> int:
         if options.action == "take":
             _take(client, options)
         elif options.action == "release":
-            client.release_control()
+            client.lease.release()
             say("Control is given back.")
         else:
-            _show(client.control_state(), as_json=options.json)
+            _show(client.lease.state(), as_json=options.json)
     return 0
 
 

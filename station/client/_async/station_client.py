@@ -14,6 +14,7 @@ from station.client._async.connection import AsyncConnection
 from station.client._async.control_lease import AsyncControlLease
 from station.client._async.controller_changes import load, switch, unload
 from station.client._async.goal_handle import AsyncGoalHandle
+from station.client._async.lease_client import AsyncLeaseClient
 from station.client._async.motion import move_to, start_move
 from station.client._async.recordings_client import kept_on_disk
 from station.client._async.robot_client import AsyncRobotClient
@@ -72,6 +73,7 @@ class AsyncStationClient:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
         tokens: Named tokens of people and programs.
+        lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: What the station kept of stops, reflexes and faults.
     """
@@ -93,6 +95,7 @@ class AsyncStationClient:
         kept = kept_on_disk(self._connection)
         self.gain_sets, self.recordings, self.incidents = kept
         self.tokens = AsyncTokensClient(self._connection)
+        self.lease = AsyncLeaseClient(self._connection)
 
     async def __aenter__(self) -> Self:
         return self
@@ -541,52 +544,6 @@ class AsyncStationClient:
         return await self._connection.send(
             "POST", "/stop/release", wire.StopState, request
         )
-
-    def act_under(self, lease: str | None) -> None:
-        """Let the requests from now on act under a lease of control.
-
-        Args:
-            lease: The `lease` that whoever took control was told; None for none.
-        """
-        self._connection.lease = lease
-
-    async def take_control(
-        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
-    ) -> wire.ControlState:
-        """Take control, for clients that act under its `lease`; `control` does more.
-
-        Args:
-            owner: Name that others are told; that of the token when None.
-            ttl: How long control lasts without `renew_control` [s], 0.5 to 3600.
-            force: Take control from whoever holds it.
-        """
-        request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
-        return await self._connection.send(
-            "POST", "/control", wire.ControlState, request
-        )
-
-    async def renew_control(
-        self, *, hand_over_to: str | None = None
-    ) -> wire.ControlState:
-        """Keep control, which this client, or its named token, holds.
-
-        Args:
-            hand_over_to: Owner or token that may take control without force; as before
-                when None.
-        """
-        request = wire.ControlPatch(hand_over_to=hand_over_to)
-        return await self._connection.send(
-            "PATCH", "/control", wire.ControlState, request
-        )
-
-    async def release_control(self) -> wire.ControlState:
-        """Give control back, which this client, or its named token, holds."""
-        return await self._connection.send("DELETE", "/control", wire.ControlState)
-
-    async def control_state(self) -> wire.ControlState:
-        """Return who holds control."""
-        # Unlike `get`, this names the lease: the station says whose it is.
-        return await self._connection.send("GET", "/control", wire.ControlState)
 
     def control(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False

@@ -14,7 +14,7 @@ def log(app):
 
 
 def test_nobody_holds_it_at_first(client):
-    assert client.control_state().owner is None
+    assert client.lease.state().owner is None
     assert client.status().operator is None
 
 
@@ -80,13 +80,13 @@ def test_without_it_there_is_nothing_to_give_back(operator):
 
 
 def test_a_lease_is_taken_kept_offered_and_given_back_without_a_block(client, log):
-    taken = client.take_control("Ada")
-    assert not client.control_state().mine
-    client.act_under(taken.lease)
-    assert client.control_state().mine
-    assert client.renew_control().hand_over_to is None
-    assert client.renew_control(hand_over_to="Grace").hand_over_to == "Grace"
-    assert client.release_control().owner is None
+    taken = client.lease.take("Ada")
+    assert not client.lease.state().mine
+    client.lease.act_under(taken.lease)
+    assert client.lease.state().mine
+    assert client.lease.renew().hand_over_to is None
+    assert client.lease.renew(hand_over_to="Grace").hand_over_to == "Grace"
+    assert client.lease.release().owner is None
     requests = [e.what for e in log.since(kinds=[EventKind.REQUEST])]
     assert requests == ["POST /control", "DELETE /control"]
     texts = [e.text for e in log.since(kinds=[EventKind.CONTROL])]

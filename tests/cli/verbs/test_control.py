@@ -30,5 +30,5 @@ def test_verbs_act_under_the_lease_of_the_environment(run, station, monkeypatch)
     monkeypatch.setenv("STATION_CONTROL_LEASE", "key")
     run("control release")
 
-    assert station.lease == "key"
-    assert station.calls == [("release_control",)]
+    assert station.acts_under == "key"
+    assert station.calls == [("release",)]

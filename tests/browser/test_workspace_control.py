@@ -1,0 +1,93 @@
+"""Control of the station, taken and given back on the page."""
+
+import pytest
+
+from station.client import ApiError
+from tests.browser.workspace_page import CONTROLLER, OTHER, position, wait_until
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def in_control(workspace, client):
+    """The page holds control as ada; a script gives it back after the test."""
+    page = workspace.page
+    page.locator("#control").click()
+    page.get_by_label("Your name").fill("ada")
+    page.get_by_role("button", name="Take control", exact=True).click()
+    page.locator("#control").get_by_text("you (ada)").wait_for()
+    yield client
+    taken = client.lease.take("the test", force=True)
+    client.lease.act_under(taken.lease)
+    client.lease.release()
+    page.locator("#control").get_by_text("any operator").wait_for()
+
+
+def test_who_holds_control_acts_and_others_are_refused(workspace, in_control):
+    assert in_control.lease.state().owner == "ada"
+    with pytest.raises(ApiError, match="ada holds control"):
+        in_control.reset_loop_statistics()
+    running = in_control.controller(OTHER).state == "running"
+    name = f"Stop {OTHER}" if running else f"Start {OTHER}"
+    workspace.button("controllers", name).click()
+    assert wait_until(
+        lambda: (in_control.controller(OTHER).state == "running") != running
+    )
+    workspace.page.locator("#stop").click()
+    assert wait_until(lambda: in_control.status().stop_state == "stopped")
+    bar = workspace.page.locator("#bar")
+    bar.get_by_role("button", name="Release stop").click()
+    bar.get_by_role("button", name="Allow motion").click()
+    assert wait_until(lambda: in_control.status().stop_state == "armed")
+
+
+def test_no_lease_reaches_the_page(workspace, in_control):
+    told = workspace.page.evaluate(
+        "async () => (await Promise.all(['/workspace/control', '/api/v1/control']"
+        ".map(async (p) => await (await fetch(p)).text()))).join()"
+    )
+    assert '"owner":"ada"' in told
+    assert "lease" not in told
+    assert "not_forwarded" in told
+    assert in_control.lease.state().owner == "ada"
+
+
+def test_control_is_offered_and_given_back(workspace, in_control):
+    page = workspace.page
+    page.locator("#control").click()
+    panel = page.locator("#control-panel")
+    panel.get_by_label("Hand over to").fill("grace")
+    panel.get_by_role("button", name="Offer").click()
+    panel.get_by_text("Offered to grace").wait_for()
+    assert in_control.lease.state().hand_over_to == "grace"
+    panel.get_by_role("button", name="Give back").click()
+    assert wait_until(lambda: in_control.lease.state().owner is None)
+    panel.get_by_role("button", name="Close").click()
+
+
+def test_a_jog_ends_when_control_is_taken_and_is_taken_back_by_force(
+    workspace, enabled
+):
+    page = workspace.page
+    button = workspace.button("joints", "Move joint7 up while held")
+    button.hover()
+    page.mouse.down()
+    before = position(enabled, "panda_joint7")
+    assert wait_until(lambda: position(enabled, "panda_joint7") > before + 0.05)
+    taken = enabled.lease.take("grace", force=True)
+    line = page.locator("#refusal-line")
+    line.get_by_text("grace holds control").wait_for(timeout=3000)
+    rest = enabled.last_command(CONTROLLER).last
+    page.wait_for_timeout(400)
+    assert enabled.last_command(CONTROLLER).last == rest
+    page.mouse.up()
+    line.get_by_role("button", name="Take control …").click()
+    page.get_by_label("Your name").fill("ada")
+    assert enabled.lease.state().lease is None
+    page.get_by_role("button", name="Yes, take it from grace").click()
+    assert wait_until(lambda: enabled.lease.state().owner == "ada")
+    assert taken.lease
+    page.locator("#control").click()
+    page.get_by_role("button", name="Give back").click()
+    assert wait_until(lambda: enabled.lease.state().owner is None)
+    page.locator("#control-panel").get_by_role("button", name="Close").click()
