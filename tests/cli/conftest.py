@@ -357,7 +357,7 @@ class _FakeStream(list):
 def station(monkeypatch):
     """Return the station that every verb finds."""
     fake = FakeStation()
-    monkeypatch.setattr("station.client.StationClient", lambda *_: fake)
+    monkeypatch.setattr("station.client.StationClient", lambda *_, **_options: fake)
     monkeypatch.setenv("STATION_URL", "http://127.0.0.1:8000")
     monkeypatch.setenv("STATION_TOKEN", "secret")
     return fake

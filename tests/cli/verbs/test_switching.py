@@ -23,6 +23,7 @@ def test_switch_says_what_it_did(run, station):
         "strictness": "strict",
         "start_asap": False,
         "timeout": 0.0,
+        "bound": 5.0,
         "dry_run": False,
     }
 
@@ -45,7 +46,7 @@ def test_options_reach_the_station(run, station):
 @pytest.mark.parametrize(
     ("written", "asked"),
     [
-        ("", {}),
+        ("", {"bound": 5.0}),
         ("--switch-bound 30", {"bound": 30.0}),
         ("--switch-bound inf", {"bound": None}),
     ],
