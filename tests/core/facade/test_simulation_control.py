@@ -23,7 +23,6 @@ from tests.franka_station import make_franka_station
 from tests.patient_clock import PatientClock
 from tests.two_joint_station import TRAJECTORY, make_station
 
-
 pytestmark = pytest.mark.alone
 
 
