@@ -16,7 +16,8 @@ from station.wire.recordings import RecordingId
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
 
-MEDIA_TYPE = "application/x-mcap"
+MEDIA_TYPE = "application/octet-stream"
+"""MCAP has no registered type; generated clients know this one."""
 Id = Annotated[
     RecordingId,
     Path(
