@@ -12,6 +12,8 @@ from station.records.cdr import MessageType
 _SEPARATOR = "=" * 80
 _TIME = "int32 sec\nuint32 nanosec\n"
 _HEADER = "builtin_interfaces/Time stamp\nstring frame_id\n"
+# In the order of franka_msgs/Errors.msg, because a message has no names: readers go by
+# the order. libfranka, and `ERROR_NAMES` with it, has another one.
 _ERRORS = (
     "joint_position_limits_violation",
     "cartesian_position_limits_violation",
