@@ -159,6 +159,18 @@ from station.wire.streams import (
     StreamFormat,
     StreamFrame,
 )
+from station.wire.waypoint_paths import (
+    CaptureRequest,
+    Playback,
+    PlaybackPatch,
+    PlaybackState,
+    PlayRequest,
+    Waypoint,
+    WaypointPath,
+    WaypointPathRequest,
+    WaypointPaths,
+    WaypointRequest,
+)
 
 __all__ = [
     "CLOSE_BAD_REQUEST",
@@ -177,6 +189,7 @@ __all__ = [
     "ArmRecord",
     "ArmReport",
     "Arms",
+    "CaptureRequest",
     "CartesianImpedance",
     "ClaimedResources",
     "Clamp",
@@ -253,6 +266,10 @@ __all__ = [
     "Parameter",
     "ParameterRequest",
     "Percentiles",
+    "PlayRequest",
+    "Playback",
+    "PlaybackPatch",
+    "PlaybackState",
     "Problem",
     "Ready",
     "Recording",
@@ -296,4 +313,9 @@ __all__ = [
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",
+    "Waypoint",
+    "WaypointPath",
+    "WaypointPathRequest",
+    "WaypointPaths",
+    "WaypointRequest",
 ]

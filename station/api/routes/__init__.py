@@ -25,6 +25,7 @@ from station.api.routes import (
     stop,
     streams,
     tokens,
+    waypoint_paths,
 )
 
 PREFIX = "/api/v1"
@@ -39,6 +40,7 @@ for _module in (
     gain_sets,
     set_points,
     goals,
+    waypoint_paths,
     joint_states,
     parameters,
     hardware,

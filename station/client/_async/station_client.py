@@ -72,6 +72,7 @@ class AsyncStationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -92,8 +93,9 @@ class AsyncStationClient:
             url.rstrip("/"), token, timeout, transport, trust(url, ca)
         )
         self.simulation = AsyncSimulationClient(self._connection)
-        kept = kept_on_disk(self._connection)
-        self.gain_sets, self.recordings, self.incidents = kept
+        self.gain_sets, self.recordings, self.incidents, self.waypoint_paths = (
+            kept_on_disk(self._connection)
+        )
         self.tokens = AsyncTokensClient(self._connection)
         self.lease = AsyncLeaseClient(self._connection)
 
