@@ -93,9 +93,8 @@ class AsyncStationClient:
             url.rstrip("/"), token, timeout, transport, trust(url, ca)
         )
         self.simulation = AsyncSimulationClient(self._connection)
-        self.gain_sets, self.recordings, self.incidents, self.waypoint_paths = (
-            kept_on_disk(self._connection)
-        )
+        kept = kept_on_disk(self._connection)
+        self.gain_sets, self.recordings, self.incidents, self.waypoint_paths = kept
         self.tokens = AsyncTokensClient(self._connection)
         self.lease = AsyncLeaseClient(self._connection)
 

@@ -94,9 +94,8 @@ class StationClient:
             url.rstrip("/"), token, timeout, transport, trust(url, ca)
         )
         self.simulation = SimulationClient(self._connection)
-        self.gain_sets, self.recordings, self.incidents, self.waypoint_paths = (
-            kept_on_disk(self._connection)
-        )
+        kept = kept_on_disk(self._connection)
+        self.gain_sets, self.recordings, self.incidents, self.waypoint_paths = kept
         self.tokens = TokensClient(self._connection)
         self.lease = LeaseClient(self._connection)
 
