@@ -15,7 +15,6 @@ from station.wire.access import (
 )
 from station.wire.base import (
     ControllerName,
-    Measured,
     RequestModel,
     ResponseModel,
 )
@@ -28,7 +27,6 @@ from station.wire.controllers import (
     Controllers,
     ControllerSample,
     ControllerState,
-    ControllerStateName,
     ControllerType,
     ControllerTypes,
     Gains,
@@ -45,12 +43,10 @@ from station.wire.controllers import (
 from station.wire.events import (
     Event,
     EventKindName,
-    EventLogState,
     Events,
     SeverityName,
 )
 from station.wire.gain_sets import (
-    GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
@@ -62,22 +58,17 @@ from station.wire.goals import (
     GoalRequest,
     GoalResult,
     Goals,
-    GoalStatusName,
     TrajectoryRequest,
 )
 from station.wire.gripper import (
     GraspEpsilon,
     Gripper,
-    GripperActionName,
-    GripperActivityName,
     GripperCommand,
-    GripperCommandStatus,
     GripperGraspRequest,
     GripperMoveRequest,
 )
 from station.wire.hardware import (
     Clamp,
-    ClampReasonName,
     Hardware,
     HardwareInterface,
     HardwareLimits,
@@ -91,7 +82,6 @@ from station.wire.recordings import (
     Recording,
     RecordingRequest,
     Recordings,
-    RecordingStateName,
     Trajectory,
 )
 from station.wire.robots import (
@@ -142,7 +132,6 @@ from station.wire.station import (
     Status,
     StopRequest,
     StopState,
-    StopStateName,
     StreamTicket,
 )
 from station.wire.streams import (
@@ -155,7 +144,6 @@ from station.wire.streams import (
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
     CommandCounts,
-    CommandError,
     StreamFormat,
     StreamFrame,
 )
@@ -193,11 +181,9 @@ __all__ = [
     "CartesianImpedance",
     "ClaimedResources",
     "Clamp",
-    "ClampReasonName",
     "CommandAccepted",
     "CommandCounts",
     "CommandElement",
-    "CommandError",
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
@@ -207,7 +193,6 @@ __all__ = [
     "ControllerName",
     "ControllerSample",
     "ControllerState",
-    "ControllerStateName",
     "ControllerType",
     "ControllerTypes",
     "Controllers",
@@ -215,7 +200,6 @@ __all__ = [
     "EndEffectorFrame",
     "Event",
     "EventKindName",
-    "EventLogState",
     "Events",
     "ExternalForce",
     "Fault",
@@ -225,7 +209,6 @@ __all__ = [
     "FrameName",
     "FrankaState",
     "FullCollisionBehavior",
-    "GainDifference",
     "GainSet",
     "GainSetRequest",
     "GainSets",
@@ -236,14 +219,10 @@ __all__ = [
     "Goal",
     "GoalRequest",
     "GoalResult",
-    "GoalStatusName",
     "Goals",
     "GraspEpsilon",
     "Gripper",
-    "GripperActionName",
-    "GripperActivityName",
     "GripperCommand",
-    "GripperCommandStatus",
     "GripperGraspRequest",
     "GripperMoveRequest",
     "GuidingRequest",
@@ -260,7 +239,6 @@ __all__ = [
     "LoadRequest",
     "LoginRequest",
     "LoopReport",
-    "Measured",
     "NewToken",
     "ObjectKind",
     "Parameter",
@@ -274,7 +252,6 @@ __all__ = [
     "Ready",
     "Recording",
     "RecordingRequest",
-    "RecordingStateName",
     "Recordings",
     "Recoveries",
     "Recovery",
@@ -300,7 +277,6 @@ __all__ = [
     "StiffnessFrame",
     "StopRequest",
     "StopState",
-    "StopStateName",
     "StreamFormat",
     "StreamFrame",
     "StreamTicket",
