@@ -165,7 +165,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._port.waiting.popleft()
         goal = self._goal
         if goal is not None and goal.cancel_requested:
-            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "The goal was cancelled."))
+            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, goal.cancel_reason))
             self._goal = None
             self._hold()
         position = handle.get_position()
