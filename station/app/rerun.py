@@ -235,6 +235,7 @@ _ASK: dict[str, Callable[[Station, Arguments], object]] = {
         one["name"], one["request"]
     ),
     "cancel_goal": _cancel_goal,
+    "hold_trajectory": lambda station, one: station.motion.hold(one["name"]),
     "trajectory": lambda station, one: station.motion.follow_trajectory(
         one["name"], one["request"]
     ),

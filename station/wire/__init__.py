@@ -18,6 +18,11 @@ from station.wire.base import (
     RequestModel,
     ResponseModel,
 )
+from station.wire.controller_types import (
+    ControllerType,
+    ControllerTypes,
+    DeclaredParameter,
+)
 from station.wire.controllers import (
     ClaimedResources,
     CommandAccepted,
@@ -27,8 +32,6 @@ from station.wire.controllers import (
     Controllers,
     ControllerSample,
     ControllerState,
-    ControllerType,
-    ControllerTypes,
     Gains,
     GainsChange,
     GainsPatch,
@@ -196,6 +199,7 @@ __all__ = [
     "ControllerType",
     "ControllerTypes",
     "Controllers",
+    "DeclaredParameter",
     "DesiredState",
     "EndEffectorFrame",
     "Event",

@@ -223,7 +223,7 @@ class TrajectoryExecution:
             self._requests.popleft()
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
-            self._supervision.end(GoalStatus.PREEMPTED, "The goal was cancelled.")
+            self._supervision.end(GoalStatus.PREEMPTED, goal.cancel_reason)
             self._follow(self._resting())
             goal = None
         is_within = not self._sample(now)

@@ -53,6 +53,7 @@ class Goal:
         progress: Part of the goal's time that has passed, 0 to 1.
         result: How the goal ended; None until then.
         cancel_requested: Whether the goal was asked to end.
+        cancel_reason: Why it was asked to end, in one sentence.
         feedback: Returns the action's feedback message (JSON-compatible values), which
             is empty unless the controller replaces this function. Any thread.
     """
@@ -64,6 +65,7 @@ class Goal:
         self.progress = 0.0
         self.result: GoalResult | None = None
         self.cancel_requested = False
+        self.cancel_reason = "The goal was cancelled."
         self.feedback: Callable[[], Mapping[str, object]] = dict
 
     def is_final(self) -> bool:
@@ -75,6 +77,22 @@ class Goal:
         if not self.is_final():
             self.result = result
             self.status = status
+
+    def ask_to_end(self, reason: str | None = None) -> bool:
+        """Ask the controller to end the goal in its next cycle. Callable in any thread.
+
+        Args:
+            reason: Why, in one sentence; None when somebody cancels it.
+
+        Returns:
+            Whether the goal had not ended yet.
+        """
+        if self.is_final():
+            return False
+        if reason is not None:
+            self.cancel_reason = reason
+        self.cancel_requested = True
+        return True
 
     def withdraw(self, reason: str) -> None:
         """End the goal from outside of its controller, whether it has begun or not.
@@ -153,8 +171,7 @@ class GoalPort(ABC):
             GoalNotFoundError: There is no such goal among the last 50.
         """
         goal = self.get(identifier)
-        if not goal.is_final():
-            goal.cancel_requested = True
+        goal.ask_to_end()
         return goal
 
     def void(self, reason: str) -> None:

@@ -24,6 +24,7 @@ from station.core.trajectory.quintic_spline_segment import (
 )
 from station.core.trajectory.through_waypoints import peak_speeds, through_waypoints
 from station.core.trajectory.tolerances import (
+    TOLERANCE_PARAMETERS,
     JointTolerances,
     StateTolerances,
     ToleranceRequest,
@@ -32,6 +33,7 @@ from station.core.trajectory.tolerances import (
 )
 
 __all__ = [
+    "TOLERANCE_PARAMETERS",
     "JointSegments",
     "JointTolerances",
     "JointTrajectory",
