@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from station.experiments.errors import ExperimentError
-from station.experiments.results import Results
-from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
+from station.trials.errors import ExperimentError
+from station.trials.results import Results
+from station.trials.trial import Trial
 
 if TYPE_CHECKING:
     from pandas import DataFrame

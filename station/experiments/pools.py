@@ -9,8 +9,8 @@ from typing import ParamSpec, TypeVar
 
 from typing_extensions import override
 
-from station.experiments.errors import ExperimentError
 from station.experiments.workers import begin_worker
+from station.trials.errors import ExperimentError
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -12,11 +12,11 @@ from importlib.metadata import version
 
 import mujoco
 
-from station.experiments.errors import WorkerMismatchError
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial, TrialResult
 from station.experiments.trial_world import TrialWorld
 from station.kernel.manifest import source_digest
+from station.trials.errors import WorkerMismatchError
+from station.trials.setup import Setup
+from station.trials.trial import Trial, TrialResult
 
 _WORLDS = 2
 """How many worlds a worker keeps."""

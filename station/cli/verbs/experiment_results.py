@@ -10,11 +10,11 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_table
 from station.cli.verbs.experiments import say_summary
 from station.client import ApiError
-from station.experiments.analysis import compare, ranked
-from station.experiments.errors import ExperimentError
 from station.experiments.exports import export, table, write_gains
-from station.experiments.results import Results, default_folder, file_of, names
 from station.experiments.trial_world import TrialWorld
+from station.trials.analysis import compare, ranked
+from station.trials.errors import ExperimentError
+from station.trials.results import Results, default_folder, file_of, names
 
 if TYPE_CHECKING:
     from station.client import StationClient

@@ -10,25 +10,27 @@ from contextlib import contextmanager
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_progress, say_table
-from station.experiments.analysis import goal_as_plan, summary
 from station.experiments.default_script import default_script
 from station.experiments.designs import Method, parse_range, points
-from station.experiments.errors import ExperimentError
 from station.experiments.identification import Estimate, JointModel
 from station.experiments.identification import identify as fit
-from station.experiments.parameters import check
 from station.experiments.pools import make_pool
-from station.experiments.results import Results, file_of
 from station.experiments.runner import Progress, Watcher
-from station.experiments.script import Multisine, Script, read_script
-from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, keep_worst
 from station.experiments.sweep import sweep as run_sweep
-from station.experiments.trace import Trace, read_trace
-from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
-from station.experiments.tuning import Bound, Goal, Search, tunable_gains
+from station.experiments.tuning import Search, tunable_gains
 from station.experiments.tuning import tune as search_gains
+from station.trials.analysis import goal_as_plan, summary
+from station.trials.errors import ExperimentError
+from station.trials.goal import Bound, Goal
+from station.trials.parameters import check
+from station.trials.results import Results, file_of
+from station.trials.script import Script, read_script
+from station.trials.setup import Setup
+from station.trials.trace import Trace, read_trace
+from station.trials.trial import Trial
+from station.wire.excitations import Multisine
 
 INTERRUPTED = 130
 _FREQUENCIES = (0.5, 1.1, 1.9, 3.1)

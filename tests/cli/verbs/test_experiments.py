@@ -5,7 +5,7 @@ import json
 import pytest
 
 from station.cli.main import main
-from station.experiments.results import Results, file_of
+from station.trials.results import Results, file_of
 
 GROUP = "effort_group_position_controller"
 SCRIPT = f"""

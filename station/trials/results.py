@@ -13,10 +13,10 @@ from types import TracebackType
 from typing import Self
 
 from station.core.errors import show, suggest
-from station.experiments.errors import ExperimentError, ExperimentNotFoundError
-from station.experiments.setup import Setup, canonical
-from station.experiments.trace import Trace
-from station.experiments.trial import State, Trial, TrialResult
+from station.trials.errors import ExperimentError, ExperimentNotFoundError
+from station.trials.setup import Setup, canonical
+from station.trials.trace import Trace
+from station.trials.trial import State, Trial, TrialResult
 
 _SUFFIX = ".sqlite"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from station.experiments.errors import ExperimentError
-from station.experiments.metrics import LARGER_IS_BETTER, UNITS
-from station.experiments.results import Results, Row
-from station.experiments.tuning import Bound, Goal, check_metric
+from station.trials.errors import ExperimentError
+from station.trials.goal import Bound, Goal
+from station.trials.metrics import LARGER_IS_BETTER, UNITS, check_metric
+from station.trials.results import Results, Row
 
 _PERMUTATIONS = 9999
 _SEED = 1
