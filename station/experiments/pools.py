@@ -16,7 +16,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 NICENESS = 10
-"""How much lower the priority of worker processes is: they never delay a station."""
+"""Niceness of processes that run trials: they never delay a station."""
 
 
 class InThisProcess(Executor):

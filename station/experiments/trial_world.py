@@ -98,6 +98,10 @@ class TrialWorld:
         self._check_loaded(controller)
         return dict(self._gains.get(controller, {}))
 
+    def all_gains(self) -> dict[str, dict[str, float]]:
+        """Return the gains of the configuration, by controller and name."""
+        return {name: dict(values) for name, values in self._gains.items()}
+
     def model(self) -> mujoco.MjModel:
         """Return MuJoCo's model of the robot; whoever changes it changes the world."""
         return self._world.model
