@@ -47,6 +47,8 @@ class ExperimentProcess:
                 start_new_session=True,
             )
         except OSError as error:
+            self._orders.close()
+            self._told.close()
             raise ExperimentError(
                 f"No process for the experiment can be started: {error}."
             ) from error
@@ -57,6 +59,7 @@ class ExperimentProcess:
             self._begin(order)
         except BaseException:
             self.end()
+            self._told.close()
             raise
 
     def _begin(self, order: Mapping[str, object]) -> None:
@@ -88,9 +91,10 @@ class ExperimentProcess:
 
     def lines(self) -> Iterator[dict[str, Any]]:
         """Return what the process tells, as it does, until it ends."""
-        for line in self._told:
-            if line.endswith("\n"):  # the last one of a killed process may be cut off
-                yield json.loads(line)
+        with self._told:
+            for line in self._told:
+                if line.endswith("\n"):  # that of a killed process may be cut off
+                    yield json.loads(line)
 
     def interrupt(self) -> None:
         """Tell it to end its experiment; trials that run may end."""
@@ -107,11 +111,12 @@ class ExperimentProcess:
             self._process.wait(_END_TIMEOUT)
 
     def how_it_ended(self) -> str:
-        """Return a sentence on the end of a process that has closed its output."""
-        try:
-            code = self._process.wait(_END_TIMEOUT)
-        except subprocess.TimeoutExpired:
-            return "it does not answer."
+        """Return a sentence on the end of a process that has closed its output.
+
+        A process that lives on all the same is killed.
+        """
+        self.end()
+        code = self._process.returncode
         if code < 0:
             return f"it was killed by {signal.Signals(-code).name}."
         return f"exit code {code}."

@@ -68,6 +68,7 @@ from station.wire.gain_sets import (
     GainSet,
     GainSetRequest,
     GainSets,
+    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -243,6 +244,7 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
+    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",
