@@ -13,12 +13,11 @@ import time
 from typing import IO
 
 from station.core.errors import StationError
-from station.experiments.experiment import TuneExperiment, prepare
+from station.experiments.experiment import carry_out, prepare
 from station.experiments.pools import NICENESS, make_pool
 from station.experiments.runner import Progress
 from station.experiments.workers import be_polite, kept_world
 from station.trials.analysis import best_of, first_of
-from station.trials.errors import ExperimentError
 from station.trials.results import Results, file_of
 from station.trials.setup import Setup
 from station.wire.experiments import ExperimentRequest
@@ -101,28 +100,20 @@ def main() -> int:
         tell(told, refused=_plain(error))
         return 1
     with results:
-        results.set_outcome("running")
         tell(told, begun=request.name)
         reporter = Reporter(results, told)
-        state, reason = "failed", ""
+        state, reason = "done", ""
         try:
             with make_pool(request.workers) as executor:
-                progress = experiment.run(results, executor, reporter.watch)
+                progress = carry_out(experiment, results, executor, reporter.watch)
             reporter.record()
             reporter.tell(progress)
-            state = "cancelled" if progress.is_interrupted else "done"
-            if isinstance(experiment, TuneExperiment) and experiment.tuned is not None:
-                reason = experiment.tuned.stopped
+            state, reason = results.outcome()
         except KeyboardInterrupt:
             state = "cancelled"
         except StationError as error:
-            reason = f"{error.message} {error.remedy}".strip()
+            state, reason = "failed", f"{error.message} {error.remedy}".strip()
         tell(told, end={"state": state, "reason": reason})
-        try:
-            results.set_outcome(state, reason)
-        except ExperimentError as error:
-            # The station has been told the outcome; the file alone will not say it.
-            print(error.message, file=sys.stderr)  # noqa: T201
     return 0
 
 

@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 
 from typing_extensions import override
 
-from station.core.errors import suggest
+from station.core.errors import StationError, suggest
 from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
 from station.experiments.runner import Progress, Watcher
@@ -54,6 +54,11 @@ class Experiment(ABC):
             "seed": request.seed,
             "trials": request.trials,
         }
+
+    @property
+    def stopped(self) -> str:
+        """Why it ended, if there is something to say; empty if not."""
+        return ""
 
     @abstractmethod
     def run(
@@ -132,6 +137,11 @@ class TuneExperiment(Experiment):
         # A search may go on for longer than it was asked at first.
         del self.plan["trials"]
 
+    @property
+    @override
+    def stopped(self) -> str:
+        return "" if self.tuned is None else self.tuned.stopped
+
     @override
     def run(
         self, results: Results, executor: Executor, watch: Watcher = lambda _: None
@@ -141,6 +151,38 @@ class TuneExperiment(Experiment):
             self._first, self._gains, self._goal, search, results, executor, watch
         )
         return self.tuned.progress
+
+
+def carry_out(
+    experiment: Experiment,
+    results: Results,
+    executor: Executor,
+    watch: Watcher = lambda _: None,
+) -> Progress:
+    """Run an experiment to its end, and note in its results how it ended.
+
+    Args:
+        experiment: What to run.
+        results: Where the trials are kept.
+        executor: Where they run.
+        watch: Is told after every trial.
+
+    Raises:
+        StationError: It cannot go on; what has ended is kept.
+        KeyboardInterrupt: It was interrupted before its first trial.
+    """
+    results.set_outcome("running")
+    try:
+        progress = experiment.run(results, executor, watch)
+    except KeyboardInterrupt:
+        results.set_outcome("cancelled")
+        raise
+    except StationError as error:
+        results.set_outcome("failed", f"{error.message} {error.remedy}".strip())
+        raise
+    state = "cancelled" if progress.is_interrupted else "done"
+    results.set_outcome(state, experiment.stopped)
+    return progress
 
 
 def prepare(

@@ -5,6 +5,7 @@ import pytest
 
 from station.trials.analysis import (
     compare,
+    gains_of,
     goal_as_plan,
     goal_of,
     ranked,
@@ -87,3 +88,20 @@ def test_gains_under_a_trial_are_scaled_first_and_then_set():
 def test_gains_that_there_are_not_are_refused_by_name(name, match):
     with pytest.raises(UnknownParameterError, match=match):
         gains_under(sort_out({name: 1.0}), {"arm": {"a/p": 10.0}})
+
+
+def test_gains_of_a_trial_are_those_that_it_sets_or_scales(tmp_path, step):
+    before = {"arm": {"a/p": 10.0, "a/d": 1.0}}
+    plan = {"gains_before": before}
+    scaled = step.with_parameters({"scale/arm/p": 0.5})
+    with Results.create(tmp_path / "x.sqlite", "sweep", step.setup, plan) as results:
+        assert gains_of(results, scaled) == {"arm": {"a/p": 5.0}}
+        named = step.with_parameters({"gains/arm/a/d": 2.0})
+        assert gains_of(results, named) == {"arm": {"a/d": 2.0}}
+        with pytest.raises(ExperimentError, match="changes no gains"):
+            gains_of(results, step)
+    with (
+        Results.create(tmp_path / "y.sqlite", "sweep", step.setup, {}) as results,
+        pytest.raises(ExperimentError, match="does not say what they were before"),
+    ):
+        gains_of(results, scaled)
