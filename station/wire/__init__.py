@@ -49,26 +49,13 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
-from station.wire.experiments import (
-    Experiment,
-    ExperimentApplyRequest,
-    ExperimentBound,
-    ExperimentPreview,
-    ExperimentRequest,
-    ExperimentResponse,
-    ExperimentResponses,
-    Experiments,
-    ExperimentSummary,
-    ExperimentTrial,
-    ExperimentTrials,
-)
+from station.wire.experiments import Experiment, ExperimentRequest
 from station.wire.gain_sets import (
     GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
-    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -219,16 +206,7 @@ __all__ = [
     "EventLogState",
     "Events",
     "Experiment",
-    "ExperimentApplyRequest",
-    "ExperimentBound",
-    "ExperimentPreview",
     "ExperimentRequest",
-    "ExperimentResponse",
-    "ExperimentResponses",
-    "ExperimentSummary",
-    "ExperimentTrial",
-    "ExperimentTrials",
-    "Experiments",
     "ExternalForce",
     "Fault",
     "Faults",
@@ -244,7 +222,6 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
-    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",

@@ -14,6 +14,7 @@ from station.trials.analysis import (
 from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.goal import Bound, Goal
 from station.trials.parameters import gains_under, sort_out
+from station.trials.results import Results
 from tests.trials.conftest import fill
 
 

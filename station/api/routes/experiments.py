@@ -14,17 +14,16 @@ from station.trials.background_experiments import BackgroundExperiments
 from station.trials.errors import ExperimentError
 from station.trials.metrics import UNITS
 from station.trials.results import Results, file_of, names
-from station.wire import (
-    Experiment,
+from station.wire import Experiment, ExperimentRequest, GainsChanges
+from station.wire.experiments import (
     ExperimentApplyRequest,
+    ExperimentName,
     ExperimentPreview,
-    ExperimentRequest,
     ExperimentResponses,
     Experiments,
     ExperimentTrials,
-    GainsChanges,
+    TrialHash,
 )
-from station.wire.experiments import ExperimentName, TrialHash
 
 
 async def get_background(request: Request) -> BackgroundExperiments:

@@ -10,13 +10,8 @@ from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.facade.station import Station
-from station.wire import (
-    Gains,
-    GainsChange,
-    GainsChanges,
-    GainsOfControllersPatch,
-    GainsPatch,
-)
+from station.wire import Gains, GainsChange, GainsChanges, GainsPatch
+from station.wire.gain_sets import GainsOfControllersPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 

@@ -5,19 +5,16 @@ from collections.abc import Callable, Mapping
 
 from station.client._async.connection import AsyncConnection
 from station.client.routes import segment
-from station.wire import (
-    Experiment,
+from station.wire import Experiment, ExperimentRequest, GainsChange, GainsChanges
+from station.wire.experiments import (
     ExperimentApplyRequest,
     ExperimentPreview,
-    ExperimentRequest,
     ExperimentResponse,
     ExperimentResponses,
     Experiments,
     ExperimentSummary,
     ExperimentTrial,
     ExperimentTrials,
-    GainsChange,
-    GainsChanges,
 )
 
 _PATH = "/experiments"

@@ -4,14 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from station.client._async.connection import AsyncConnection
 from station.client.routes import segment
-from station.wire import (
-    GainsChange,
-    GainsChanges,
-    GainSet,
-    GainSetRequest,
-    GainSets,
-    GainsOfControllersPatch,
-)
+from station.wire import GainsChange, GainsChanges, GainSet, GainSetRequest, GainSets
+from station.wire.gain_sets import GainsOfControllersPatch
 
 _PATH = "/gain-sets"
 

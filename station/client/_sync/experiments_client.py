@@ -6,19 +6,16 @@ from collections.abc import Callable, Mapping
 
 from station.client._sync.connection import Connection
 from station.client.routes import segment
-from station.wire import (
-    Experiment,
+from station.wire import Experiment, ExperimentRequest, GainsChange, GainsChanges
+from station.wire.experiments import (
     ExperimentApplyRequest,
     ExperimentPreview,
-    ExperimentRequest,
     ExperimentResponse,
     ExperimentResponses,
     Experiments,
     ExperimentSummary,
     ExperimentTrial,
     ExperimentTrials,
-    GainsChange,
-    GainsChanges,
 )
 
 _PATH = "/experiments"
