@@ -49,13 +49,18 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
-from station.wire.experiments import Experiment, ExperimentRequest
+from station.wire.experiments import (
+    Experiment,
+    ExperimentApplyRequest,
+    ExperimentRequest,
+)
 from station.wire.gain_sets import (
     GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
+    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -206,6 +211,7 @@ __all__ = [
     "EventLogState",
     "Events",
     "Experiment",
+    "ExperimentApplyRequest",
     "ExperimentRequest",
     "ExternalForce",
     "Fault",
@@ -222,6 +228,7 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
+    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",

@@ -19,6 +19,7 @@ class Step(RequestModel):
     """A set-point that jumps.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         amplitude: Height [unit of the set-point].
         at: When [s].
@@ -34,6 +35,7 @@ class Sine(RequestModel):
     """A sine that fades in and out within a quarter of its duration, 0.5 s at most.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         amplitude: Largest offset [unit of the set-point].
         frequency: Frequency [Hz], > 0.
@@ -53,6 +55,7 @@ class Chirp(RequestModel):
     """A sine whose frequency grows linearly; it fades as `Sine` does.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         amplitude: Largest offset [unit of the set-point].
         first: Frequency at the beginning [Hz], > 0.
@@ -74,6 +77,7 @@ class Multisine(RequestModel):
     """Several sines at once, whose phases keep the sum low; fades as `Sine` does.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         amplitude: Bound of the sum [unit of the set-point].
         frequencies: Frequencies [Hz], > 0, 1 to 50 of them.
@@ -99,6 +103,7 @@ class Relay(RequestModel):
     """A set-point that changes sides when the joint has crossed the middle.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         amplitude: Offset to either side [unit of the set-point].
         hysteresis: How far beyond the middle the joint changes sides [rad or m], >= 0.
@@ -116,6 +121,7 @@ class Waypoints(RequestModel):
     """Motions from rest to rest with the least jerk, one after the other.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         times: When each waypoint is reached [s], > 0 and increasing.
         values: Offset of each waypoint [unit of the set-point].
@@ -149,6 +155,7 @@ class Recorded(RequestModel):
     """Offsets that somebody recorded, e.g. before an incident; held in between.
 
     Attributes:
+        kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         times: When each value begins [s], increasing.
         values: Offsets [unit of the set-point].
@@ -178,6 +185,7 @@ class Push(RequestModel):
     """A force on a link of the simulated robot.
 
     Attributes:
+        kind: Which excitation it is.
         link: The link.
         at: When it begins [s].
         lasts: How long it lasts [s], > 0.
