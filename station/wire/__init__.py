@@ -52,12 +52,18 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
+from station.wire.experiments import (
+    Experiment,
+    ExperimentApplyRequest,
+    ExperimentRequest,
+)
 from station.wire.gain_sets import (
     GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
+    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -208,6 +214,9 @@ __all__ = [
     "EventKindName",
     "EventLogState",
     "Events",
+    "Experiment",
+    "ExperimentApplyRequest",
+    "ExperimentRequest",
     "ExternalForce",
     "Fault",
     "Faults",
@@ -223,6 +232,7 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
+    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from station.client._async.connection import AsyncConnection
+from station.client._async.experiments_client import AsyncExperimentsClient
 from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
@@ -115,7 +116,12 @@ class AsyncIncidentsClient(_AsyncFiles):
 
 def kept_on_disk(
     connection: AsyncConnection,
-) -> tuple[AsyncGainSetsClient, AsyncRecordingsClient, AsyncIncidentsClient]:
+) -> tuple[
+    AsyncGainSetsClient,
+    AsyncRecordingsClient,
+    AsyncIncidentsClient,
+    AsyncExperimentsClient,
+]:
     """Return the clients of what a station keeps on its disk.
 
     Args:
@@ -125,4 +131,5 @@ def kept_on_disk(
         AsyncGainSetsClient(connection),
         AsyncRecordingsClient(connection),
         AsyncIncidentsClient(connection),
+        AsyncExperimentsClient(connection),
     )

@@ -76,6 +76,7 @@ class AsyncStationClient:
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: What the station kept of stops, reflexes and faults.
+        experiments: Many trials of a simulated copy of the station.
     """
 
     def __init__(
@@ -93,7 +94,7 @@ class AsyncStationClient:
         )
         self.simulation = AsyncSimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
-        self.gain_sets, self.recordings, self.incidents = kept
+        self.gain_sets, self.recordings, self.incidents, self.experiments = kept
         self.tokens = AsyncTokensClient(self._connection)
         self.lease = AsyncLeaseClient(self._connection)
 

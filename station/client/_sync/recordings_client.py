@@ -4,6 +4,7 @@
 from pathlib import Path
 
 from station.client._sync.connection import Connection
+from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
@@ -116,7 +117,12 @@ class IncidentsClient(_Files):
 
 def kept_on_disk(
     connection: Connection,
-) -> tuple[GainSetsClient, RecordingsClient, IncidentsClient]:
+) -> tuple[
+    GainSetsClient,
+    RecordingsClient,
+    IncidentsClient,
+    ExperimentsClient,
+]:
     """Return the clients of what a station keeps on its disk.
 
     Args:
@@ -126,4 +132,5 @@ def kept_on_disk(
         GainSetsClient(connection),
         RecordingsClient(connection),
         IncidentsClient(connection),
+        ExperimentsClient(connection),
     )

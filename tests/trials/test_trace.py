@@ -1,6 +1,6 @@
 """A trace survives the way through a file."""
 
-from station.experiments.trace import Trace
+from station.trials.trace import Trace
 
 
 def test_trace_comes_back_from_its_bytes(world, step):

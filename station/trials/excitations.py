@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from station.experiments.script import (
+from station.wire.excitations import (
     Chirp,
     Motion,
     Multisine,

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from station.core.hardware.robot_report import JointLimits, JointLimitsReport
-from station.experiments.metrics import Counts, measure
-from station.experiments.script import Script, Step
-from station.experiments.trace import Trace
+from station.trials.metrics import Counts, measure
+from station.trials.script import Script
+from station.trials.trace import Trace
+from station.wire.excitations import Step
 
 TIME = np.arange(3000) * 1e-3
 

@@ -45,8 +45,13 @@ class Setup:
             controller_files=[Path(file) for file in controllers],
             flags=settings,
         )
-        values = loaded.model_dump(mode="json", exclude=set(_NOT_OF_A_TRIAL))
-        values["parameters"] = loaded.parameters
+        return cls.of(loaded)
+
+    @classmethod
+    def of(cls, config: StationConfig) -> Self:
+        """Return the setup of a configuration that is loaded already."""
+        values = config.model_dump(mode="json", exclude=set(_NOT_OF_A_TRIAL))
+        values["parameters"] = config.parameters
         return cls(canonical(values))
 
     @cached_property

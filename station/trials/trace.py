@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from station.experiments.errors import ExperimentError
+from station.trials.errors import ExperimentError
 
 Array = NDArray[np.float64]
 

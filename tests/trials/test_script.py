@@ -2,8 +2,9 @@
 
 import pytest
 
-from station.experiments.errors import ExperimentError
-from station.experiments.script import Push, Step, parse_script, read_script
+from station.trials.errors import ExperimentError
+from station.trials.script import parse_script, read_script
+from station.wire.excitations import Push, Step
 
 SCRIPT = """
 controller: arm

@@ -8,9 +8,10 @@ from typing_extensions import override
 from station.core.errors import InvalidCommandError, suggest
 from station.core.facade.station import Station
 from station.core.ports.set_point import SetPointElement
-from station.experiments.errors import ExperimentError, UnknownParameterError
-from station.experiments.excitations import Array, offsets
-from station.experiments.script import Motion, Recorded, Relay, Script, Step
+from station.trials.errors import ExperimentError, UnknownParameterError
+from station.trials.excitations import Array, offsets
+from station.trials.script import Script
+from station.wire.excitations import Motion, Recorded, Relay, Step
 
 NEVER = 2**62
 """A cycle that does not come."""

@@ -9,9 +9,9 @@ import textwrap
 
 import pytest
 
-from station.experiments.errors import ExperimentError, ExperimentNotFoundError
-from station.experiments.results import Results, default_folder, file_of, names
-from station.experiments.trial import TrialResult
+from station.trials.errors import ExperimentError, ExperimentNotFoundError
+from station.trials.results import Results, default_folder, file_of, names
+from station.trials.trial import TrialResult
 
 
 def result_of(trial, **metrics):
@@ -88,10 +88,10 @@ def test_file_is_whole_after_kill_9(tmp_path):
         """
         import sys
         from pathlib import Path
-        from station.experiments.results import Results
-        from station.experiments.script import Script
-        from station.experiments.setup import Setup
-        from station.experiments.trial import Trial, TrialResult
+        from station.trials.results import Results
+        from station.trials.script import Script
+        from station.trials.setup import Setup
+        from station.trials.trial import Trial, TrialResult
 
         setup = Setup.load()
         script = Script(controller="arm", duration=1.0)

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Literal, Self
 
 from station.core.errors import show
-from station.experiments.errors import ImpossibleRangeError
-from station.experiments.script import Script, parse_script
-from station.experiments.setup import Setup, canonical, digest_of
+from station.trials.errors import ImpossibleRangeError
+from station.trials.script import Script, parse_script
+from station.trials.setup import Setup, canonical, digest_of
 
 State = Literal["done", "failed"]
 
@@ -23,7 +23,7 @@ class Trial:
         setup: The configuration.
         script: What happens.
         parameters: What differs from the configuration, by the names that
-            `station.experiments.parameters` explains; all finite.
+            `station.trials.parameters` explains; all finite.
         seed: Seed of the measurement noise, >= 0.
 
     Raises:

@@ -5,9 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from station.core.errors import suggest
 from station.core.hardware.robot_report import JointLimitsReport
-from station.experiments.script import Script, Step
-from station.experiments.trace import Array, Trace
+from station.trials.errors import UnknownParameterError
+from station.trials.script import Script
+from station.trials.trace import Array, Trace
+from station.wire.excitations import Step
 
 UNITS: Mapping[str, str] = {
     "rms_error": "rad or m",
@@ -41,6 +44,18 @@ class Counts:
 
     reflexes: int = 0
     violations: int = 0
+
+
+def check_metric(name: str) -> None:
+    """Refuse a metric that there is not.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+    """
+    if name not in UNITS:
+        raise UnknownParameterError(
+            f"There is no metric '{name}'.", remedy=suggest(name, UNITS)
+        )
 
 
 def measure(

@@ -2,9 +2,9 @@
 
 import pytest
 
-from station.experiments.errors import ImpossibleRangeError
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial, TrialResult
+from station.trials.errors import ImpossibleRangeError
+from station.trials.setup import Setup
+from station.trials.trial import Trial, TrialResult
 
 
 def test_hash_names_everything_that_the_trial_consists_of(step):

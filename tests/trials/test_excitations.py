@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from station.experiments.excitations import offsets
-from station.experiments.script import (
+from station.trials.excitations import offsets
+from station.wire.excitations import (
     Chirp,
     Multisine,
     Recorded,

@@ -6,7 +6,9 @@ StationError
     ├── UnknownParameterError  a trial names a parameter that there is not (KeyError)
     ├── ImpossibleRangeError   a value or range is not allowed (ValueError)
     ├── WorkerMismatchError    a worker has another version or configuration
-    └── ExperimentNotFoundError   there is no experiment of that name (KeyError)
+    ├── ExperimentNotFoundError   there is no experiment of that name (KeyError)
+    ├── ExperimentRunningError    not possible while it runs, or while it does not
+    └── TooManyExperimentsError   more trials or experiments than a station takes
 ```
 """
 
@@ -41,3 +43,15 @@ class ExperimentNotFoundError(ExperimentError, KeyError):
     """There is no experiment of that name."""
 
     code = "experiment_not_found"
+
+
+class ExperimentRunningError(ExperimentError, RuntimeError):
+    """Something is not possible while an experiment runs, or while it does not."""
+
+    code = "experiment_running"
+
+
+class TooManyExperimentsError(ExperimentError, ValueError):
+    """There would be more trials or experiments than a station takes."""
+
+    code = "too_many_experiments"

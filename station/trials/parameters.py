@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from station.core.errors import suggest
-from station.experiments.errors import ImpossibleRangeError, UnknownParameterError
+from station.trials.errors import ImpossibleRangeError, UnknownParameterError
 
 _RANGES = {
     "load": (0.0, 100.0),
@@ -141,3 +141,42 @@ def _add_gain(found: Overrides, name: str, value: float) -> None:
     controller, gain = _split(name)
     target = found.gains if name.startswith("gains/") else found.scales
     target.setdefault(controller, {})[gain] = value
+
+
+def gains_under(
+    wanted: Overrides, gains: Mapping[str, Mapping[str, float]]
+) -> dict[str, dict[str, float]]:
+    """Return the gains of all controllers with the changes of a trial.
+
+    Args:
+        wanted: What changes.
+        gains: The gains without it, by controller and name.
+
+    Raises:
+        UnknownParameterError: No gain has that name or suffix.
+    """
+    found = {name: dict(values) for name, values in gains.items()}
+    for controller, factors in wanted.scales.items():
+        known = found.get(controller, {})
+        for suffix, factor in factors.items():
+            named = [gain for gain in known if gain.endswith(f"/{suffix}")]
+            if not named:
+                suffixes = {gain.rpartition("/")[2] for gain in known}
+                raise UnknownParameterError(
+                    f"No gain of '{controller}' ends in '/{suffix}'.",
+                    remedy=suggest(suffix, sorted(suffixes)),
+                    details={"controller": controller, "gain": suffix},
+                )
+            for gain in named:
+                known[gain] *= factor
+    for controller, values in wanted.gains.items():
+        known = found.get(controller, {})
+        for gain, value in values.items():
+            if gain not in known:
+                raise UnknownParameterError(
+                    f"Controller '{controller}' has no gain '{gain}'.",
+                    remedy=suggest(gain, known),
+                    details={"controller": controller, "gain": gain},
+                )
+            known[gain] = value
+    return found

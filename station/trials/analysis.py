@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from station.experiments.errors import ExperimentError
-from station.experiments.metrics import LARGER_IS_BETTER, UNITS
-from station.experiments.results import Results, Row
-from station.experiments.tuning import Bound, Goal, check_metric
+from station.trials.errors import ExperimentError
+from station.trials.goal import Bound, Goal
+from station.trials.metrics import LARGER_IS_BETTER, UNITS, check_metric
+from station.trials.parameters import gains_under, sort_out
+from station.trials.results import Results, Row
+from station.trials.trial import Trial
 
 _PERMUTATIONS = 9999
 _SEED = 1
@@ -114,6 +116,61 @@ def _first(results: Results, rows: Sequence[Row]) -> Mapping[str, float]:
         if row.result.hash == results.plan.get("first"):
             return row.result.metrics
     raise ExperimentError(f"The first trial of '{results.path.stem}' has not ended.")
+
+
+def first_of(results: Results) -> Row | None:
+    """Return the trial at which a search began; None if there is none."""
+    first = results.plan.get("first")
+    return next((row for row in results.rows() if row.result.hash == first), None)
+
+
+def best_of(results: Results, metric: str | None = None) -> Row | None:
+    """Return the best trial, as `ranked` has it; None while there is none.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+    """
+    if metric is not None:
+        check_metric(metric)
+    try:
+        return next(iter(ranked(results, metric)), None)
+    except ExperimentError:
+        return None  # no trial has ended that could be ranked
+
+
+def cost_of(results: Results, row: Row) -> float | None:
+    """Return the cost of a trial of a search; None in other experiments."""
+    goal = goal_of(results)
+    if goal is None:
+        return None
+    return goal.cost(row.result, _first(results, results.rows()))
+
+
+def gains_of(results: Results, trial: Trial) -> dict[str, dict[str, float]]:
+    """Return the gains that a trial says something of, by controller and name.
+
+    Raises:
+        ExperimentError: It says nothing of gains, or scales some whose values before
+            the experiment does not know.
+        UnknownParameterError: It scales gains that there are not.
+    """
+    wanted = sort_out(trial.parameters)
+    found = {name: dict(values) for name, values in wanted.gains.items()}
+    if wanted.scales:
+        before = results.plan.get("gains_before")
+        if not isinstance(before, dict):
+            raise ExperimentError(
+                f"Trial {trial.hash} scales gains, and the experiment "
+                f"'{results.path.stem}' does not say what they were before."
+            )
+        all_gains = gains_under(wanted, before)
+        for controller, factors in wanted.scales.items():
+            for gain, value in all_gains[controller].items():
+                if gain.rpartition("/")[2] in factors:
+                    found.setdefault(controller, {})[gain] = value
+    if not found:
+        raise ExperimentError(f"Trial {trial.hash} changes no gains.")
+    return found
 
 
 def summary(results: Results) -> list[Distribution]:

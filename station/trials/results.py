@@ -5,18 +5,19 @@ import os
 import re
 import sqlite3
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from station.core.errors import show, suggest
-from station.experiments.errors import ExperimentError, ExperimentNotFoundError
-from station.experiments.setup import Setup, canonical
-from station.experiments.trace import Trace
-from station.experiments.trial import State, Trial, TrialResult
+from station.trials.errors import ExperimentError, ExperimentNotFoundError
+from station.trials.setup import Setup, canonical
+from station.trials.trace import Trace
+from station.trials.trial import State, Trial, TrialResult
 
 _SUFFIX = ".sqlite"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
@@ -193,8 +194,12 @@ class Results:
         self._connection.close()
 
     def add(self, trial: Trial, result: TrialResult) -> bool:
-        """Keep what came out of a trial; return whether it was not there before."""
-        with self._connection:
+        """Keep what came out of a trial; return whether it was not there before.
+
+        Raises:
+            ExperimentError: The file cannot be written; what it has stays whole.
+        """
+        with self._writing():
             done = self._connection.execute(
                 "INSERT OR IGNORE INTO trials (hash, trial, state, reason, metrics, "
                 "seconds, worker, ended) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
@@ -206,9 +211,59 @@ class Results:
             )
         return done.rowcount == 1
 
+    def set_outcome(self, state: str, reason: str = "") -> None:
+        """Note how the experiment goes.
+
+        Args:
+            state: `running`, `done`, `cancelled` or `failed`.
+            reason: Why it ended; empty when there is nothing to say.
+
+        Raises:
+            ExperimentError: The file cannot be written.
+        """
+        with self._writing():
+            self._connection.execute(
+                "INSERT OR REPLACE INTO about VALUES ('outcome', ?)",
+                (canonical({"state": state, "reason": reason}),),
+            )
+
+    def outcome(self) -> tuple[str, str]:
+        """Return the state that was noted last, and its reason; both may be empty."""
+        found = dict(self._connection.execute("SELECT key, value FROM about"))
+        noted = json.loads(found.get("outcome", "{}"))
+        return noted.get("state", ""), noted.get("reason", "")
+
+    def created(self) -> float:
+        """Return when the file was made [s since 1970]."""
+        query = "SELECT value FROM about WHERE key = 'created'"
+        (text,) = self._connection.execute(query).fetchone()
+        return float(text)
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Make what is written one transaction.
+
+        Raises:
+            ExperimentError: The file cannot be written.
+        """
+        try:
+            with self._connection:
+                yield
+        except sqlite3.Error as error:
+            raise ExperimentError(
+                f"Nothing more can be kept in {self.path}: {error}.",
+                remedy="What has ended is kept. Make room on the disk, then repeat the "
+                "command with the same name to go on.",
+            ) from error
+
     def rows(self) -> list[Row]:
         """Return all trials that have ended, in the order of ending."""
         return list(self._rows("", ()))
+
+    def rows_after(self, number: int, count: int) -> list[Row]:
+        """Return the trials after a number, at most so many, in the order of ending."""
+        where = "WHERE number > ?"
+        return list(islice(self._rows(where, (number,)), count))
 
     def find(self, trial_hash: str) -> TrialResult | None:
         """Return what came out of a trial; None when it has not ended."""
@@ -233,17 +288,35 @@ class Results:
             )
         return Trial.from_json(self.setup, found[0][0])
 
-    def count(self) -> int:
-        """Return how many trials have ended."""
-        (count,) = self._connection.execute("SELECT COUNT(*) FROM trials").fetchone()
+    def count(self, state: State | None = None) -> int:
+        """Return how many trials have ended, in a certain state when one is given."""
+        query = "SELECT COUNT(*) FROM trials WHERE ? IS NULL OR state = ?"
+        (count,) = self._connection.execute(query, (state, state)).fetchone()
         return int(count)
 
     def keep_recording(self, trial_hash: str, trace: Trace) -> None:
-        """Keep every cycle of a trial."""
-        with self._connection:
+        """Keep every cycle of a trial.
+
+        Raises:
+            ExperimentError: The file cannot be written; what it has stays whole.
+        """
+        with self._writing():
             self._connection.execute(
                 "INSERT OR REPLACE INTO recordings VALUES (?, ?)",
                 (trial_hash, trace.to_bytes()),
+            )
+
+    def drop_recordings(self, keep: Collection[str]) -> None:
+        """Delete the recordings of all other trials than those.
+
+        Raises:
+            ExperimentError: The file cannot be written.
+        """
+        with self._writing():
+            marks = ", ".join("?" * len(keep))
+            self._connection.execute(
+                f"DELETE FROM recordings WHERE hash NOT IN ({marks})",
+                tuple(keep),
             )
 
     def recordings(self) -> dict[str, Trace]:
@@ -251,7 +324,7 @@ class Results:
         found = self._connection.execute("SELECT hash, trace FROM recordings")
         return {name: Trace.from_bytes(data) for name, data in found}
 
-    def _rows(self, where: str, values: Sequence[str]) -> Iterator[Row]:
+    def _rows(self, where: str, values: Sequence[str | int]) -> Iterator[Row]:
         query = (
             "SELECT number, hash, trial, state, reason, metrics, seconds, worker "
             f"FROM trials {where} ORDER BY number"
