@@ -15,7 +15,6 @@ from station.wire.access import (
 )
 from station.wire.base import (
     ControllerName,
-    Measured,
     RequestModel,
     ResponseModel,
 )
@@ -33,7 +32,6 @@ from station.wire.controllers import (
     Controllers,
     ControllerSample,
     ControllerState,
-    ControllerStateName,
     Gains,
     GainsChange,
     GainsPatch,
@@ -48,7 +46,6 @@ from station.wire.controllers import (
 from station.wire.events import (
     Event,
     EventKindName,
-    EventLogState,
     Events,
     SeverityName,
 )
@@ -58,7 +55,6 @@ from station.wire.experiments import (
     ExperimentRequest,
 )
 from station.wire.gain_sets import (
-    GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
@@ -71,22 +67,17 @@ from station.wire.goals import (
     GoalRequest,
     GoalResult,
     Goals,
-    GoalStatusName,
     TrajectoryRequest,
 )
 from station.wire.gripper import (
     GraspEpsilon,
     Gripper,
-    GripperActionName,
-    GripperActivityName,
     GripperCommand,
-    GripperCommandStatus,
     GripperGraspRequest,
     GripperMoveRequest,
 )
 from station.wire.hardware import (
     Clamp,
-    ClampReasonName,
     Hardware,
     HardwareInterface,
     HardwareLimits,
@@ -100,7 +91,6 @@ from station.wire.recordings import (
     Recording,
     RecordingRequest,
     Recordings,
-    RecordingStateName,
     Trajectory,
 )
 from station.wire.robots import (
@@ -151,7 +141,6 @@ from station.wire.station import (
     Status,
     StopRequest,
     StopState,
-    StopStateName,
     StreamTicket,
 )
 from station.wire.streams import (
@@ -164,9 +153,20 @@ from station.wire.streams import (
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
     CommandCounts,
-    CommandError,
     StreamFormat,
     StreamFrame,
+)
+from station.wire.waypoint_paths import (
+    CaptureRequest,
+    Playback,
+    PlaybackPatch,
+    PlaybackState,
+    PlayRequest,
+    Waypoint,
+    WaypointPath,
+    WaypointPathRequest,
+    WaypointPaths,
+    WaypointRequest,
 )
 
 __all__ = [
@@ -186,14 +186,13 @@ __all__ = [
     "ArmRecord",
     "ArmReport",
     "Arms",
+    "CaptureRequest",
     "CartesianImpedance",
     "ClaimedResources",
     "Clamp",
-    "ClampReasonName",
     "CommandAccepted",
     "CommandCounts",
     "CommandElement",
-    "CommandError",
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
@@ -203,7 +202,6 @@ __all__ = [
     "ControllerName",
     "ControllerSample",
     "ControllerState",
-    "ControllerStateName",
     "ControllerType",
     "ControllerTypes",
     "Controllers",
@@ -212,7 +210,6 @@ __all__ = [
     "EndEffectorFrame",
     "Event",
     "EventKindName",
-    "EventLogState",
     "Events",
     "Experiment",
     "ExperimentApplyRequest",
@@ -225,7 +222,6 @@ __all__ = [
     "FrameName",
     "FrankaState",
     "FullCollisionBehavior",
-    "GainDifference",
     "GainSet",
     "GainSetRequest",
     "GainSets",
@@ -237,14 +233,10 @@ __all__ = [
     "Goal",
     "GoalRequest",
     "GoalResult",
-    "GoalStatusName",
     "Goals",
     "GraspEpsilon",
     "Gripper",
-    "GripperActionName",
-    "GripperActivityName",
     "GripperCommand",
-    "GripperCommandStatus",
     "GripperGraspRequest",
     "GripperMoveRequest",
     "GuidingRequest",
@@ -261,17 +253,19 @@ __all__ = [
     "LoadRequest",
     "LoginRequest",
     "LoopReport",
-    "Measured",
     "NewToken",
     "ObjectKind",
     "Parameter",
     "ParameterRequest",
     "Percentiles",
+    "PlayRequest",
+    "Playback",
+    "PlaybackPatch",
+    "PlaybackState",
     "Problem",
     "Ready",
     "Recording",
     "RecordingRequest",
-    "RecordingStateName",
     "Recordings",
     "Recoveries",
     "Recovery",
@@ -297,7 +291,6 @@ __all__ = [
     "StiffnessFrame",
     "StopRequest",
     "StopState",
-    "StopStateName",
     "StreamFormat",
     "StreamFrame",
     "StreamTicket",
@@ -310,4 +303,9 @@ __all__ = [
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",
+    "Waypoint",
+    "WaypointPath",
+    "WaypointPathRequest",
+    "WaypointPaths",
+    "WaypointRequest",
 ]
