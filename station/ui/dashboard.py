@@ -27,6 +27,7 @@ from station.ui.reporter import Reporter
 from station.ui.robot_model import RobotModel, RobotModelError
 from station.ui.scene import RobotScene, prepare_room
 from station.ui.scene_objects import SceneObjects
+from station.ui.scene_views import SceneViews
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
 
@@ -53,6 +54,10 @@ class Dashboard:
         robot: The robot with its visual meshes; None shows no robot.
         not_drawn: Why no robot is shown; empty if no robot was requested.
         beside: Further robots of the same station.
+        session_key: Returns the key of the session of a browser.
+
+    Attributes:
+        views: What each session sees in the 3D view.
     """
 
     def __init__(
@@ -62,6 +67,7 @@ class Dashboard:
         robot: RobotModel | None,
         not_drawn: str = "",
         beside: Sequence[RobotModel] = (),
+        session_key: Callable[[viser.ClientHandle], str] = lambda _: "",
     ) -> None:
         self._server = server
         self._client = client
@@ -83,6 +89,8 @@ class Dashboard:
             except RobotModelError as error:
                 _logger.warning("%s", error)
                 not_drawn = str(error)
+        drawn = () if self._scene is None or robot is None else (robot, *beside)
+        self.views = SceneViews(drawn, session_key)
         _set_theme(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)
         if not_drawn:
@@ -116,6 +124,8 @@ class Dashboard:
 
     def start(self) -> None:
         """Start to follow the station."""
+        self._server.on_client_connect(self._on_connect)
+        self._server.on_client_disconnect(self._on_disconnect)
         loop = self._server.get_event_loop()
         self._running = asyncio.run_coroutine_threadsafe(self._run(), loop)
 
@@ -154,6 +164,13 @@ class Dashboard:
         for panel in self._panels:
             if isinstance(panel, CommandingPanel):
                 panel.let_go()
+
+    # Viser calls coroutines in its event loop, where the views belong.
+    async def _on_connect(self, client: viser.ClientHandle) -> None:
+        self.views.joined(client)
+
+    async def _on_disconnect(self, client: viser.ClientHandle) -> None:
+        self.views.left(client)
 
     async def _run(self) -> None:
         self._task = asyncio.current_task()

@@ -1,0 +1,86 @@
+"""Requests of the page about its own 3D view."""
+
+import httpx
+import pytest
+from starlette.applications import Starlette
+
+from station.ui.scene_views import Ghost
+from station.ui.sessions import Role, Sessions
+from station.ui.view_routes import ShownViews, ViewRoutes
+from tests.ui.served import Served
+
+
+class _Views:
+    """Stands for what the sessions see."""
+
+    def __init__(self):
+        self.ghosts = {}
+
+    def joint_names(self):
+        return frozenset({"joint1", "joint2"})
+
+    def show_ghost(self, key, ghost):
+        self.ghosts[key] = ghost
+
+
+class _Bench:
+    def __init__(self):
+        self.views = _Views()
+        self.session = None
+        shown = ShownViews(self.views, lambda call: call())
+        self.routes = ViewRoutes(shown, lambda _: self.session).routes()
+
+
+@pytest.fixture(scope="module")
+def served():
+    bench = _Bench()
+    with Served(Starlette(routes=bench.routes)) as gateway:
+        yield bench, gateway.url
+
+
+@pytest.fixture
+def bench(served):
+    bench = served[0]
+    bench.views.ghosts.clear()
+    bench.session = Sessions().open(Role.VIEWER)
+    return bench
+
+
+@pytest.fixture
+def browser(served, bench):
+    assert bench.session is not None
+    with httpx.Client(base_url=served[1]) as client:
+        yield client
+
+
+def test_a_ghost_is_shown_to_the_session_that_asks_and_hidden_again(browser, bench):
+    body = {"positions": {"joint1": 0.5}, "label": "recorded"}
+    assert browser.post("/ui/ghost", json=body).status_code == 200
+    assert bench.views.ghosts == {bench.session.key: Ghost({"joint1": 0.5}, "recorded")}
+    assert browser.delete("/ui/ghost").json() == {"shown": False}
+    assert bench.views.ghosts == {bench.session.key: None}
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ({"positions": {"elbow": 0.5}}, "positions.elbow"),
+        ({"positions": {}}, "positions: Dictionary should have at least 1 item"),
+        ({"positions": {"joint1": "far"}}, "positions.joint1: Input should be a valid"),
+        ({"positions": {"joint1": 0.1}, "colour": "red"}, "colour: Extra inputs"),
+        ([], "the body"),
+    ],
+)
+def test_a_wrong_ghost_is_refused_and_changes_nothing(browser, bench, body, reason):
+    answer = browser.post("/ui/ghost", json=body)
+    assert answer.status_code == 422
+    assert reason in answer.json()["detail"]
+    assert bench.views.ghosts == {}
+
+
+def test_nothing_is_shown_without_a_session(browser, bench):
+    bench.session = None
+    body = {"positions": {"joint1": 0.5}}
+    assert browser.post("/ui/ghost", json=body).status_code == 401
+    assert browser.delete("/ui/ghost").status_code == 401
+    assert bench.views.ghosts == {}
