@@ -14,6 +14,13 @@ import viser
 
 from station.client import AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
+from station.ui.layers.scene_facts import (
+    PlacedRobot,
+    SceneFacts,
+    commanded_positions,
+    commanding,
+)
+from station.ui.layers.trail_layer import Trails
 from station.ui.markup import warning
 from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.panels.controllers_panel import ControllersPanel
@@ -39,6 +46,7 @@ if TYPE_CHECKING:
 _logger = logging.getLogger(__name__)
 
 SCENE_PERIOD = 1.0 / 50.0
+VIEWS_PERIOD = 1.0 / 15.0
 PANEL_PERIOD = 0.1
 _ENDING_TIME = 0.5
 _PANEL_WIDTH = 430.0
@@ -89,8 +97,9 @@ class Dashboard:
             except RobotModelError as error:
                 _logger.warning("%s", error)
                 not_drawn = str(error)
-        drawn = () if self._scene is None or robot is None else (robot, *beside)
-        self.views = SceneViews(drawn, session_key)
+        placed = _placed(() if self._scene is None else (robot, *beside))
+        self.views = SceneViews(placed, session_key)
+        self._trails = Trails(placed)
         _set_theme(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)
         if not_drawn:
@@ -181,6 +190,7 @@ class Dashboard:
             tasks.create_task(self._target.run())
             tasks.create_task(self._tune.run())
             tasks.create_task(self._repeat(self._show_robot, SCENE_PERIOD))
+            tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
 
     def _show_robot(self) -> None:
@@ -190,12 +200,27 @@ class Dashboard:
         for scene in self._beside:
             scene.show(self._link.positions)
 
+    def _refresh_views(self) -> None:
+        view = self._link.view()
+        positions = view.positions
+        self.views.refresh(
+            SceneFacts(
+                positions=positions,
+                commanded=commanded_positions(view),
+                limits=view.limits,
+                arms=self._link.arms,
+                trails=self._trails.note(positions) if positions else (),
+            )
+        )
+
     def _refresh_panels(self) -> None:
         view = self._link.view()
         watched: set[str] = set()
         for panel in self._panels:
             panel.refresh(view)
             watched |= panel.watched()
+        if "command" in self.views.wanted():
+            watched |= commanding(view)
         self._link.watch(watched)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
@@ -209,6 +234,15 @@ class Dashboard:
                     _logger.exception("update %d of the screen failed", self._failures)
                 self._reporter.say("The dashboard failed", repr(error), None)
             await asyncio.sleep(period)
+
+
+def _placed(robots: Sequence[RobotModel | None]) -> list[PlacedRobot]:
+    """Return the robots with the scene nodes that `Dashboard` draws them at."""
+    return [
+        PlacedRobot(model, "/robot" if i == 1 else f"/robot_{i}")
+        for i, model in enumerate(robots, start=1)
+        if model is not None
+    ]
 
 
 def _set_theme(server: viser.ViserServer) -> None:

@@ -61,6 +61,11 @@ class RobotFigure:
         """Whether the figure can be seen."""
         return self._root.visible
 
+    @property
+    def positions(self) -> Mapping[str, float]:
+        """The joint positions at which it stands [rad] or [m]."""
+        return self._frames.shown
+
     def show(self, positions: Mapping[str, float]) -> None:
         """Show the figure at these joint positions [rad] or [m]."""
         self._frames.show(positions)

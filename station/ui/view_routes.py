@@ -2,10 +2,11 @@
 
 `POST /ui/ghost` shows a second, translucent robot in the browsers of the session that
 asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is a
-picture: no controller is told of it, so a viewer may show one, too.
+picture: no controller is told of it, so a viewer may show one, too. `PUT /ui/layers`
+chooses what is laid over the robots, and `POST /ui/camera` from where they are seen.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -14,7 +15,8 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from station.ui.control_routes import refused
-from station.ui.scene_views import Ghost, SceneViews
+from station.ui.layers.camera import PRESETS
+from station.ui.scene_views import LAYERS, Ghost, SceneViews
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -41,6 +43,26 @@ class GhostRequest(_Body):
 
     positions: dict[str, _Finite] = Field(min_length=1, max_length=_MOST_JOINTS)
     label: str = Field(default="", max_length=80)
+
+
+class LayersRequest(_Body):
+    """What to lay over the robots.
+
+    Attributes:
+        shown: Names of layers; everything else is hidden.
+    """
+
+    shown: list[str] = Field(max_length=32)
+
+
+class CameraRequest(_Body):
+    """From where to look.
+
+    Attributes:
+        preset: Name of the place.
+    """
+
+    preset: str
 
 
 _Wanted = TypeVar("_Wanted", bound=_Body)
@@ -77,6 +99,8 @@ class ViewRoutes:
         return [
             Route("/ui/ghost", self._show_ghost, methods=["POST"]),
             Route("/ui/ghost", self._hide_ghost, methods=["DELETE"]),
+            Route("/ui/layers", self._layers, methods=["PUT"]),
+            Route("/ui/camera", self._camera, methods=["POST"]),
         ]
 
     async def _show_ghost(self, request: "Request") -> Response:
@@ -104,6 +128,37 @@ class ViewRoutes:
             return _no_session()
         self._in_viser(lambda: self._views.show_ghost(session.key, None))
         return JSONResponse({"shown": False})
+
+    async def _layers(self, request: "Request") -> Response:
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        wanted = await _read(request, LayersRequest)
+        if isinstance(wanted, Response):
+            return wanted
+        unknown = sorted(set(wanted.shown) - LAYERS.keys())
+        if unknown:
+            detail = f"shown: there is no layer '{unknown[0]}'; {_among(LAYERS)}."
+            return refused(422, "unknown_layer", detail)
+        self._in_viser(lambda: self._views.choose(session.key, wanted.shown))
+        return JSONResponse({"shown": wanted.shown})
+
+    async def _camera(self, request: "Request") -> Response:
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        wanted = await _read(request, CameraRequest)
+        if isinstance(wanted, Response):
+            return wanted
+        if wanted.preset not in PRESETS:
+            detail = f"preset: there is no '{wanted.preset}'; {_among(PRESETS)}."
+            return refused(422, "unknown_preset", detail)
+        self._in_viser(lambda: self._views.look(session.key, wanted.preset))
+        return JSONResponse({"preset": wanted.preset})
+
+
+def _among(names: Iterable[str]) -> str:
+    return f"choose among {', '.join(names)}"
 
 
 async def _read(request: "Request", kind: type[_Wanted]) -> _Wanted | Response:

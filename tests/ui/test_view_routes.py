@@ -15,12 +15,19 @@ class _Views:
 
     def __init__(self):
         self.ghosts = {}
+        self.chosen = []
 
     def joint_names(self):
         return frozenset({"joint1", "joint2"})
 
     def show_ghost(self, key, ghost):
         self.ghosts[key] = ghost
+
+    def choose(self, key, layers):
+        self.chosen.append((key, layers))
+
+    def look(self, key, preset):
+        self.chosen.append((key, preset))
 
 
 class _Bench:
@@ -42,6 +49,7 @@ def served():
 def bench(served):
     bench = served[0]
     bench.views.ghosts.clear()
+    bench.views.chosen.clear()
     bench.session = Sessions().open(Role.VIEWER)
     return bench
 
@@ -83,4 +91,36 @@ def test_nothing_is_shown_without_a_session(browser, bench):
     body = {"positions": {"joint1": 0.5}}
     assert browser.post("/ui/ghost", json=body).status_code == 401
     assert browser.delete("/ui/ghost").status_code == 401
-    assert bench.views.ghosts == {}
+    assert browser.put("/ui/layers", json={"shown": []}).status_code == 401
+    assert browser.post("/ui/camera", json={"preset": "fit"}).status_code == 401
+    assert (bench.views.ghosts, bench.views.chosen) == ({}, [])
+
+
+def test_layers_and_camera_are_those_of_the_session_that_asks(browser, bench):
+    browser.put("/ui/layers", json={"shown": ["frames"]}).raise_for_status()
+    browser.post("/ui/camera", json={"preset": "hand"}).raise_for_status()
+    key = bench.session.key
+    assert bench.views.chosen == [(key, ["frames"]), (key, "hand")]
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "body", "reason"),
+    [
+        (
+            "PUT",
+            "layers",
+            {"shown": ["walls"]},
+            "no layer 'walls'; choose among command",
+        ),
+        ("PUT", "layers", {}, "shown: Field required"),
+        ("POST", "camera", {"preset": "moon"}, "no 'moon'; choose among fit, front"),
+        ("POST", "camera", {"preset": 1}, "preset: Input should be a valid string"),
+    ],
+)
+def test_what_there_is_not_is_refused_with_what_there_is(
+    browser, bench, method, path, body, reason
+):
+    answer = browser.request(method, f"/ui/{path}", json=body)
+    assert answer.status_code == 422
+    assert reason in answer.json()["detail"]
+    assert bench.views.chosen == []
