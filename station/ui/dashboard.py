@@ -88,15 +88,7 @@ class Dashboard:
         if robot is None:
             prepare_room(server)
         else:
-            try:
-                self._scene = RobotScene(server, robot, beside=beside)
-                self._beside = [
-                    RobotScene(server, other, root=f"/robot_{i}", has_camera=False)
-                    for i, other in enumerate(beside, start=2)
-                ]
-            except RobotModelError as error:
-                _logger.warning("%s", error)
-                not_drawn = str(error)
+            not_drawn = self._draw(robot, beside) or not_drawn
         placed = _placed(() if self._scene is None else (robot, *beside))
         self.views = SceneViews(placed, session_key)
         self._trails = Trails(placed)
@@ -130,6 +122,19 @@ class Dashboard:
         ]
         self._running: Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
+
+    def _draw(self, robot: RobotModel, beside: Sequence[RobotModel]) -> str:
+        """Draw the robots; return why that cannot be done, or an empty text."""
+        try:
+            self._scene = RobotScene(self._server, robot, beside=beside)
+            self._beside = [
+                RobotScene(self._server, other, root=f"/robot_{i}", has_camera=False)
+                for i, other in enumerate(beside, start=2)
+            ]
+        except RobotModelError as error:
+            _logger.warning("%s", error)
+            return str(error)
+        return ""
 
     def start(self) -> None:
         """Start to follow the station."""
