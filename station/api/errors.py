@@ -18,6 +18,13 @@ from station.api.named_tokens import (
 )
 from station.api.validation_words import explain, explain_json
 from station.core import errors
+from station.trials.errors import (
+    ExperimentError,
+    ExperimentNotFoundError,
+    ImpossibleRangeError,
+    TooManyExperimentsError,
+    UnknownParameterError,
+)
 from station.wire import PROBLEM_MEDIA_TYPE
 
 MAX_ERRORS = 20
@@ -64,6 +71,11 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.LoopError: 503,
     errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
+    ExperimentError: 409,
+    ExperimentNotFoundError: 404,
+    UnknownParameterError: 422,
+    ImpossibleRangeError: 422,
+    TooManyExperimentsError: 422,
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
@@ -77,6 +89,8 @@ ROUTES: Mapping[str, str] = {
     "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
     "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
+    "experiment_not_found": "GET /api/v1/experiments lists the experiments.",
+    "experiment_running": "POST /api/v1/experiments/{name}/cancel ends one.",
     "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
     "gain_set_not_found": "GET /api/v1/gain-sets lists the gain sets.",
     "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",

@@ -22,6 +22,7 @@ from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_follower import StationAccess, StationFollower
 from station.ui.stop_button import StopButton
+from station.ui.view_routes import ShownViews
 from station.ui.viser_door import open_viser
 from station.ui.viser_relay import ViserRelay
 from station.ui.workspace_routes import WorkspaceParts
@@ -138,7 +139,12 @@ async def _serve(
     relay = ViserRelay(guarded.port, guarded.secret)
     shown = _client(config)
     dashboard = Dashboard(
-        guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
+        guarded.server,
+        shown,
+        next(iter(robots), None),
+        not_drawn,
+        robots[1:],
+        guarded.session_key,
     )
     button = StopButton(api, config.token, config.watchdog_url)
     # The dashboard's own client belongs to Viser's event loop.
@@ -155,7 +161,10 @@ async def _serve(
         ca=config.ca,
     )
     forwarded = ApiRelay(sessions, api.tls)
-    gateway = _gateway(config, api, button, dashboard, relay, forwarded, sessions)
+    views = ShownViews(dashboard.views, viser_loop.call_soon_threadsafe)
+    gateway = _gateway(
+        config, api, button, dashboard, relay, forwarded, sessions, views
+    )
     server = _Server(gateway)
 
     def move_to(access: StationAccess) -> None:
@@ -229,6 +238,7 @@ def _gateway(
     relay: ViserRelay,
     forwarded: ApiRelay,
     access: SessionAccess,
+    views: ShownViews,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
         return await ask_role(api.url, token, config.ca)
@@ -246,6 +256,7 @@ def _gateway(
             relay=relay,
             api=forwarded,
             workspace=WorkspaceParts(dashboard.view, access),
+            views=views,
             origins=OriginPolicy(config.host, config.host_names),
             sessions=Sessions(),
         )

@@ -32,12 +32,14 @@ class Session:
         token: The named token that it logged in with, which never leaves the gateway
             but for the station; empty for a token of the station's start, for which the
             role stands.
+        key: Names the session where its cookie must not be known, as to Viser.
         closed: Set when the session is closed, or dropped for a newer one.
     """
 
     identifier: str
     role: Role
     token: str = field(default="", repr=False)
+    key: str = field(default_factory=lambda: secrets.token_hex(8))
     closed: asyncio.Event = field(default_factory=asyncio.Event, compare=False)
 
 

@@ -49,11 +49,17 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
+from station.wire.experiments import (
+    Experiment,
+    ExperimentApplyRequest,
+    ExperimentRequest,
+)
 from station.wire.gain_sets import (
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
+    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -205,6 +211,9 @@ __all__ = [
     "Event",
     "EventKindName",
     "Events",
+    "Experiment",
+    "ExperimentApplyRequest",
+    "ExperimentRequest",
     "ExternalForce",
     "Fault",
     "Faults",
@@ -219,6 +228,7 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
+    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from station.client._async.connection import AsyncConnection
+from station.client._async.experiments_client import AsyncExperimentsClient
 from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.waypoint_paths_client import AsyncWaypointPathsClient
 from station.client.routes import segment
@@ -120,6 +121,7 @@ def kept_on_disk(
     AsyncGainSetsClient,
     AsyncRecordingsClient,
     AsyncIncidentsClient,
+    AsyncExperimentsClient,
     AsyncWaypointPathsClient,
 ]:
     """Return the clients of what a station keeps on its disk.
@@ -131,5 +133,6 @@ def kept_on_disk(
         AsyncGainSetsClient(connection),
         AsyncRecordingsClient(connection),
         AsyncIncidentsClient(connection),
+        AsyncExperimentsClient(connection),
         AsyncWaypointPathsClient(connection),
     )

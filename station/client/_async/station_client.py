@@ -77,6 +77,7 @@ class AsyncStationClient:
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: What the station kept of stops, reflexes and faults.
+        experiments: Many trials of a simulated copy of the station.
     """
 
     def __init__(
@@ -94,7 +95,8 @@ class AsyncStationClient:
         )
         self.simulation = AsyncSimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
-        self.gain_sets, self.recordings, self.incidents, self.waypoint_paths = kept
+        self.gain_sets, self.recordings, self.incidents = kept[:3]
+        self.experiments, self.waypoint_paths = kept[3:]
         self.tokens = AsyncTokensClient(self._connection)
         self.lease = AsyncLeaseClient(self._connection)
 

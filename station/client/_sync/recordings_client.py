@@ -4,6 +4,7 @@
 from pathlib import Path
 
 from station.client._sync.connection import Connection
+from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.waypoint_paths_client import SyncWaypointPathsClient
 from station.client.routes import segment
@@ -121,6 +122,7 @@ def kept_on_disk(
     GainSetsClient,
     RecordingsClient,
     IncidentsClient,
+    ExperimentsClient,
     SyncWaypointPathsClient,
 ]:
     """Return the clients of what a station keeps on its disk.
@@ -132,5 +134,6 @@ def kept_on_disk(
         GainSetsClient(connection),
         RecordingsClient(connection),
         IncidentsClient(connection),
+        ExperimentsClient(connection),
         SyncWaypointPathsClient(connection),
     )

@@ -183,6 +183,8 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._goal.finish(GoalStatus.PREEMPTED, replaced)
         if not goal.is_final():
             goal.status = GoalStatus.ACTIVE
+        if goal.receipt is not None:
+            goal.receipt.pick_up()
         self._goal = goal
         self._target = target
         self._last_movement = time

@@ -153,8 +153,9 @@ class MotionCommands:
             ControllerNotFoundError: None of that name is loaded.
             InvalidCommandError: It takes no trajectories.
         """
-        self._trajectory_port(name).hold()
-        self._inputs.note("hold_trajectory", name=name)
+        receipt = self.receipt()
+        self._trajectory_port(name).hold(receipt)
+        self._inputs.note_command("hold_trajectory", receipt, name=name)
 
     def submit_goal(
         self,
@@ -162,6 +163,7 @@ class MotionCommands:
         request: Mapping[str, object],
         epoch: int | None = None,
         admit: Callable[[], None] = _anybody,
+        receipt: Receipt | None = None,
     ) -> Goal:
         """Give a running controller a goal; it replaces the one before.
 
@@ -171,6 +173,7 @@ class MotionCommands:
             epoch: The epoch in which the caller decided; the present one when None.
             admit: Called before the goal is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
+            receipt: Where the cycle is noted that takes the goal up.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -185,8 +188,9 @@ class MotionCommands:
         port = self._goal_port(name)
         admit()
         present = self._check_may_move(name, epoch)
-        self._inputs.note_plan("goal", name=name, request=request)
-        goal = port.submit(request)
+        receipt = receipt or self.receipt()
+        goal = port.submit(request, receipt)
+        self._inputs.note_command("goal", receipt, name=name, request=request)
         try:
             admit()
             self._check_may_move(name, present)
@@ -234,11 +238,14 @@ class MotionCommands:
         self, name: str, goal: Goal, goals: list[Goal], reason: str | None = None
     ) -> bool:
         """Ask a goal to end; return whether it had not ended yet."""
+        receipt = self.receipt()
+        if goal.ended is None:
+            goal.ended = receipt
         if not goal.ask_to_end(reason):
             return False
         # A re-run has other identifiers: the goal is known by its place.
         behind = goals[::-1].index(goal) if goal in goals else 0
-        self._inputs.note("cancel_goal", name=name, behind=behind)
+        self._inputs.note_command("cancel_goal", receipt, name=name, behind=behind)
         return True
 
     def follow_trajectory(
@@ -275,8 +282,9 @@ class MotionCommands:
         port = self._trajectory_port(name)
         admit()
         present = self._check_may_move(name, epoch)
-        self._inputs.note_plan("trajectory", name=name, request=request)
+        receipt = receipt or self.receipt()
         port.follow(request, receipt)
+        self._inputs.note_command("trajectory", receipt, name=name, request=request)
         try:
             admit()
             self._check_may_move(name, present)

@@ -1,0 +1,105 @@
+"""The layer with the forces on the arms."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+from typing_extensions import override
+
+from station.core.description.urdf import Pose
+from station.ui.layers.layer import Layer
+from station.ui.layers.scene_facts import PlacedRobot, SceneFacts, Vector
+
+_LEAST = 2.0
+"""Smaller forces are noise of the estimate and not drawn [N]."""
+_METRES_PER_NEWTON = 0.01
+_LONGEST = 0.6  # [m]
+_EXTERNAL = (200, 30, 30)
+_SAME = 0.5  # [N]
+
+
+class ForcesLayer(Layer):
+    """The external force on each Franka arm, as the arm estimates it, at its K frame.
+
+    Args:
+        client: The browser.
+        robots: The robots in the scene.
+    """
+
+    def __init__(
+        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
+    ) -> None:
+        super().__init__(client, robots)
+        self._arrows: dict[str, _Arrow] = {}
+
+    @override
+    def show(self, facts: SceneFacts) -> None:
+        """Draw the forces that act now."""
+        for robot in self.robots:
+            name = robot.model.arm_id
+            arm = facts.arms.get(name)
+            force = None if arm is None else arm.force
+            if arm is None or force is None or math.hypot(*force) < _LEAST:
+                if name in self._arrows:
+                    self._arrows.pop(name).remove()
+                continue
+            poses = robot.poses(facts.positions)
+            tool = poses[robot.flange].compose(arm.flange_to_tool)
+            point = tool.compose(arm.tool_to_stiffness).xyz
+            in_world = Pose((0.0,) * 3, poses[robot.base].quaternion)
+            turned = in_world.compose(Pose(force)).xyz
+            arrow = self._arrows.get(name)
+            if arrow is None:
+                arrow = _Arrow(self.client, f"/force_{name}", _EXTERNAL)
+                self._arrows[name] = arrow
+            arrow.show(point, turned)
+
+    @override
+    def remove(self) -> None:
+        for arrow in self._arrows.values():
+            arrow.remove()
+        self._arrows.clear()
+        super().remove()
+
+
+class _Arrow:
+    """A force with its size written at its tail."""
+
+    def __init__(
+        self, client: viser.ClientHandle, path: str, colour: tuple[int, int, int]
+    ) -> None:
+        self._client, self._path, self._colour = client, path, colour
+        self._shown: tuple[Vector, Vector] | None = None
+        self._label = client.scene.add_label(f"{path}_label", "")
+        self._drawn: viser.ArrowsHandle | None = None
+
+    def show(self, point: Vector, force: Vector) -> None:
+        """Draw a force [N] that acts at a point [m]; the arrow ends there."""
+        if self._shown is not None:
+            before, was = self._shown
+            if math.dist(point, before) < 1e-3 and math.dist(force, was) < _SAME:
+                return
+        self._shown = (point, force)
+        size = math.hypot(*force)
+        length = min(size * _METRES_PER_NEWTON, _LONGEST)
+        tip = np.array(point)
+        tail = tip - length / size * np.array(force)
+        self._drawn = self._client.scene.add_arrows(
+            self._path,
+            np.array([[tail, tip]], dtype=np.float32),
+            self._colour,
+            shaft_radius=0.006,
+            head_radius=0.016,
+            head_length=min(0.04, length),
+        )
+        text = f"{size:.0f} N on the arm"
+        if self._label.text != text:
+            self._label.text = text
+        self._label.position = tuple(tail.tolist())
+
+    def remove(self) -> None:
+        """Take the arrow out of the scene."""
+        self._label.remove()
+        if self._drawn is not None:
+            self._drawn.remove()
