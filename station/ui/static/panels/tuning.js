@@ -1,4 +1,5 @@
 // Tuning: gains of one controller, changed together; undo; sets; a bench for one joint.
+import "./tune_search.js";
 import { h, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History, Plot } from "../lib/plot.js";
@@ -17,20 +18,34 @@ class Tuning extends Panel {
     this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back" }, "Undo");
     this.undo.addEventListener("click", async () => {
       if (await act("POST", "/gain-sets/undo")) store.mark("gains undone");
-      this.drawnFor = null;
-      this.read();
+      this.reread();
     });
     this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle" }, "Apply");
     this.apply.addEventListener("click", () => this.patch());
     this.fields = h("div", { class: "fields gains" });
     this.state = h("p", { class: "hint state" }, "");
+    this.search = h("st-tune-search");
+    this.search.tuning = this;
     this.append(
       h("div", { class: "line" }, this.choice, this.joint, this.apply, this.undo),
       this.fields,
       this.state,
       this.buildSets(),
       this.buildBench(),
+      this.search,
     );
+  }
+
+  /** The controller and joint that are tuned. */
+  get chosen() {
+    return { controller: this.choice.value, joint: this.joint.value };
+  }
+
+  /** Read the gains anew; what was typed and not applied is given up. */
+  reread() {
+    this.drawnFor = null;
+    this.listSets();
+    return this.read();
   }
 
   refresh() {
