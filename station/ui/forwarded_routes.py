@@ -71,9 +71,11 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/recordings/{}"),
     (("POST",), "/recordings/{}/stop"),
     (_READ, "/recordings/{}/file"),
+    (_READ, "/recordings/{}/trajectory"),
     (_READ, "/incidents"),
     (_READ, "/incidents/{}"),
     (_READ, "/incidents/{}/file"),
+    (_READ, "/incidents/{}/trajectory"),
 )
 _STREAMS = (
     "joint_states",

@@ -27,6 +27,12 @@ export class History {
     }
   }
 
+  /** Return the rate of change at a sample, over its two neighbours; null at an end. */
+  slope(i) {
+    if (i < 1 || i >= this.times.length - 1) return null;
+    return (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]);
+  }
+
   clear() {
     this.times.length = this.values.length = 0;
   }
@@ -56,6 +62,8 @@ export class Plot {
     this.span = 10; // seconds shown
     this.end = null; // time at the right edge; null follows the newest sample
     this.cursor = null; // x in pixels
+    this.fixed = null; // time of the second cursor; the values tell their difference to it
+    this.xy = false; // whether the first trace is the abscissa of the others
     this.traces = []; // {label, history, unit}
     this.markers = [];
     canvas.addEventListener("pointermove", (event) => {
@@ -63,11 +71,38 @@ export class Plot {
       if (event.buttons === 1 && this.end !== null)
         this.end -= (event.movementX * this.span) / (this.canvas.clientWidth - LEFT);
     });
+    let pressedAt = 0;
+    canvas.addEventListener("pointerdown", (event) => (pressedAt = event.clientX));
+    canvas.addEventListener("click", (event) => Math.abs(event.clientX - pressedAt) < 4 && this.fix());
     canvas.addEventListener("pointerleave", () => (this.cursor = null));
+    canvas.addEventListener("blur", () => (this.cursor = null));
+    canvas.addEventListener("keydown", (event) => this.press(event));
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(event.deltaY > 0 ? 1.25 : 0.8);
     }, { passive: false });
+  }
+
+  /** Put the second cursor where the first is, or take it away when it is there. */
+  fix() {
+    const time = this.cursor === null ? null : this.timeAt(this.cursor);
+    const isThere = this.fixed !== null && time !== null && Math.abs(time - this.fixed) < this.span / 100;
+    this.fixed = isThere ? null : time;
+  }
+
+  /** The keys of a plot: arrows move the cursor, Enter fixes the second, + and − zoom. */
+  press(event) {
+    const step = { ArrowLeft: -4, ArrowRight: 4 }[event.key];
+    if (step) this.cursor = Math.max(LEFT, Math.min((this.cursor ?? this.canvas.clientWidth / 2) + step, this.canvas.clientWidth));
+    else if (event.key === "Enter") this.fix();
+    else if (event.key === "+") this.zoom(0.8);
+    else if (event.key === "-") this.zoom(1.25);
+    else return;
+    event.preventDefault();
+  }
+
+  timeAt(x) {
+    return this.shownEnd - this.span + ((x - LEFT) / (this.canvas.clientWidth - LEFT - 4)) * this.span;
   }
 
   zoom(factor) {
@@ -89,7 +124,9 @@ export class Plot {
     pen.clearRect(0, 0, width, height);
     pen.font = "11px system-ui, 'DejaVu Sans', sans-serif";
     const end = this.end ?? newest;
+    this.shownEnd = end;
     const begin = end - this.span;
+    if (this.xy && this.traces.length > 1) return this.drawXy(pen, { width, height, begin, end, style });
     const box = { width, height, begin, end, style, x: (t) => LEFT + ((t - begin) / this.span) * (width - LEFT - 4) };
     const [low, high] = this.bounds(begin, end);
     box.y = (v) => 4 + ((high - v) / (high - low)) * (height - BOTTOM - 8);
@@ -112,7 +149,7 @@ export class Plot {
     return [low - room, high + room];
   }
 
-  drawGrid(pen, { width, height, style, x, y, begin, end }, low, high) {
+  drawGrid(pen, { width, height, style, x, y, begin, end, unit = "s" }, low, high) {
     pen.strokeStyle = style.getPropertyValue("--line");
     pen.fillStyle = style.getPropertyValue("--dim");
     pen.lineWidth = 1;
@@ -136,8 +173,47 @@ export class Plot {
       pen.moveTo(x(t), 4);
       pen.lineTo(x(t), height - BOTTOM);
       pen.stroke();
-      if (x(t) > LEFT + 12 && x(t) < width - 14) pen.fillText(`${number(t, tick < 1 ? 1 : 0)} s`, x(t), height - 3);
+      if (x(t) > LEFT + 12 && x(t) < width - 14) pen.fillText(`${number(t, Math.max(0, -Math.floor(Math.log10(tick))))} ${unit}`, x(t), height - 3);
     }
+  }
+
+  /** Draw all traces but the first over the first. */
+  drawXy(pen, { width, height, begin, end, style }) {
+    const [abscissa, ...others] = this.traces;
+    const curves = others.map(({ history }) => {
+      const points = [];
+      for (let i = history.indexAt(begin); i < history.times.length && history.times[i] <= end; i += 1) {
+        const j = Math.min(abscissa.history.indexAt(history.times[i]), abscissa.history.values.length - 1);
+        if (j >= 0) points.push([abscissa.history.values[j], history.values[i]]);
+      }
+      return points;
+    });
+    const range = (k) => {
+      const all = curves.flat().map((point) => point[k]);
+      if (!all.length) return [-1, 1];
+      const [low, high] = all.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+      const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
+      return [low - room, high + room];
+    };
+    const [left, right] = range(0);
+    const [low, high] = range(1);
+    const x = (v) => LEFT + ((v - left) / (right - left)) * (width - LEFT - 4);
+    const y = (v) => 4 + ((high - v) / (high - low)) * (height - BOTTOM - 8);
+    this.drawGrid(pen, { width, height, style, x, y, begin: left, end: right, unit: abscissa.unit }, low, high);
+    curves.forEach((points, i) => {
+      pen.strokeStyle = pen.fillStyle = style.getPropertyValue(`--trace${(i + 1) % COLOURS}`);
+      pen.lineWidth = 1.6;
+      pen.setLineDash(DASHES[Math.floor((i + 1) / COLOURS + i + 1) % DASHES.length]);
+      pen.beginPath();
+      for (const [a, b] of points) pen.lineTo(x(a), y(b));
+      pen.stroke();
+      pen.setLineDash([]);
+      const last = points.at(-1);
+      if (last) pen.fillRect(x(last[0]) - 3, y(last[1]) - 3, 6, 6);
+    });
+    pen.fillStyle = style.getPropertyValue("--text");
+    pen.textAlign = "right";
+    pen.fillText(`across: ${abscissa.label} [${abscissa.unit}]`, width - 6, 14);
   }
 
   drawMarkers(pen, { height, style, x, begin, end }) {
@@ -176,21 +252,29 @@ export class Plot {
     pen.setLineDash([]);
   }
 
-  drawCursor(pen, { width, height, style, begin, end }) {
+  drawCursor(pen, { width, height, style, x: place }) {
     if (this.cursor < LEFT) return;
-    const time = begin + ((this.cursor - LEFT) / (width - LEFT - 4)) * (end - begin);
+    const time = this.timeAt(this.cursor);
+    const line = (at) => {
+      pen.beginPath();
+      pen.moveTo(at, 4);
+      pen.lineTo(at, height - BOTTOM);
+      pen.stroke();
+    };
     pen.strokeStyle = style.getPropertyValue("--dim");
-    pen.beginPath();
-    pen.moveTo(this.cursor, 4);
-    pen.lineTo(this.cursor, height - BOTTOM);
-    pen.stroke();
+    line(this.cursor);
+    if (this.fixed !== null) line(place(this.fixed));
     pen.fillStyle = style.getPropertyValue("--text");
     pen.textAlign = this.cursor > width / 2 ? "right" : "left";
     const x = this.cursor + (this.cursor > width / 2 ? -6 : 6);
-    pen.fillText(`${number(time, 2)} s`, x, 14);
+    const since = this.fixed === null ? "" : ` (Δ ${number(time - this.fixed, 3)} s)`;
+    pen.fillText(`${number(time, 2)} s${since}`, x, 14);
+    const at = (history, when) => history.values[Math.min(history.indexAt(when), history.values.length - 1)];
     this.traces.forEach(({ label, history, unit }, i) => {
-      const j = Math.min(history.indexAt(time), history.values.length - 1);
-      if (j >= 0) pen.fillText(`${label}: ${number(history.values[j], 4)} ${unit}`, x, 28 + 13 * i);
+      if (!history.values.length) return;
+      const value = at(history, time);
+      const change = this.fixed === null ? "" : ` (Δ ${number(value - at(history, this.fixed), 4)})`;
+      pen.fillText(`${label}: ${number(value, 4)} ${unit}${change}`, x, 28 + 13 * i);
     });
   }
 

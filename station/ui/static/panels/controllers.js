@@ -1,6 +1,7 @@
 // Controllers: a row for each, what a switch would do before the click, and loading.
 import { h, number, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
+import { fieldsOf, valuesOf } from "../lib/parameter_fields.js";
 import { act, api, send } from "../lib/station.js";
 import { refusals } from "../lib/refusals.js";
 import { stopController, store, switchTo } from "../lib/store.js";
@@ -126,14 +127,16 @@ class Controllers extends Panel {
 
   async chooseType(type) {
     const example = await send("GET", `/workspace/example?type=${encodeURIComponent(type)}`);
+    const { controller_types: types } = await api("GET", "/controller-types");
+    const known = types.find((each) => each.type === type);
     this.typeList.hidden = true;
     const name = h("input", { value: example.name });
     name.setAttribute("aria-label", "Name of the controller");
     const view = h("div", { class: "fields" });
     const text = h("textarea", { rows: 8, value: example.yaml, hidden: true, spellcheck: false });
     text.setAttribute("aria-label", "Parameters in YAML");
-    const inputs = fieldsOf(example.params);
-    view.append(...inputs.map((field) => h("label", {}, field.path.join(" / "), field.input)));
+    const inputs = fieldsOf(example.params, known?.parameters ?? []);
+    view.append(...inputs.map((field) => field.row));
     if (!inputs.length) {
       text.hidden = false;
       view.hidden = true;
@@ -146,7 +149,7 @@ class Controllers extends Panel {
       show(other, text.hidden ? "Edit as YAML" : "Edit as fields");
     });
     const load = async (andStart) => {
-      const params = text.hidden ? valuesOf(inputs) : await readYaml(text.value);
+      const params = text.hidden ? readFields(inputs) : await readYaml(text.value);
       if (params === undefined) return;
       const loaded = await act("POST", "/controllers", { name: name.value.trim(), type, params });
       if (!loaded) return;
@@ -162,7 +165,7 @@ class Controllers extends Panel {
       this.fields.replaceChildren();
     });
     this.fields.replaceChildren(
-      h("p", {}, h("b", {}, type)),
+      h("p", {}, h("b", {}, type), " ", known?.description ?? ""),
       h("label", {}, "name", name),
       view,
       text,
@@ -176,29 +179,14 @@ function breakable(text, sign) {
   return text.split(sign).flatMap((part, i, all) => (i < all.length - 1 ? [part + sign, h("wbr")] : [part]));
 }
 
-/** Return an input for each leaf of the parameters, with its path. */
-function fieldsOf(params, path = []) {
-  return Object.entries(params).flatMap(([key, value]) => {
-    const here = [...path, key];
-    if (value !== null && typeof value === "object" && !Array.isArray(value)) return fieldsOf(value, here);
-    const list = Array.isArray(value);
-    const input = h("input", { value: list ? value.join(", ") : String(value ?? "") });
-    return [{ path: here, input, kind: list ? "list" : typeof value, numeric: list && value.every((v) => typeof v === "number") }];
-  });
-}
-
-function valuesOf(fields) {
-  const params = {};
-  for (const { path, input, kind, numeric } of fields) {
-    let value = input.value.trim();
-    if (kind === "number") value = Number(value);
-    else if (kind === "boolean") value = value === "true";
-    else if (kind === "list") value = value.split(",").map((part) => (numeric ? Number(part) : part.trim())).filter((part) => part !== "");
-    let place = params;
-    for (const key of path.slice(0, -1)) place = place[key] ??= {};
-    place[path.at(-1)] = value;
+/** Return the parameters of the fields; one that cannot be read is refused. */
+function readFields(fields) {
+  try {
+    return valuesOf(fields);
+  } catch (error) {
+    refusals.add(error, {});
+    return undefined;
   }
-  return params;
 }
 
 async function readYaml(text) {

@@ -7,6 +7,7 @@ import { store } from "../lib/store.js";
 
 const DRAW_HZ = 15;
 const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
+const DERIVATIVE = "d/dt ";
 const SHOWN_AT_FIRST = [["position"], ["effort"]];
 
 class Plots extends Panel {
@@ -28,6 +29,7 @@ class Plots extends Panel {
     store.addEventListener("marker", () => {
       for (const { plot } of this.plots) plot.markers = store.markers;
     });
+    store.addEventListener("joints", () => this.hear());
     setInterval(() => this.draw(), 1000 / DRAW_HZ);
   }
 
@@ -41,9 +43,8 @@ class Plots extends Panel {
   refresh() {
     this.listChannels();
     if (this.plots.length || !store.docks.joints.length) return;
-    const saved = kept.get("plots", null);
-    const known = saved?.filter((keys) => Array.isArray(keys));
-    if (known?.length) for (const keys of known) this.addPlot(keys);
+    const saved = kept.get("plots-2", null);
+    if (saved?.length) for (const { keys, xy, span } of saved) this.addPlot(keys ?? [], xy, span);
     else
       for (const [quantity] of SHOWN_AT_FIRST)
         this.addPlot(store.docks.joints.slice(0, 7).map((joint) => `${quantity}/${joint}`));
@@ -96,6 +97,7 @@ class Plots extends Panel {
         if (arm) this.history(key).add(arm.stamp, arm[second]?.[Number(index)]);
       }
     }
+    this.derive();
   }
 
   hearSample(frame) {
@@ -105,17 +107,26 @@ class Plots extends Panel {
     }
   }
 
-  addPlot(keys) {
-    const canvas = h("canvas", {});
+  addPlot(keys, xy = false, span = 10) {
+    const canvas = h("canvas", { tabIndex: 0, title: "Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Drag while paused: move in time." });
     canvas.setAttribute("role", "img");
     const legend = h("div", { class: "legend" });
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     const entry = { keys, plot: new Plot(canvas), legend };
+    Object.assign(entry.plot, { xy, span });
+    if (this.paused) entry.plot.end = store.stationTime;
+    const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
+      entry.plot.xy = !entry.plot.xy;
+      across.setAttribute("aria-pressed", String(entry.plot.xy));
+      this.keep();
+    });
+    across.setAttribute("aria-pressed", String(xy));
     const tools = h(
       "div",
       { class: "line" },
-      button("−", "Show more time (or turn the wheel)", () => entry.plot.zoom(1.5)),
-      button("+", "Show less time (or turn the wheel)", () => entry.plot.zoom(1 / 1.5)),
+      button("−", "Show more time (or turn the wheel)", () => this.zoom(entry, 1.5)),
+      button("+", "Show less time (or turn the wheel)", () => this.zoom(entry, 1 / 1.5)),
+      across,
       button("CSV", "Save what is shown", () => download("plot.csv", entry.plot.csv(store.stationTime))),
       button("✕", "Remove this plot", () => {
         this.plots = this.plots.filter((other) => other !== entry);
@@ -143,22 +154,38 @@ class Plots extends Panel {
     const list = entry.menu.querySelector(".choices");
     list.replaceChildren(
       ...[...this.channels].map(([key, { label, unit }]) => {
-        const choice = h("button", { class: "choice", type: "button" }, `${label} [${unit}]`);
-        choice.setAttribute("aria-pressed", String(entry.keys.includes(key)));
-        choice.addEventListener("click", () => {
-          entry.keys = entry.keys.includes(key) ? entry.keys.filter((other) => other !== key) : [...entry.keys, key];
-          choice.setAttribute("aria-pressed", String(entry.keys.includes(key)));
-          this.apply(entry);
-          this.keep();
-        });
-        return choice;
+        const choose = (wanted, name, look) => {
+          const choice = h("button", { class: look, type: "button" }, name);
+          choice.setAttribute("aria-label", wanted === key ? name : `rate of change of ${label}`);
+          choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
+          choice.addEventListener("click", () => {
+            entry.keys = entry.keys.includes(wanted) ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
+            choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
+            this.apply(entry);
+            this.keep();
+          });
+          return choice;
+        };
+        return h("div", { class: "channel" }, choose(key, `${label} [${unit}]`, "choice"), choose(DERIVATIVE + key, "d/dt", "choice rate"));
       }),
     );
   }
 
+  zoom(entry, factor) {
+    entry.plot.zoom(factor);
+    this.keep();
+  }
+
+  /** Return what a key stands for: a channel, or its rate of change. */
+  channel(key) {
+    if (!key.startsWith(DERIVATIVE)) return this.channels.get(key);
+    const of = this.channels.get(key.slice(DERIVATIVE.length));
+    return of && { ...of, label: `d/dt ${of.label}`, unit: of.unit.endsWith("/s") ? `${of.unit}²` : `${of.unit}/s` };
+  }
+
   apply(entry) {
-    const known = entry.keys.filter((key) => this.channels.has(key));
-    entry.plot.traces = known.map((key) => ({ ...this.channels.get(key), history: this.history(key) }));
+    const known = entry.keys.filter((key) => this.channel(key));
+    entry.plot.traces = known.map((key) => ({ ...this.channel(key), history: this.history(key) }));
     const units = [...new Set(entry.plot.traces.map((t) => t.unit))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
@@ -167,16 +194,31 @@ class Plots extends Panel {
       ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, label.slice(shared.length))),
     );
     entry.plot.canvas.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
-    this.wanted = new Set(this.plots.flatMap((other) => other.keys));
+    this.note();
   }
 
   keep() {
-    kept.set("plots", this.plots.map((entry) => entry.keys));
-    this.wanted = new Set(this.plots.flatMap((entry) => entry.keys));
+    kept.set("plots-2", this.plots.map(({ keys, plot }) => ({ keys, xy: plot.xy, span: plot.span })));
+    this.note();
+  }
+
+  /** Note which channels the plots need; a derivative needs the channel it is one of. */
+  note() {
+    const keys = this.plots.flatMap((entry) => entry.keys);
+    this.derived = new Set(keys.filter((key) => key.startsWith(DERIVATIVE)));
+    this.wanted = new Set(keys.map((key) => key.replace(DERIVATIVE, "")));
+  }
+
+  /** Add the newest slopes; the newest sample itself has only one neighbour yet. */
+  derive() {
+    for (const key of this.derived ?? []) {
+      const source = this.history(key.slice(DERIVATIVE.length));
+      const i = source.times.length - 2;
+      if (i > 0) this.history(key).add(source.times[i], source.slope(i));
+    }
   }
 
   draw() {
-    this.hear();
     if (!this.isShown || document.hidden) return;
     for (const { plot } of this.plots) plot.draw(store.stationTime);
   }

@@ -1,5 +1,6 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { h, show } from "../lib/dom.js";
+import { hideGhost, showGhost } from "../lib/ghost.js";
 import { Panel } from "../lib/panel.js";
 import { act, api, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
@@ -26,12 +27,73 @@ class Timeline extends Panel {
     this.record.addEventListener("click", () => this.toggleRecording());
     this.list = h("div", { class: "log", tabIndex: 0 });
     this.list.setAttribute("aria-label", "What happened");
-    this.append(h("div", { class: "line" }, ...this.buttons, this.record), this.list);
+    this.append(h("div", { class: "line" }, ...this.buttons, this.record), this.buildReplay(), this.list);
     store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
     this.look();
     follow("events", "rate=10", (frame) => this.hear([frame.data]));
+  }
+
+  /** The time slider of a replay: it shows a second robot and cannot move the first. */
+  buildReplay() {
+    this.slider = h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 });
+    this.slider.setAttribute("aria-label", "Time of the replay");
+    this.slider.addEventListener("input", () => this.showAt(Number(this.slider.value)));
+    this.replayTime = h("output", {});
+    this.run = h("button", { class: "s", type: "button", title: "Let the second robot move as recorded" }, "Play");
+    this.run.addEventListener("click", () => this.runReplay());
+    const end = h("button", { class: "s", type: "button" }, "End replay");
+    end.addEventListener("click", () => this.endReplay());
+    this.replayed = h("b", {});
+    this.replay = h("div", { class: "line replay", hidden: true }, this.replayed, this.run, this.slider, this.replayTime, end, h("span", { class: "hint" }, "A picture in the 3D view; the robot does not move."));
+    return this.replay;
+  }
+
+  async openReplay(name) {
+    const told = await act("GET", `/${this.chosen}/${encodeURIComponent(name)}/trajectory?rate=30`);
+    if (!told) return;
+    this.endReplay();
+    this.motion = told;
+    this.replayed.textContent = name;
+    this.slider.max = told.time.at(-1) - told.time[0];
+    this.replay.hidden = false;
+    this.showAt(0);
+  }
+
+  showAt(time) {
+    const { name, time: times, position } = this.motion;
+    let i = times.findIndex((each) => each - times[0] >= time);
+    if (i < 0) i = times.length - 1;
+    this.slider.value = time;
+    const text = `${time.toFixed(1)} of ${Number(this.slider.max).toFixed(1)} s`;
+    show(this.replayTime, text);
+    showGhost(Object.fromEntries(name.map((joint, j) => [joint, position[i][j]]).filter(([, q]) => q !== null)), `recorded, ${text}`);
+  }
+
+  runReplay() {
+    if (this.replayTimer) return this.pauseReplay();
+    show(this.run, "Pause");
+    const atEnd = Number(this.slider.value) >= Number(this.slider.max) - 0.01;
+    const from = atEnd ? 0 : Number(this.slider.value);
+    const began = performance.now();
+    this.replayTimer = setInterval(() => {
+      const time = from + (performance.now() - began) / 1000;
+      this.showAt(Math.min(time, Number(this.slider.max)));
+      if (time >= Number(this.slider.max)) this.pauseReplay();
+    }, 50);
+  }
+
+  pauseReplay() {
+    clearInterval(this.replayTimer);
+    this.replayTimer = null;
+    show(this.run, "Play");
+  }
+
+  endReplay() {
+    this.pauseReplay();
+    if (!this.replay.hidden) hideGhost();
+    this.replay.hidden = true;
   }
 
   /** Keep events that have come, from the list or the stream, and show them. */
@@ -112,7 +174,11 @@ class Timeline extends Panel {
     const what = [item.name || name, item.state, size, lost, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
     const link = h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: `${name}.mcap` }, "download");
     // The file is whole once the recording has ended; until then there is nothing to load.
-    return row(h("span", {}, `${what} `), item.state === "recording" ? null : link);
+    if (item.state === "recording") return row(h("span", {}, what));
+    const replay = h("button", { class: "s", type: "button", title: "Show the recorded motion as a second robot in the 3D view" }, "Replay");
+    replay.setAttribute("aria-label", `Replay ${name}`);
+    replay.addEventListener("click", () => this.openReplay(name));
+    return row(h("span", {}, `${what} `), link, " ", replay);
   }
 
   async toggleRecording() {
