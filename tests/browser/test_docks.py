@@ -110,9 +110,9 @@ def test_gains_are_searched_previewed_applied_and_taken_back(workspace, enabled)
     dock.get_by_label("for of the search [s]").fill("0.3")
     dock.get_by_role("button", name="Tune for me").click()
     preview = dock.get_by_role("button", name="Preview gains")
-    preview.wait_for(timeout=60_000)
+    preview.wait_for(timeout=120_000)
     search = dock.locator("st-tune-search")
-    search.get_by_text(": done").wait_for(timeout=60_000)
+    search.get_by_text(": done").wait_for(timeout=120_000)
     assert enabled.gains(CONTROLLER).values == before
     # The best of so few trials may be the first: other gains make sure of a difference.
     name = "panda_joint1/p"
