@@ -85,6 +85,7 @@ class Recorder:
         self._packer = RowPacker(station.joint_names, self._elements)
         # What the ring still has of the time before belongs to the station's life, too.
         self._cycle = 0
+        self._first = 0
         # A second more, because the thread may come late.
         rows = round((BEFORE + AFTER + 1.0) / loop.period)
         self._rows: deque[bytes] = deque(maxlen=rows)
@@ -157,7 +158,8 @@ class Recorder:
             self._drain()
             recording = self._begin(self.store, name, note)
             recording.open_sources()
-            self._cycle = max(self._cycle, self._station.loop.cycle)
+            # Cycles that ran meanwhile are not of the recording, but their inputs are.
+            self._first = self._station.loop.cycle + 1
             self._gains = ""
             self._recording = recording
             self._note(recording.info)
@@ -250,7 +252,7 @@ class Recorder:
             packed = self._packer.pack(record)
             self._rows.append(packed)
             row = self._packer.unpack(packed)
-            if recording is not None:
+            if recording is not None and row.cycle >= self._first:
                 recording.add_row(row)
             self._note_period(row.cycle, row.period)
             self._note_causes(self._watch.look(row), row.time)
