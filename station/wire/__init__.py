@@ -49,11 +49,7 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
-from station.wire.experiments import (
-    Experiment,
-    ExperimentApplyRequest,
-    ExperimentRequest,
-)
+from station.wire.experiments import ExperimentApplyRequest, ExperimentRequest
 from station.wire.gain_sets import (
     GainDifference,
     GainsChanges,
@@ -210,7 +206,6 @@ __all__ = [
     "EventKindName",
     "EventLogState",
     "Events",
-    "Experiment",
     "ExperimentApplyRequest",
     "ExperimentRequest",
     "ExternalForce",

@@ -11,7 +11,7 @@ from station.cli.verbs.experiments import say_summary
 from station.experiments.exports import export, table, write_gains
 from station.trials.analysis import compare, gains_of, ranked
 from station.trials.results import Results, default_folder, file_of, names
-from station.wire import Experiment
+from station.wire.experiments import Experiment
 
 
 def experiments(options: Namespace) -> int:
