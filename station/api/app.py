@@ -92,7 +92,7 @@ def create_app(
     app.state.failed_logins = FailedLogins()
     kept = Kept() if kept is None else kept
     event_recorder = app.state.event_recorder = EventRecorder(kept.events)
-    app.state.control = Control(event_recorder.log, station.motion.let_expire)
+    app.state.control = Control(event_recorder.log, station.motion.let_go)
     app.state.command_streams = 0
     app.state.idempotent_answers = IdempotentAnswers()
     app.state.event_feed = EventFeed(event_recorder.log)

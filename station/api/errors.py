@@ -320,10 +320,16 @@ def add_error_handlers(app: FastAPI) -> None:
 def _allowed(request: Request) -> dict[str, str]:
     """Return the Allow header of a path, with the methods of all its routes.
 
-    The framework knows the methods of the first route that matches the path.
+    The framework knows the methods of the first route that matches the path. A path
+    without parameters, as `/controllers/switch`, has its own methods alone, not those
+    of the controller that might have that name.
     """
+    paths = request.app.openapi()["paths"]
+    if request.url.path in paths:
+        allowed = sorted(method.upper() for method in paths[request.url.path])
+        return {"Allow": ", ".join(allowed)}
     methods: set[str] = set()
-    for template, operations in request.app.openapi()["paths"].items():
+    for template, operations in paths.items():
         rest = template.replace("{path}", "{topic}").split("{topic}")
         pattern = ".+".join(re.sub(r"\\{\w+\\}", "[^/]+", re.escape(p)) for p in rest)
         if re.fullmatch(pattern, request.url.path):

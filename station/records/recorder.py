@@ -9,7 +9,7 @@ import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -94,6 +94,7 @@ class Recorder:
         self._recording: Recording | None = None
         self._inputs: list[str] = []
         self._pending: list[Input] = []
+        self._in_force: dict[str, Input] = {}
         self._events: deque[tuple[float, str, str, str, str]] = deque(maxlen=10_000)
         self._gains = ""
         self._is_whole = station.inputs.is_complete
@@ -305,6 +306,7 @@ class Recorder:
 
     def _take_inputs(self) -> None:
         """Write down what was asked of the station, once its cycle is known."""
+        self._note_expiries(list(self._in_force))
         self._pending += self._station.inputs.take()
         left = []
         for one in self._pending:
@@ -314,10 +316,23 @@ class Recorder:
                 continue
             plain = _plain(one.arguments)
             self._add_input({"after": after, "kind": one.kind, **plain})
+            if one.kind == "set_point":
+                name = str(one.arguments["name"])
+                self._note_expiries([name])
+                self._in_force[name] = one
         if not self._station.inputs.is_complete:
             self._lose("inputs that came faster than they could be kept")
         # Set-points that newer ones have replaced are never picked up.
         self._pending = left[-100:]
+
+    def _note_expiries(self, names: Iterable[str]) -> None:
+        """Note which of these controllers' set-points in force have expired."""
+        for name in names:
+            one = self._in_force.get(name)
+            until = None if one is None else one.until()
+            if until is not None:
+                del self._in_force[name]
+                self._add_input({"after": until, "kind": "expire", "name": name})
 
     def _add_texts(self, recording: Recording) -> None:
         gains = json.dumps(self._station.tuning.all_gains())

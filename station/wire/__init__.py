@@ -19,6 +19,11 @@ from station.wire.base import (
     RequestModel,
     ResponseModel,
 )
+from station.wire.controller_types import (
+    ControllerType,
+    ControllerTypes,
+    DeclaredParameter,
+)
 from station.wire.controllers import (
     ClaimedResources,
     CommandAccepted,
@@ -29,8 +34,6 @@ from station.wire.controllers import (
     ControllerSample,
     ControllerState,
     ControllerStateName,
-    ControllerType,
-    ControllerTypes,
     Gains,
     GainsChange,
     GainsPatch,
@@ -200,6 +203,7 @@ __all__ = [
     "ControllerType",
     "ControllerTypes",
     "Controllers",
+    "DeclaredParameter",
     "DesiredState",
     "EndEffectorFrame",
     "Event",

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerManager, ControllerStatus
+from station.core.control.controller_type import ControllerType
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, GainsChange
@@ -199,9 +200,9 @@ class Station:
         self.manager.get_controller(name)  # raises, and says which ones are loaded
         return self.controller(name)  # it was loaded in between
 
-    def controller_types(self) -> list[tuple[str, str]]:
-        """Return type and base class of every controller that can be loaded."""
-        return self.manager.list_controller_types()
+    def controller_types(self) -> list[ControllerType]:
+        """Return every type that can be loaded, with its parameters."""
+        return self.manager.describe_controller_types()
 
     def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
         """Let the next load of each type read its Python module anew.

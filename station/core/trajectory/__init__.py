@@ -23,6 +23,7 @@ from station.core.trajectory.quintic_spline_segment import (
     QuinticSplineSegment,
 )
 from station.core.trajectory.tolerances import (
+    TOLERANCE_PARAMETERS,
     JointTolerances,
     StateTolerances,
     ToleranceRequest,
@@ -31,6 +32,7 @@ from station.core.trajectory.tolerances import (
 )
 
 __all__ = [
+    "TOLERANCE_PARAMETERS",
     "JointSegments",
     "JointTolerances",
     "JointTrajectory",
