@@ -52,14 +52,13 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
-from station.wire.experiments import ExperimentApplyRequest, ExperimentRequest
+from station.wire.experiments import ExperimentRequest
 from station.wire.gain_sets import (
     GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
-    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -210,7 +209,6 @@ __all__ = [
     "EventKindName",
     "EventLogState",
     "Events",
-    "ExperimentApplyRequest",
     "ExperimentRequest",
     "ExternalForce",
     "Fault",
@@ -227,7 +225,6 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
-    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",
