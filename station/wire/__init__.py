@@ -49,17 +49,12 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
-from station.wire.experiments import (
-    Experiment,
-    ExperimentApplyRequest,
-    ExperimentRequest,
-)
+from station.wire.experiments import ExperimentRequest
 from station.wire.gain_sets import (
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
-    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -211,8 +206,6 @@ __all__ = [
     "Event",
     "EventKindName",
     "Events",
-    "Experiment",
-    "ExperimentApplyRequest",
     "ExperimentRequest",
     "ExternalForce",
     "Fault",
@@ -228,7 +221,6 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
-    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",
