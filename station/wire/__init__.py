@@ -122,7 +122,7 @@ from station.wire.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
-from station.wire.scene import ObjectKind, Scene, SceneObject
+from station.wire.scene import Contact, ObjectKind, Scene, SceneObject
 from station.wire.simulation import (
     ResetRequest,
     Simulation,
@@ -188,6 +188,7 @@ __all__ = [
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
+    "Contact",
     "ControlPatch",
     "ControlRequest",
     "ControlState",
