@@ -206,6 +206,7 @@ class Dashboard:
             scene.show(self._link.positions)
 
     def _refresh_views(self) -> None:
+        self._link.wants_contacts = "forces" in self.views.wanted()
         view = self._link.view()
         positions = view.positions
         self.views.refresh(
@@ -214,6 +215,7 @@ class Dashboard:
                 commanded=commanded_positions(view),
                 limits=view.limits,
                 arms=self._link.arms,
+                contacts=self._link.contacts,
                 trails=self._trails.note(positions) if positions else (),
             )
         )
