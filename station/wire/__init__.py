@@ -116,7 +116,7 @@ from station.wire.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
-from station.wire.scene import ObjectKind, Scene, SceneObject
+from station.wire.scene import Contact, ObjectKind, Scene, SceneObject
 from station.wire.simulation import (
     ResetRequest,
     Simulation,
@@ -191,6 +191,7 @@ __all__ = [
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
+    "Contact",
     "ControlPatch",
     "ControlRequest",
     "ControlState",
