@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from station.client import AsyncStationClient
+from station.client import ApiError, AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
+from station.ui.layers.push_layer import Pusher, Pushing
 from station.ui.layers.scene_facts import (
     PlacedRobot,
     SceneFacts,
@@ -37,6 +38,8 @@ from station.ui.scene_objects import SceneObjects
 from station.ui.scene_views import SceneViews
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
+from station.ui.view_routes import ShownViews
+from station.wire import ExternalForce
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -53,6 +56,16 @@ _PANEL_WIDTH = 430.0
 _BRAND = (34, 110, 196)
 
 
+async def _push_nothing(key: str, arm_id: str, push: ExternalForce) -> None:
+    """Refuse to push, as a dashboard without sessions does.
+
+    Raises:
+        ApiError: Always.
+    """
+    detail = f"Session '{key}' cannot push {push.link} of {arm_id}."
+    raise ApiError(detail, status=403, code="forbidden")
+
+
 class Dashboard:
     """The dashboard of one station, in one Viser server.
 
@@ -63,6 +76,7 @@ class Dashboard:
         not_drawn: Why no robot is shown; empty if no robot was requested.
         beside: Further robots of the same station.
         session_key: Returns the key of the session of a browser.
+        push: Pushes a link for a session.
 
     Attributes:
         views: What each session sees in the 3D view.
@@ -76,6 +90,7 @@ class Dashboard:
         not_drawn: str = "",
         beside: Sequence[RobotModel] = (),
         session_key: Callable[[viser.ClientHandle], str] = lambda _: "",
+        push: Pusher = _push_nothing,
     ) -> None:
         self._server = server
         self._client = client
@@ -90,7 +105,8 @@ class Dashboard:
         else:
             not_drawn = self._draw(robot, beside) or not_drawn
         placed = _placed(() if self._scene is None else (robot, *beside))
-        self.views = SceneViews(placed, session_key)
+        pushing = Pushing(push, self._reporter.refused)
+        self.views = SceneViews(placed, session_key, pushing)
         self._trails = Trails(placed)
         _set_theme(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)
@@ -166,6 +182,11 @@ class Dashboard:
         """Return what is known of the station; callable by any thread."""
         return self._link.view()
 
+    def shown_views(self) -> ShownViews:
+        """Return `views` as another thread than Viser's reaches them."""
+        loop = self._server.get_event_loop()
+        return ShownViews(self.views, loop.call_soon_threadsafe)
+
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
 
@@ -206,6 +227,7 @@ class Dashboard:
             scene.show(self._link.positions)
 
     def _refresh_views(self) -> None:
+        self._link.wants_contacts = "forces" in self.views.wanted()
         view = self._link.view()
         positions = view.positions
         self.views.refresh(
@@ -214,6 +236,7 @@ class Dashboard:
                 commanded=commanded_positions(view),
                 limits=view.limits,
                 arms=self._link.arms,
+                contacts=self._link.contacts,
                 trails=self._trails.note(positions) if positions else (),
             )
         )

@@ -18,6 +18,7 @@ from station.ui.layers.forces_layer import ForcesLayer
 from station.ui.layers.frames_layer import FramesLayer
 from station.ui.layers.layer import Layer
 from station.ui.layers.limits_layer import LimitsLayer
+from station.ui.layers.push_layer import Pushing, PushLayer
 from station.ui.layers.scene_facts import PlacedRobot, SceneFacts
 from station.ui.layers.trail_layer import TrailLayer
 from station.ui.robot_figure import RobotFigure
@@ -32,7 +33,9 @@ LAYERS: Mapping[str, type[Layer]] = {
     "frames": FramesLayer,
     "collision": CollisionLayer,
 }
-"""What can be laid over the robots."""
+"""What can be laid over the robots for everybody to look at."""
+PUSH = "push"
+"""The layer in which links are pulled."""
 AT_FIRST = frozenset({"command", "forces", "limits"})
 """What is shown to a session that has not chosen."""
 _GHOST_COLOUR = (138, 84, 214)
@@ -68,13 +71,16 @@ class SceneViews:
     Args:
         robots: The robots that are drawn.
         key_of: Returns the key of the session of a browser; empty when it is unknown.
+        pushing: How browsers push the robots.
     """
 
     def __init__(
         self,
         robots: Sequence[PlacedRobot],
         key_of: Callable[[viser.ClientHandle], str],
+        pushing: Pushing,
     ) -> None:
+        self._pushing = pushing
         self._robots = tuple(robots)
         self._key_of = key_of
         self._ghosts: dict[str, Ghost] = {}
@@ -99,7 +105,9 @@ class SceneViews:
 
     def left(self, client: viser.ClientHandle) -> None:
         """Forget a browser."""
-        self._drawn.pop(client.client_id, None)
+        gone = self._drawn.pop(client.client_id, None)
+        if gone is not None and PUSH in gone.layers:
+            gone.layers.pop(PUSH).remove()
 
     def show_ghost(self, key: str, ghost: Ghost | None) -> None:
         """Show a pose in the browsers of one session.
@@ -136,6 +144,17 @@ class SceneViews:
         for drawn in self._of(key):
             look(drawn.client, preset, self._robots, self._facts.positions)
 
+    def alive(self, key: str) -> None:
+        """Note that the page of a session lives: what it holds goes on.
+
+        Args:
+            key: Key of the session.
+        """
+        for drawn in self._of(key):
+            layer = drawn.layers.get(PUSH)
+            if isinstance(layer, PushLayer):
+                layer.alive()
+
     def wanted(self) -> frozenset[str]:
         """Return the layers that at least one browser shows now."""
         return frozenset(name for one in self._drawn.values() for name in one.layers)
@@ -143,7 +162,7 @@ class SceneViews:
     def refresh(self, facts: SceneFacts) -> None:
         """Draw the newest facts in all browsers."""
         self._facts = facts
-        for drawn in self._drawn.values():
+        for drawn in list(self._drawn.values()):
             with drawn.client.atomic():
                 for layer in drawn.layers.values():
                     layer.show(facts)
@@ -156,8 +175,13 @@ class SceneViews:
         for name in drawn.layers.keys() - wanted:
             drawn.layers.pop(name).remove()
         for name in wanted - drawn.layers.keys():
-            drawn.layers[name] = LAYERS[name](drawn.client, self._robots)
+            drawn.layers[name] = self._layer(name, drawn.client)
             drawn.layers[name].show(self._facts)
+
+    def _layer(self, name: str, client: viser.ClientHandle) -> Layer:
+        if name == PUSH:
+            return PushLayer(client, self._robots, self._pushing, self._key_of(client))
+        return LAYERS[name](client, self._robots)
 
     def _show_ghost(self, drawn: _Drawn) -> None:
         ghost = self._ghosts.get(self._key_of(drawn.client), Ghost({}))

@@ -17,6 +17,7 @@ from station.ui.plot_history import PlotHistory
 from station.ui.station_view import StationView
 from station.wire import (
     CommandElement,
+    Contact,
     ControllerSample,
     ControllerState,
     ControllerType,
@@ -45,6 +46,12 @@ class StationLink:
     Args:
         client: The station; owned by the caller.
         now: Monotonic clock [s].
+
+    Attributes:
+        client: As given.
+        now: As given.
+        histories: The last samples of the watched controllers.
+        wants_contacts: Whether somebody looks at `contacts`.
     """
 
     def __init__(
@@ -61,6 +68,8 @@ class StationLink:
         self._positions: dict[str, float] = {}
         self._objects: tuple[SceneObject, ...] = ()
         self._scene_of = ""
+        self._contacts: tuple[Contact, ...] = ()
+        self.wants_contacts = False
         self._elements: dict[str, tuple[CommandElement, ...]] = {}
         self._samples: dict[str, ControllerSample] = {}
         self._limits: dict[str, tuple[float, float]] = {}
@@ -84,6 +93,11 @@ class StationLink:
         """What the Franka arms say of their tools, by arm_id; not to be changed."""
         return self._arms
 
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Where bodies of a simulated world touch; empty while nobody wants to know."""
+        return self._contacts
+
     def view(self) -> StationView:
         """Return a frozen view of the newest data."""
         return StationView(
@@ -106,6 +120,7 @@ class StationLink:
                 tasks.create_task(self._follow_joints())
                 tasks.create_task(self._repeat(self.refresh_status, _STATUS_PERIOD))
                 tasks.create_task(self._repeat(self.refresh_scene, _SCENE_PERIOD))
+                tasks.create_task(self._repeat(self.refresh_contacts, _SCENE_PERIOD))
                 tasks.create_task(
                     self._repeat(self.refresh_controllers, _CONTROLLERS_PERIOD)
                 )
@@ -158,6 +173,14 @@ class StationLink:
             return
         self._objects = tuple(await self.client.scene())
         self._scene_of = boot_id
+
+    async def refresh_contacts(self) -> None:
+        """Request what touches what, while somebody wants to know."""
+        simulated = self._status is not None and self._status.simulation is not None
+        if self.wants_contacts and simulated:
+            self._contacts = tuple(await self.client.contacts())
+        else:
+            self._contacts = ()
 
     async def refresh_controllers(self) -> None:
         """Request the controllers, and the set-points that running controllers take."""

@@ -4,6 +4,7 @@
 asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is a
 picture: no controller is told of it, so a viewer may show one, too. `PUT /ui/layers`
 chooses what is laid over the robots, and `POST /ui/camera` from where they are seen.
+A page in which links can be pulled says with `POST /ui/alive` that it lives.
 """
 
 from collections.abc import Callable, Iterable
@@ -16,7 +17,7 @@ from starlette.routing import Route
 
 from station.ui.control_routes import refused
 from station.ui.layers.camera import PRESETS
-from station.ui.scene_views import LAYERS, Ghost, SceneViews
+from station.ui.scene_views import LAYERS, PUSH, Ghost, SceneViews
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -100,6 +101,7 @@ class ViewRoutes:
             Route("/ui/ghost", self._show_ghost, methods=["POST"]),
             Route("/ui/ghost", self._hide_ghost, methods=["DELETE"]),
             Route("/ui/layers", self._layers, methods=["PUT"]),
+            Route("/ui/alive", self._alive, methods=["POST"]),
             Route("/ui/camera", self._camera, methods=["POST"]),
         ]
 
@@ -136,12 +138,20 @@ class ViewRoutes:
         wanted = await _read(request, LayersRequest)
         if isinstance(wanted, Response):
             return wanted
-        unknown = sorted(set(wanted.shown) - LAYERS.keys())
+        known = (*LAYERS, PUSH)
+        unknown = sorted(set(wanted.shown).difference(known))
         if unknown:
-            detail = f"shown: there is no layer '{unknown[0]}'; {_among(LAYERS)}."
+            detail = f"shown: there is no layer '{unknown[0]}'; {_among(known)}."
             return refused(422, "unknown_layer", detail)
         self._in_viser(lambda: self._views.choose(session.key, wanted.shown))
         return JSONResponse({"shown": wanted.shown})
+
+    async def _alive(self, request: "Request") -> Response:
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        self._in_viser(lambda: self._views.alive(session.key))
+        return JSONResponse({})
 
     async def _camera(self, request: "Request") -> Response:
         session = self._find(request)

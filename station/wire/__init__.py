@@ -49,17 +49,12 @@ from station.wire.events import (
     Events,
     SeverityName,
 )
-from station.wire.experiments import (
-    Experiment,
-    ExperimentApplyRequest,
-    ExperimentRequest,
-)
+from station.wire.experiments import ExperimentRequest
 from station.wire.gain_sets import (
     GainsChanges,
     GainSet,
     GainSetRequest,
     GainSets,
-    GainsOfControllersPatch,
 )
 from station.wire.goals import (
     DesiredState,
@@ -121,7 +116,7 @@ from station.wire.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
-from station.wire.scene import ObjectKind, Scene, SceneObject
+from station.wire.scene import Contact, ObjectKind, Scene, SceneObject
 from station.wire.simulation import (
     ResetRequest,
     Simulation,
@@ -196,6 +191,7 @@ __all__ = [
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
+    "Contact",
     "ControlPatch",
     "ControlRequest",
     "ControlState",
@@ -211,8 +207,6 @@ __all__ = [
     "Event",
     "EventKindName",
     "Events",
-    "Experiment",
-    "ExperimentApplyRequest",
     "ExperimentRequest",
     "ExternalForce",
     "Fault",
@@ -228,7 +222,6 @@ __all__ = [
     "Gains",
     "GainsChange",
     "GainsChanges",
-    "GainsOfControllersPatch",
     "GainsPatch",
     "Goal",
     "GoalRequest",

@@ -2,10 +2,12 @@
 
 import pytest
 
+from station.ui.layers.push_layer import Pushing
 from station.ui.layers.scene_facts import PlacedRobot, SceneFacts
 from station.ui.robot_model import load_robot
 from station.ui.scene_views import AT_FIRST, Ghost, SceneViews
 
+PUSHING = Pushing(None, None)
 RECORDED = Ghost({"panda_joint1": 0.5}, "recorded, 3.2 s")
 
 
@@ -16,7 +18,7 @@ def panda():
 
 @pytest.fixture
 def views(panda, client):
-    views = SceneViews([PlacedRobot(panda, "/robot")], lambda _: "mine")
+    views = SceneViews([PlacedRobot(panda, "/robot")], lambda _: "mine", PUSHING)
     views.joined(client)
     yield views
     views.choose("mine", ())
@@ -98,3 +100,12 @@ def test_a_browser_of_the_session_looks_from_another_place(views, client):
     x, y, z = client.camera.position - client.camera.look_at
     assert z > 10.0 * abs(x)
     assert abs(y) < 1e-9
+
+
+def test_only_the_page_of_a_session_keeps_its_push_alive(views, client):
+    views.choose("mine", ["push"])
+    assert client.scene.get_handle_by_name("/robot/panda_link0/push") is not None
+    views.alive("somebody else's")
+    views.alive("mine")
+    views.left(client)
+    assert client.scene.get_handle_by_name("/robot/panda_link0/push") is None

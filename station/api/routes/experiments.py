@@ -14,8 +14,9 @@ from station.trials.background_experiments import BackgroundExperiments
 from station.trials.errors import ExperimentError
 from station.trials.metrics import UNITS
 from station.trials.results import Results, file_of, names
-from station.wire import Experiment, ExperimentRequest, GainsChanges
+from station.wire import ExperimentRequest, GainsChanges
 from station.wire.experiments import (
+    Experiment,
     ExperimentApplyRequest,
     ExperimentName,
     ExperimentPreview,

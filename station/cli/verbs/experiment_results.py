@@ -7,11 +7,10 @@ from pathlib import Path
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_progress, say_table
-from station.cli.verbs.experiments import say_summary
 from station.experiments.exports import export, table, write_gains
-from station.trials.analysis import compare, gains_of, ranked
+from station.trials.analysis import compare, gains_of, ranked, summary
 from station.trials.results import Results, default_folder, file_of, names
-from station.wire import Experiment
+from station.wire.experiments import Experiment
 
 
 def experiments(options: Namespace) -> int:
@@ -59,6 +58,27 @@ def _show(options: Namespace) -> int:
             say(f"{options.name}: {results.kind} of setup {results.setup.digest}")
             say_summary(results)
     return 0
+
+
+def say_summary(results: Results) -> None:
+    """Print the distribution of each metric, and how many trials failed."""
+    found = summary(results)
+    say_table(
+        ["metric", "median", "5 %", "95 %", "worst", "worst trial"],
+        [
+            [
+                d.metric,
+                *(f"{v:.4g}" for v in (d.median, d.p5, d.p95, d.worst)),
+                d.worst_hash,
+            ]
+            for d in found
+        ],
+    )
+    rows = results.rows()
+    failed = [row for row in rows if row.result.state == "failed"]
+    say(f"{len(rows)} trials, {len(failed)} failed.")
+    for row in failed[:3]:
+        say(f"  {row.result.describe()}")
 
 
 def _best(options: Namespace) -> int:

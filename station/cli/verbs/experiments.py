@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_progress, say_table
+from station.cli.verbs.experiment_results import say_summary
 from station.cli.verbs.identification import read_number
 from station.core.errors import show
 from station.experiments.experiment import (
@@ -305,24 +306,3 @@ def _say_refused(progress: Progress) -> None:
         say(f"Trials were given away again {progress.repeated} times.")
     for reason in progress.refused:
         say(f"No trials for a worker: {reason}")
-
-
-def say_summary(results: Results) -> None:
-    """Print the distribution of each metric, and how many trials failed."""
-    found = summary(results)
-    say_table(
-        ["metric", "median", "5 %", "95 %", "worst", "worst trial"],
-        [
-            [
-                d.metric,
-                *(f"{v:.4g}" for v in (d.median, d.p5, d.p95, d.worst)),
-                d.worst_hash,
-            ]
-            for d in found
-        ],
-    )
-    rows = results.rows()
-    failed = [row for row in rows if row.result.state == "failed"]
-    say(f"{len(rows)} trials, {len(failed)} failed.")
-    for row in failed[:3]:
-        say(f"  {row.result.describe()}")

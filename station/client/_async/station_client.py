@@ -514,6 +514,10 @@ class AsyncStationClient:
         """Return the objects around a simulated robot, where they are now."""
         return (await self._connection.get("/scene", wire.Scene)).objects
 
+    async def contacts(self) -> list[wire.Contact]:
+        """Return where bodies of a simulated world touch, and with which force."""
+        return (await self._connection.get("/scene", wire.Scene)).contacts
+
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
         return await self._connection.get("/loop", wire.LoopReport)

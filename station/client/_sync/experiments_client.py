@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 
 from station.client._sync.connection import Connection
 from station.client.routes import segment
-from station.wire import Experiment, ExperimentRequest, GainsChange, GainsChanges
+from station.wire import ExperimentRequest, GainsChange, GainsChanges
 from station.wire.experiments import (
+    Experiment,
     ExperimentApplyRequest,
     ExperimentPreview,
     ExperimentResponse,

@@ -507,6 +507,10 @@ class StationClient:
         """Return the objects around a simulated robot, where they are now."""
         return (self._connection.get("/scene", wire.Scene)).objects
 
+    def contacts(self) -> list[wire.Contact]:
+        """Return where bodies of a simulated world touch, and with which force."""
+        return (self._connection.get("/scene", wire.Scene)).contacts
+
     def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
         return self._connection.get("/loop", wire.LoopReport)

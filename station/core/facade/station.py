@@ -32,7 +32,7 @@ from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
 from station.core.facade.waypoint_paths import WaypointPaths
-from station.core.hardware.robot_report import SceneObjectReport
+from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopReport, LoopState
 from station.core.loop.snapshot import Snapshot, SnapshotRing
@@ -165,6 +165,15 @@ class Station:
         """
         world = self.loop.hw.simulated_world()
         return [] if world is None else list(self.loop.run_in_cycle(world.scene))
+
+    def contacts(self) -> list[ContactReport]:
+        """Return where bodies of a simulated world touch.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        world = self.loop.hw.simulated_world()
+        return [] if world is None else list(self.loop.run_in_cycle(world.contacts))
 
     def dead(self) -> str | None:
         """Return why only a restart helps; None while the loop has not died."""

@@ -5,11 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.core.description.urdf import Pose
 from station.ui.layers.layer import Layer
 from station.ui.layers.scene_facts import PlacedRobot, SceneFacts, Vector
+from station.wire import Contact
 
 _LEAST = 2.0
 """Smaller forces are noise of the estimate and not drawn [N]."""
@@ -17,10 +19,14 @@ _METRES_PER_NEWTON = 0.01
 _LONGEST = 0.6  # [m]
 _EXTERNAL = (200, 30, 30)
 _SAME = 0.5  # [N]
+_CONTACT = (120, 60, 190)
+_POINT_SIZE = 0.012  # [m]
 
 
 class ForcesLayer(Layer):
     """The external force on each Franka arm, as the arm estimates it, at its K frame.
+
+    In simulation also the points at which bodies touch, with their forces.
 
     Args:
         client: The browser.
@@ -32,10 +38,12 @@ class ForcesLayer(Layer):
     ) -> None:
         super().__init__(client, robots)
         self._arrows: dict[str, _Arrow] = {}
+        self._contacts = _Contacts(client)
 
     @override
     def show(self, facts: SceneFacts) -> None:
         """Draw the forces that act now."""
+        self._contacts.show(facts.contacts)
         for robot in self.robots:
             name = robot.model.arm_id
             arm = facts.arms.get(name)
@@ -60,6 +68,7 @@ class ForcesLayer(Layer):
         for arrow in self._arrows.values():
             arrow.remove()
         self._arrows.clear()
+        self._contacts.remove()
         super().remove()
 
 
@@ -103,3 +112,64 @@ class _Arrow:
         self._label.remove()
         if self._drawn is not None:
             self._drawn.remove()
+
+
+class _Contacts:
+    """Points at which bodies touch, and the force on the second body of each."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._shown: NDArray[np.float64] = np.zeros((0, 2, 3))
+        self._drawn: list[viser.SceneNodeHandle] = []
+
+    def show(self, contacts: Sequence[Contact]) -> None:
+        """Draw the contacts of now; what has not changed is not sent again."""
+        known = [
+            (contact.position, contact.force)
+            for contact in contacts
+            if None not in {*contact.position, *contact.force}
+        ]
+        now = np.array(known, dtype=float).reshape(-1, 2, 3)
+        if now.shape == self._shown.shape:
+            change = np.abs(now - self._shown)
+            if (change[:, 0] < 1e-3).all() and (change[:, 1] < _SAME).all():
+                return
+        self._shown = now
+        self.remove()
+        if len(now):
+            self._draw(now[:, 0], now[:, 1])
+
+    def _draw(self, points: NDArray[np.float64], forces: NDArray[np.float64]) -> None:
+        scene = self._client.scene
+        self._drawn.append(
+            scene.add_point_cloud(
+                "/contacts/points",
+                points.astype(np.float32),
+                _CONTACT,
+                point_size=_POINT_SIZE,
+                point_shape="circle",
+            )
+        )
+        sizes = np.linalg.norm(forces, axis=1, keepdims=True)
+        strong = sizes[:, 0] > _LEAST
+        if not strong.any():
+            return
+        lengths = np.minimum(sizes * _METRES_PER_NEWTON, _LONGEST)
+        tips = points + forces / np.maximum(sizes, _LEAST) * lengths
+        arrows = np.stack([points, tips], axis=1)[strong]  # (n, 2, 3)
+        self._drawn.append(
+            scene.add_arrows(
+                "/contacts/forces",
+                arrows.astype(np.float32),
+                _CONTACT,
+                shaft_radius=0.004,
+                head_radius=0.011,
+                head_length=0.025,
+            )
+        )
+
+    def remove(self) -> None:
+        """Take the contacts out of the scene."""
+        for node in self._drawn:
+            node.remove()
+        self._drawn.clear()

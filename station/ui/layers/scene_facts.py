@@ -9,6 +9,7 @@ from station.ui.joint_frames import is_drawn_moving, link_path, link_poses
 from station.ui.operate_model import POSITION_UNITS, is_of_joints
 from station.ui.robot_model import RobotModel
 from station.ui.station_view import Limits, StationView
+from station.wire import Contact
 
 Vector = tuple[float, float, float]
 _IDENTITY = (*(1.0, 0.0, 0.0, 0.0, 0.0) * 3, 1.0)
@@ -80,6 +81,7 @@ class SceneFacts:
         commanded: Positions that running controllers want their joints to have.
         limits: Lowest and highest position by joint.
         arms: What the Franka arms say, by arm_id.
+        contacts: Where bodies of a simulated world touch.
         trails: Where the flange of each robot was, oldest first [m], world.
     """
 
@@ -87,6 +89,7 @@ class SceneFacts:
     commanded: Mapping[str, float] = field(default_factory=dict)
     limits: Limits = field(default_factory=dict)
     arms: Mapping[str, ArmFacts] = field(default_factory=dict)
+    contacts: Sequence[Contact] = ()
     trails: Sequence[Sequence[Vector]] = ()
 
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from station.wire import Experiment, ExperimentRequest
+from station.wire import ExperimentRequest
+from station.wire.experiments import Experiment
 from tests.client.recorder import Recorder
 
 EXPERIMENT = Experiment.model_config["json_schema_extra"]["examples"][0]

@@ -6,6 +6,7 @@ import pytest
 from station.core.description.urdf import Pose
 from station.ui.layers.forces_layer import ForcesLayer
 from station.ui.layers.scene_facts import ArmFacts, SceneFacts
+from station.wire import Contact
 
 TOOL = Pose((0.0, 0.0, 0.1))
 
@@ -39,3 +40,27 @@ def test_a_large_force_is_no_longer_than_the_arm(draw, node):
     layer.show(_facts((0.0, 500.0, 0.0)))
     ((tail, tip),) = node("/force_panda").points
     assert np.linalg.norm(tip - tail) == pytest.approx(0.6)
+
+
+def _touching(force):
+    contact = Contact(bodies=["world", "cube"], position=[0.5, 0.0, 0.0], force=force)
+    return SceneFacts(contacts=[contact])
+
+
+def test_a_contact_is_a_point_with_the_force_on_the_second_body(draw, node):
+    layer = draw(ForcesLayer)
+    layer.show(_touching([0.0, 0.0, 10.0]))
+    assert node("/contacts/points").points == pytest.approx(np.array([[0.5, 0.0, 0.0]]))
+    ((tail, tip),) = node("/contacts/forces").points
+    assert tail == pytest.approx((0.5, 0.0, 0.0))
+    assert tip == pytest.approx((0.5, 0.0, 0.1))
+    layer.show(SceneFacts())
+    assert node("/contacts/points") is None
+    assert node("/contacts/forces") is None
+
+
+def test_a_light_contact_is_a_point_alone(draw, node):
+    layer = draw(ForcesLayer)
+    layer.show(_touching([0.0, 0.0, 0.5]))
+    assert node("/contacts/points") is not None
+    assert node("/contacts/forces") is None
