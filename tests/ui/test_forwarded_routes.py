@@ -14,6 +14,10 @@ from station.ui.sessions import Role
         ("DELETE", "/controllers/arm/goals/3"),
         ("POST", "/robots/panda/gripper/grasp"),
         ("GET", "/incidents/2026-11-22T13.05"),
+        ("GET", "/incidents/2026-11-22T13.05/trajectory"),
+        ("POST", "/waypoint-paths/wave/capture"),
+        ("DELETE", "/playback"),
+        ("POST", "/experiments/better/apply"),
     ],
 )
 def test_what_a_panel_needs_is_forwarded(method, path):
@@ -32,6 +36,8 @@ def test_what_a_panel_needs_is_forwarded(method, path):
         ("PUT", "/parameters/x"),
         ("POST", "/controller-types/reload"),
         ("DELETE", "/status"),
+        ("DELETE", "/experiments/better"),
+        ("DELETE", "/recordings/x"),
         ("GET", "/controllers/../status"),
         ("GET", "/controllers/a/b/c"),
         ("GET", "/status/"),
