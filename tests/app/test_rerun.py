@@ -101,7 +101,7 @@ def test_a_recording_without_all_inputs_is_refused(recording, monkeypatch):
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(RecordingFileError, match="none.mcap cannot be read: No such"):
+    with pytest.raises(RecordingFileError, match=r"none\.mcap cannot be read: No such"):
         module.rerun(tmp_path / "none.mcap")
 
 
