@@ -15,7 +15,7 @@ from station.core.loop.heartbeat import Heartbeat, Phase
 from station.local.private_files import runtime_directory
 
 if TYPE_CHECKING:
-    from station.api.named_tokens import NamedToken, NamedTokens
+    from station.api.named_tokens import NamedToken
 
 FINISH_TIMEOUT = 0.2
 """Longest wait for the watchdog to end [s]."""
@@ -44,7 +44,7 @@ class StationWatchdog:
         self._process = WatchdogProcess() if config.watchdog.enabled else None
         self._settings: WatchdogSettings | None = None
         self._may_start_at = 0.0
-        self._named: NamedTokens | None = None
+        self._authenticator: Authenticator | None = None
         self._told: dict[str, NamedToken] = {}
         self.heartbeat = self._process.heartbeat if self._process else Heartbeat()
 
@@ -58,7 +58,7 @@ class StationWatchdog:
         if self._process is None:
             return
         limits = self._config.watchdog
-        self._named = authenticator.named
+        self._authenticator = authenticator
         self._settings = WatchdogSettings(
             pid=os.getpid(),
             operator_token=authenticator.operator_token,
@@ -109,7 +109,8 @@ class StationWatchdog:
 
     def _tell_tokens(self, process: WatchdogProcess) -> None:
         """Tell which named tokens are new, and which have ended."""
-        valid = {} if self._named is None else self._named.by_digest()
+        known = self._authenticator
+        valid = {} if known is None else known.named.by_digest()
         for digest in self._told.keys() - valid.keys():
             process.tell_token({"digest": digest, "role": "", "expires": None})
         for digest in valid.keys() - self._told.keys():

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from mcap.exceptions import McapError
@@ -59,6 +60,21 @@ class Trajectory:
         )
 
 
+def _opened(path: Path) -> BinaryIO:
+    """Open a recording to be read.
+
+    Raises:
+        RecordingFileError: It is not there, or must not be read.
+    """
+    try:
+        return path.open("rb")
+    except OSError as error:
+        raise RecordingFileError(
+            f"{path} cannot be read: {error.strerror}.",
+            remedy="Give the path of an MCAP file of a station.",
+        ) from error
+
+
 def read_messages(
     path: Path, topics: Iterable[str] | None = None
 ) -> Iterator[tuple[str, Values]]:
@@ -72,7 +88,7 @@ def read_messages(
         RecordingFileError: The file is no whole recording.
     """
     chosen = None if topics is None else list(topics)
-    with path.open("rb") as file:
+    with _opened(path) as file:
         try:
             reader: McapReader = make_reader(file)
             for schema, channel, message in reader.iter_messages(topics=chosen):
@@ -92,7 +108,7 @@ def read_facts(path: Path) -> Mapping[str, str]:
     Raises:
         RecordingFileError: The file is no whole recording.
     """
-    with path.open("rb") as file:
+    with _opened(path) as file:
         try:
             for record in make_reader(file).iter_metadata():
                 if record.name == "control_station":

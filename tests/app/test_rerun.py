@@ -100,6 +100,11 @@ def test_a_recording_without_all_inputs_is_refused(recording, monkeypatch):
         module.rerun(recording)
 
 
+def test_a_file_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(RecordingFileError, match=r"none\.mcap cannot be read: No such"):
+        module.rerun(tmp_path / "none.mcap")
+
+
 def test_the_fixture_of_users_passes(recording, rerun):
     assert rerun(recording).is_equal
 

@@ -6,6 +6,7 @@ import os
 import pytest
 
 from station.api.auth import Authenticator
+from station.api.named_tokens import NamedTokens
 from station.app.station_watchdog import EndedByWatchdogError, StationWatchdog
 from station.config import load_config
 from station.core.errors import LoopError
@@ -148,6 +149,7 @@ def test_named_tokens_are_told_when_they_begin_and_end_and_after_a_restart(watch
     station = make_station()
     authenticator = Authenticator("operator-token")
     watchdog.start(authenticator)
+    authenticator.named = NamedTokens()  # those of the disk are read later
     asyncio.run(authenticator.named.create("ada", "viewer", None))
     told = watchdog._process.tokens
 

@@ -2,9 +2,12 @@
 
 import errno
 import json
+from itertools import count
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
@@ -19,6 +22,7 @@ from station.records.recording_reader import (
     read_texts,
     read_trajectory,
 )
+from tests.api.spring import make_station
 
 
 def _run(station, recorder, cycles, every=200):
@@ -141,23 +145,43 @@ class _FullDisk(DiskFile):
         return super().write(bytes(data)[:left])
 
 
-@pytest.mark.parametrize("room", [0, 1, 7, 8, 9, 60, 500, 1000, 1999, 2500, 4001, 6000])
-def test_a_full_disk_is_told_and_the_loop_goes_on(station, store, room, monkeypatch):
-    monkeypatch.setattr(_FullDisk, "room", room)
-    recorder = Recorder(station, store, open_file=_FullDisk)
+def _record_with_room(folder, room):
+    """Record 600 cycles on a disk with so much room; return recorder, station, info."""
+    station, store = make_station(), RecordStore(folder)
+    # Not a constant of the class: examples must not see each other's disk.
+    disk = type("Disk", (_FullDisk,), {"room": room})
+    recorder = Recorder(station, store, open_file=disk, wall_time=lambda: 10**18)
     identifier = recorder.start().identifier
-    for _ in range(20):
+    for _ in range(6):
         station.loop.step(100)
         recorder.drain()
     recorder.close()
+    assert recorder.last.identifier == identifier
+    return recorder, station
 
-    last = recorder.last
-    assert (last.identifier, last.state) == (identifier, FAILED)
-    assert "No space left on device" in last.error
-    assert store.info(identifier) == last
-    assert station.loop.cycle == 2000
-    assert recorder.failure is None
-    assert store.file(identifier).stat().st_size == min(room, last.size)
+
+def test_a_disk_that_is_full_at_any_byte_is_told_and_the_loop_goes_on(tmp_path):
+    whole, _ = _record_with_room(tmp_path / "whole", 10**9)
+    names = count()
+
+    @settings(max_examples=40, derandomize=True, database=None, deadline=None)
+    @given(room=st.integers(0, whole.last.size - 100))
+    @example(room=0)
+    @example(room=8)  # after the magic
+    def check(room):
+        recorder, station = _record_with_room(tmp_path / str(next(names)), room)
+
+        last = recorder.last
+        assert last.state == FAILED
+        assert "No space left on device" in last.error
+        assert recorder.store.info(last.identifier) == last
+        assert station.loop.cycle == 600
+        assert recorder.failure is None
+        size = recorder.store.file(last.identifier).stat().st_size
+        assert size == min(room, last.size)
+
+    assert whole.last.state != FAILED
+    check()
 
 
 def test_the_quota_ends_a_recording_and_refuses_the_next(station, tmp_path):

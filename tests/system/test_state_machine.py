@@ -4,6 +4,9 @@ The requests are those of a person who does not read the manual: they come while
 station is stopped, paused, in reflex, with controllers that are not loaded.
 """
 
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
@@ -15,11 +18,14 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from station.api.app import create_app
+from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.client import ApiError, StationClient
 from station.core.control.controller import ControllerState
+from station.core.facade.gain_sets import GainSets
 from station.core.loop.loop_report import LoopState
+from station.records.record_store import RecordStore
+from station.records.recorder import Recorder
 from station.wire import Fault
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.franka_station import JOINTS, make_franka_station
@@ -50,16 +56,30 @@ class Requests(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
+        self.folder = TemporaryDirectory()
         self.station = make_franka_station()
-        app = create_app(self.station, Authenticator(OPERATOR, VIEWER))
+        sets = GainSets(self.station.tuning, Path(self.folder.name, "gains"))
+        self.station.gain_sets = sets
+        self.recorder = Recorder(
+            self.station, RecordStore(Path(self.folder.name, "recordings"))
+        )
+        app = create_app(
+            self.station,
+            Authenticator(OPERATOR, VIEWER),
+            kept=Kept(recorder=self.recorder),
+        )
         self.client = StationClient(URL, OPERATOR, transport=AppTransport(app))
+        self.other = StationClient(URL, OPERATOR, transport=AppTransport(app))
         self.limits = {
             found.joint: (found.limits.min_position, found.limits.max_position)
             for found in self.station.hardware().limits
         }
 
     def teardown(self):
+        self.recorder.close()
         self.client.close()
+        self.other.close()
+        self.folder.cleanup()
 
     def ask(self, request):
         """Send a request; a refusal is an answer, a fault of the server is none."""
@@ -114,6 +134,38 @@ class Requests(RuleBasedStateMachine):
     @rule()
     def undo(self):
         self.ask(lambda client: client.gain_sets.undo())
+
+    @rule(name=st.sampled_from(["a", "b"]))
+    def save_gains(self, name):
+        self.ask(lambda client: client.gain_sets.save(name))
+
+    @rule(name=st.sampled_from(["a", "b", "never"]))
+    def apply_gains(self, name):
+        self.ask(lambda client: client.gain_sets.apply(name))
+
+    @rule(force=st.booleans(), others=st.booleans())
+    def take_control(self, force, others):
+        asks, owner = (self.other, "other") if others else (self.client, "me")
+
+        def take(_):
+            taken = asks.lease.take(owner, ttl=600.0, force=force)
+            asks.lease.act_under(taken.lease)
+
+        self.ask(take)
+
+    @rule(others=st.booleans())
+    def give_control_back(self, others):
+        self.ask(lambda _: (self.other if others else self.client).lease.release())
+
+    @rule()
+    def start_recording(self):
+        self.ask(lambda client: client.recordings.start("any"))
+
+    @rule()
+    def stop_recording(self):
+        last = self.recorder.last
+        name = "20260101T000000000-never" if last is None else last.identifier
+        self.ask(lambda client: client.recordings.stop(name))
 
     @rule(path=st.sampled_from(["arm/joints", "new/a", "new/a/b", "robot/x"]))
     def set_parameter(self, path):
@@ -202,6 +254,22 @@ class Requests(RuleBasedStateMachine):
                 continue  # a sensor that was made to read NaN
             low, high = self.limits[joint]
             assert low - 0.01 <= position <= high + 0.01, joint
+
+    @invariant()
+    def whoever_does_not_hold_control_is_locked_out(self):
+        owner = self.client.lease.state().owner
+        if owner is not None:
+            outsider = self.client if owner == "other" else self.other
+            with pytest.raises(ApiError) as caught:
+                outsider.reset_loop_statistics()
+            assert caught.value.status == 423
+
+    @invariant()
+    def the_recorder_lives_and_loses_nothing(self):
+        self.recorder.drain()
+        assert self.recorder.failure is None
+        last = self.recorder.last
+        assert last is None or last.lost == 0
 
     @invariant()
     def the_api_answers(self):

@@ -92,7 +92,7 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
     if text is None:
         return topic.default_rate
     if text == FULL and not topic.sample_fields:
-        raise StreamRequestError(f"Every frame of {topic.name} comes at any rate.")
+        return topic.default_rate  # every frame of it comes at any rate
     if text == FULL:
         return None
     try:

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
 SampleT = TypeVar("SampleT")
 
-CAPACITY = 512
-"""Samples that are kept; about half a second at 1 kHz."""
+CAPACITY = 4096
+"""Samples that are kept, as many as the ring has snapshots; about 4 s at 1 kHz."""
 _changes = threading.Lock()
 
 
