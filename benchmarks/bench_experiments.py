@@ -23,16 +23,17 @@ from pathlib import Path
 
 from measuring import print_table, print_title
 
-from station.experiments.analysis import ranked, summary
 from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
 from station.experiments.pools import make_pool
-from station.experiments.results import Results
-from station.experiments.script import Script, Step
-from station.experiments.setup import Setup
 from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
-from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
+from station.trials.analysis import ranked, summary
+from station.trials.results import Results
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial
+from station.wire.excitations import Step
 
 CONTROLLER = "effort_joint_trajectory_controller"
 GROUP = "effort_group_position_controller"

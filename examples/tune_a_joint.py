@@ -1,11 +1,13 @@
 """Tune the gains of a joint in simulation, on all processors; no station has to run."""
 
 from station.experiments.pools import make_pool
-from station.experiments.results import Results, file_of
-from station.experiments.script import Script, Step
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial
-from station.experiments.tuning import Bound, Goal, Search, tune
+from station.experiments.tuning import Search, tune
+from station.trials.goal import Bound, Goal
+from station.trials.results import Results, file_of
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial
+from station.wire.excitations import Step
 
 NAME, JOINT = "effort_group_position_controller", "panda_joint1"
 GAINS = {f"gains/{NAME}/{JOINT}/p": 120.0, f"gains/{NAME}/{JOINT}/d": 60.0}

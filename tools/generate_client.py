@@ -31,6 +31,7 @@ NAMES = {
     "AsyncCommandStream": "CommandStream",
     "AsyncConnection": "Connection",
     "AsyncControlLease": "ControlLease",
+    "AsyncExperimentsClient": "ExperimentsClient",
     "AsyncGainSetsClient": "GainSetsClient",
     "AsyncGripperClient": "GripperClient",
     "AsyncHeartbeat": "Heartbeat",

@@ -22,6 +22,7 @@ from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.events import EventLog
+from station.trials.background_experiments import BackgroundExperiments
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
 
@@ -42,10 +43,12 @@ class Kept:
     Attributes:
         events: Where events are recorded; a log in memory when left out.
         recorder: Records every cycle; None for a station that records nothing.
+        experiments: Runs experiments; None for a station that runs none.
     """
 
     events: EventLog = field(default_factory=EventLog)
     recorder: "Recorder | None" = None
+    experiments: BackgroundExperiments | None = None
 
 
 def create_app(
@@ -89,11 +92,12 @@ def create_app(
     app.state.failed_logins = FailedLogins()
     kept = Kept() if kept is None else kept
     event_recorder = app.state.event_recorder = EventRecorder(kept.events)
-    app.state.control = Control(event_recorder.log, station.motion.let_expire)
+    app.state.control = Control(event_recorder.log, station.motion.let_go)
     app.state.command_streams = 0
     app.state.idempotent_answers = IdempotentAnswers()
     app.state.event_feed = EventFeed(event_recorder.log)
     app.state.recorder = kept.recorder
+    app.state.experiments = kept.experiments
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams

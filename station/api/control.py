@@ -79,14 +79,15 @@ class Control:
     Args:
         log: Takes what happens with the lease.
         let_go: Called with the names of the controllers that a former owner commanded,
-            when the lease was taken by force or has expired: what they do is held.
+            and a sentence with the reason, when the lease was taken by force or has
+            expired: what they do is held.
         now: Monotonic clock [s].
     """
 
     def __init__(
         self,
         log: EventLog,
-        let_go: Callable[[set[str]], None],
+        let_go: Callable[[set[str], str], None],
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self._log = log
@@ -114,10 +115,9 @@ class Control:
             else:
                 return
             self._lease = None
-            self._record(
-                f"{lease.owner} has lost control: {why}.", "expired", lease.owner
-            )
-            self._let_go(lease.commanded)
+            text = f"{lease.owner} has lost control: {why}."
+            self._record(text, "expired", lease.owner)
+            self._let_go(lease.commanded, text)
         self._tell()
 
     def check(self, access: Access, key: str | None) -> None:
@@ -158,7 +158,7 @@ class Control:
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
             force: Take the lease from whoever holds it, also from an owner who offers
-                it; the former owner's set-points expire.
+                it; what the former owner commanded is held.
             origin: Who asks, and from where.
 
         Raises:
@@ -180,6 +180,9 @@ class Control:
             self._lease = Lease(
                 owner, secrets.token_urlsafe(24), access, time.time(), ttl, deadline
             )
+            if before is not None and is_heir:
+                # What moves goes on under the heir, and is held when the heir loses it.
+                self._lease.commanded.update(before.commanded)
             if before is None:
                 text, result = f"{owner} has taken control.", "taken"
             elif is_heir:
@@ -189,7 +192,7 @@ class Control:
                 result = "forced"
             self._record(text, result, owner, origin, forced=result == "forced")
             if before is not None and result == "forced":
-                self._let_go(before.commanded)
+                self._let_go(before.commanded, text)
             taken = self._lease
         self._tell()
         return taken
@@ -268,6 +271,23 @@ class Control:
             lease = self._lease
             if lease is not None:
                 lease.commanded.add(controller)
+
+    def admit(self, access: Access, key: str | None, controller: str) -> None:
+        """Admit a goal or a trajectory, before it is planned and again afterwards.
+
+        The controller is noted: whoever takes control by force meanwhile ends what was
+        given before, and the second call refuses what comes later.
+
+        Args:
+            access: What the caller may do.
+            key: The lease that the request names; None without one.
+            controller: Name of the controller.
+
+        Raises:
+            ControlHeldError: Somebody else holds control.
+        """
+        with self.commanding(access, key, controller):
+            pass
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
         """Call `changed` whenever control changes hands; return what ends it.

@@ -18,6 +18,13 @@ from station.api.named_tokens import (
 )
 from station.api.validation_words import explain, explain_json
 from station.core import errors
+from station.trials.errors import (
+    ExperimentError,
+    ExperimentNotFoundError,
+    ImpossibleRangeError,
+    TooManyExperimentsError,
+    UnknownParameterError,
+)
 from station.wire import PROBLEM_MEDIA_TYPE
 
 MAX_ERRORS = 20
@@ -52,6 +59,9 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ParameterNotFoundError: 404,
     errors.GainSetNotFoundError: 404,
     errors.GainSetError: 500,
+    errors.WaypointPathNotFoundError: 404,
+    errors.WaypointPathError: 500,
+    errors.PathRefusedError: 409,
     errors.NothingToUndoError: 409,
     errors.RecordingNotFoundError: 404,
     errors.RecordingRefusedError: 409,
@@ -61,6 +71,11 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.LoopError: 503,
     errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
+    ExperimentError: 409,
+    ExperimentNotFoundError: 404,
+    UnknownParameterError: 422,
+    ImpossibleRangeError: 422,
+    TooManyExperimentsError: 422,
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
@@ -74,6 +89,8 @@ ROUTES: Mapping[str, str] = {
     "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
     "controller_type_not_found": "GET /api/v1/controller-types lists the types.",
+    "experiment_not_found": "GET /api/v1/experiments lists the experiments.",
+    "experiment_running": "POST /api/v1/experiments/{name}/cancel ends one.",
     "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
     "gain_set_not_found": "GET /api/v1/gain-sets lists the gain sets.",
     "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",
@@ -84,6 +101,7 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "waypoint_path_not_found": "GET /api/v1/waypoint-paths lists the paths.",
     "token_not_found": "GET /api/v1/tokens lists the named tokens.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
@@ -306,10 +324,16 @@ def add_error_handlers(app: FastAPI) -> None:
 def _allowed(request: Request) -> dict[str, str]:
     """Return the Allow header of a path, with the methods of all its routes.
 
-    The framework knows the methods of the first route that matches the path.
+    The framework knows the methods of the first route that matches the path. A path
+    without parameters, as `/controllers/switch`, has its own methods alone, not those
+    of the controller that might have that name.
     """
+    paths = request.app.openapi()["paths"]
+    if request.url.path in paths:
+        allowed = sorted(method.upper() for method in paths[request.url.path])
+        return {"Allow": ", ".join(allowed)}
     methods: set[str] = set()
-    for template, operations in request.app.openapi()["paths"].items():
+    for template, operations in paths.items():
         rest = template.replace("{path}", "{topic}").split("{topic}")
         pattern = ".+".join(re.sub(r"\\{\w+\\}", "[^/]+", re.escape(p)) for p in rest)
         if re.fullmatch(pattern, request.url.path):

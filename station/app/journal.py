@@ -14,6 +14,7 @@ from station.core.facade.station import Station
 from station.events import Event, EventKind, EventLog, Severity
 from station.events.state_watcher import StateWatcher
 from station.local.state_directory import StateDirectory, StateDirectoryError
+from station.trials.background_experiments import RunState
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -101,6 +102,8 @@ class Journal:
         self._stack.callback(recorder.repeats.finish)
         if app.state.recorder is not None:
             self._exchange(app.state.recorder)
+        if app.state.experiments is not None:
+            app.state.experiments.tell = self._follow_experiments()
         control: Control = app.state.control
 
         def look_also() -> None:
@@ -140,3 +143,34 @@ class Journal:
             result=info.state,
             details={"cycles": info.cycles, "lost": info.lost, "size": info.size},
         )
+
+    def _follow_experiments(self) -> Callable[[RunState], None]:
+        """Return what records how far an experiment is, a hundred times at most."""
+        last = RunState("", "")
+
+        def tell(state: RunState) -> None:
+            nonlocal last
+            is_same = (state.name, state.state) == (last.name, last.state)
+            step = max(1, state.total // 100)
+            if is_same and state.ended - last.ended < step:
+                return
+            last = state
+            text = f"Experiment {state.name}: {state.state}"
+            if state.ended:
+                text += f", {state.ended} of at most {state.total} trials"
+            text += f". {state.reason}" if state.reason else "."
+            is_bad = state.state == "failed"
+            self.log.record(
+                EventKind.EXPERIMENT,
+                text,
+                severity=Severity.ERROR if is_bad else Severity.INFO,
+                what=state.name,
+                result=state.state,
+                details={
+                    "ended": state.ended,
+                    "total": state.total,
+                    "failed": state.failed,
+                },
+            )
+
+        return tell

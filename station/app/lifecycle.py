@@ -35,6 +35,11 @@ from station.core.loop.stop_latch import StopState
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
 from station.local.tls import TlsFiles
+from station.trials.background_experiments import (
+    BackgroundExperiments,
+    spare_processors,
+)
+from station.trials.setup import Setup
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
@@ -155,12 +160,16 @@ class StationRun:
             ui_port = free_port(api.host, ui.port)
         journal = stack.enter_context(Journal(station, self._warn))
         authenticator.named = journal.named_tokens()
+        experiments = BackgroundExperiments(
+            Setup.of(self._config), workers=spare_processors()
+        )
+        stack.callback(experiments.close)
         app = create_app(
             station,
             authenticator,
             HostPolicy(host_names(api.host)),
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
-            kept=Kept(journal.log, self._recorder),
+            kept=Kept(journal.log, self._recorder, experiments),
         )
         journal.start(app)
         server = ApiServer(app, api.host, api.port, tls)

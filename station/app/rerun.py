@@ -18,6 +18,7 @@ from station.core.clock import ManualClock
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import RecordingFileError, StationError
 from station.core.facade.station import Station
+from station.core.ports.receipt import Receipt
 from station.records.recording_reader import (
     Trajectory,
     read_inputs,
@@ -27,6 +28,8 @@ from station.records.recording_reader import (
 
 Arguments: TypeAlias = Mapping[str, Any]
 """The arguments of an input, as JSON has them."""
+_STANDSTILL = ManualClock()
+"""Measures the validity of set-points: wall time plays no part in a re-run."""
 _BATCH = 1000
 """Cycles between two looks at the ring of snapshots, which keeps 4096."""
 
@@ -126,6 +129,12 @@ class _Rerun:
         # Those of one cycle stay in their order.
         self._inputs = deque(sorted(inputs, key=lambda one: one["after"]))  # type: ignore[arg-type, return-value]  # numbers, by JSON
         self._not_repeated: list[str] = []
+        self._prepared: dict[int, list[Callable[[], None]]] = {}
+        self._done: set[int] = set()
+        self._plans: dict[float, list[Arguments]] = {}
+        for one in self._inputs:
+            if one["kind"] in _PLAN and one.get("planned_at") is not None:
+                self._plans.setdefault(float(str(one["planned_at"])), []).append(one)
         # A switch runs cycles while it waits; they have their inputs, too.
         station.manager.pump = self._advance
 
@@ -155,14 +164,48 @@ class _Rerun:
         loop = self._station.loop
         while self._inputs and self._after(self._inputs[0]) <= loop.cycle:
             self._ask(self._inputs.popleft())
+        self._plan_ahead()
         self._clock.advance(loop.period / loop.pace.real_time_factor)
         loop.step()
+
+    def _plan_ahead(self) -> None:
+        """Plan what was planned from the state of this cycle, and taken up later."""
+        for one in self._plans.pop(self._station.loop.time, ()):
+            if id(one) not in self._done:
+                self._prepare(one)
+
+    def _prepare(self, one: Arguments) -> None:
+        receipt = self._station.motion.receipt()
+        receipt.held = []
+        try:
+            _PLAN[str(one["kind"])](self._station, one, receipt)
+        except StationError as error:
+            self._refused(one, error)
+        self._prepared[id(one)] = receipt.held
+
+    def _hand_over(self, one: Arguments) -> None:
+        """Hand a plan over that is taken up in the next cycle."""
+        if id(one) not in self._prepared:
+            planned_at = one.get("planned_at")
+            if planned_at is not None and planned_at != self._station.loop.time:
+                self._not_repeated.append(
+                    f"Not repeated exactly: a {one['kind']} before cycle "
+                    f"{self._after(one) + 1} was planned from a cycle that is not "
+                    "known; from there on the motion may differ."
+                )
+            self._prepare(one)
+        self._done.add(id(one))
+        for deposit in self._prepared.pop(id(one)):
+            deposit()
 
     @staticmethod
     def _after(one: Arguments) -> int:
         return int(one["after"])
 
     def _ask(self, one: Arguments) -> None:
+        if one["kind"] in _PLAN:
+            self._hand_over(one)
+            return
         ask = _ASK.get(str(one["kind"]))
         if ask is None:
             what = one.get("what", one["kind"])
@@ -170,17 +213,15 @@ class _Rerun:
                 f"Cannot be asked again: {what}, after cycle {one['after']}."
             )
             return
-        if one.get("while_running"):
-            self._not_repeated.append(
-                f"Not repeated exactly: a {one['kind']} was planned while cycles ran, "
-                f"after cycle {one['after']}; from there on the motion may differ."
-            )
         try:
             ask(self._station, one)
         except StationError as error:
-            self._not_repeated.append(
-                f"Refused now: {one['kind']} after cycle {one['after']}: {error}"
-            )
+            self._refused(one, error)
+
+    def _refused(self, one: Arguments, error: StationError) -> None:
+        self._not_repeated.append(
+            f"Refused now: {one['kind']} after cycle {one['after']}: {error}"
+        )
 
 
 def _difference(recorded: Trajectory, row: int, now: Any) -> Difference | None:  # noqa: ANN401 - Snapshot
@@ -208,9 +249,26 @@ def _switch(station: Station, one: Arguments) -> None:
 
 
 def _set_point(station: Station, one: Arguments) -> None:
+    port = station.manager.get_controller(one["name"]).set_points
+    if port is not None:
+        port.clock = _STANDSTILL  # a set-point expires where the recording says so
     station.motion.set_command(
         one["name"], one["values"], timeout=one["timeout"], rates=one["rates"]
     )
+
+
+def _expire(station: Station, one: Arguments) -> None:
+    port = station.manager.get_controller(one["name"]).set_points
+    if port is not None:
+        port.expire()
+
+
+def _goal(station: Station, one: Arguments, receipt: Receipt) -> None:
+    station.motion.submit_goal(one["name"], one["request"], receipt=receipt)
+
+
+def _trajectory(station: Station, one: Arguments, receipt: Receipt) -> None:
+    station.motion.follow_trajectory(one["name"], one["request"], receipt=receipt)
 
 
 def _cancel_goal(station: Station, one: Arguments) -> None:
@@ -231,13 +289,9 @@ def _recover(station: Station, one: Arguments) -> None:
 _ASK: dict[str, Callable[[Station, Arguments], object]] = {
     "switch": _switch,
     "set_point": _set_point,
-    "goal": lambda station, one: station.motion.submit_goal(
-        one["name"], one["request"]
-    ),
+    "expire": _expire,
     "cancel_goal": _cancel_goal,
-    "trajectory": lambda station, one: station.motion.follow_trajectory(
-        one["name"], one["request"]
-    ),
+    "hold_trajectory": lambda station, one: station.motion.hold(one["name"]),
     "gains": lambda station, one: station.tuning.set_many(one["changes"]),
     "stop": lambda station, one: station.stop(one["reason"]),
     "release": lambda station, one: station.release_stop(arm=one["arm"]),
@@ -251,3 +305,9 @@ _ASK: dict[str, Callable[[Station, Arguments], object]] = {
     "late": lambda station, one: station.loop.delay_next_cycle(one["periods"] - 1),
 }
 """How each kind of input is asked again."""
+
+_PLAN: dict[str, Callable[[Station, Arguments, Receipt], None]] = {
+    "goal": _goal,
+    "trajectory": _trajectory,
+}
+"""How what is planned first and handed over later is asked again."""

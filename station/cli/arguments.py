@@ -171,11 +171,14 @@ def _add_controller_verbs(verbs: Verbs) -> None:
     listing.add_argument(
         "-v", "--verbose", action="store_true", help="claims, loop time and faults"
     )
-    verbs.add(
+    types = verbs.add(
         "list_controller_types",
         "controllers:list_controller_types",
-        "list what can be loaded",
+        "list what can be loaded, or the parameters of one type",
         aliases=("list_types",),
+    )
+    types.add_argument(
+        "type", nargs="?", metavar="TYPE", help="list the parameters of this type"
     )
     hardware = verbs.add(
         "list_hardware_interfaces",

@@ -86,6 +86,11 @@ def _add_running(parser: "Parser") -> None:
         "--cluster", metavar="tcp://HOST:8786", help="a scheduler of Dask instead"
     )
     parser.add_argument("--seed", type=int, default=1, help="seed of all chance")
+    parser.add_argument(
+        "--background",
+        action="store_true",
+        help="let the running station do it, and come back at once",
+    )
 
 
 def _add_sweep(verbs: "Verbs") -> None:
@@ -93,7 +98,7 @@ def _add_sweep(verbs: "Verbs") -> None:
         ("sweep", "run a trial for each of many values of parameters", 100),
         ("robustness", "run trials under chance loads, friction and delays", 500),
     ):
-        parser = verbs.add(name, f"experiments:{name}", summary, is_client=False)
+        parser = verbs.add(name, f"experiments:{name}", summary)
         parser.add_argument("controller", metavar="CONTROLLER")
         parser.add_argument(
             "ranges",
@@ -157,7 +162,7 @@ def _add_tune(verbs: "Verbs") -> None:
 def _add_identify(verbs: "Verbs") -> None:
     identify = verbs.add(
         "identify",
-        "experiments:identify",
+        "identification:identify",
         "fit friction and inertia of a joint to a motion",
         is_client=False,
     )
@@ -183,11 +188,14 @@ def _add_experiments(verbs: "Verbs") -> None:
     experiments = verbs.add(
         "experiments",
         "experiment_results:experiments",
-        "look at, draw, compare, export and apply the results of experiments",
+        "look at, watch, cancel, draw, compare, export and apply experiments",
     )
     experiments.add_argument(
         "action",
-        choices=("list", "show", "plot", "best", "apply", "export", "compare"),
+        choices=(
+            *("list", "show", "plot", "best", "apply", "export", "compare"),
+            *("watch", "cancel"),
+        ),
     )
     experiments.add_argument("name", nargs="?", metavar="NAME", help="the experiment")
     experiments.add_argument(

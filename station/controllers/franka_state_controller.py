@@ -5,21 +5,28 @@ last publication is kept as one object for any thread, instead of being sent to 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_arm import read_arm_id, read_arm_joints
+from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
+    read_arm_id,
+    read_arm_joints,
+)
 from station.core.control.controller import Controller
 from station.core.control.joint_states import JointStates
-from station.core.control.publish_timer import PublishTimer
+from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names
 from station.core.parameters import Parameters
 
-RATE_HZ = 30.0
-"""Default of `publish_rate`."""
+_PUBLISH_RATE = replace(
+    PUBLISH_RATE, default=30.0, description="rate at which the state is published"
+)
 _ERRORS = ("current_errors", "last_motion_errors")
 
 
@@ -58,11 +65,16 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
     hardware_interface: ClassVar[type] = FrankaStateInterface
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID, JOINT_NAMES, _PUBLISH_RATE)
+
     @override
     def init(self, interface: FrankaStateInterface, params: Parameters) -> None:
         self._arm_id = read_arm_id(params)
         self.joint_names = read_arm_joints(params)
-        self._timer = PublishTimer(params.get_float("publish_rate", RATE_HZ))
+        self._timer = PublishTimer(_PUBLISH_RATE.read_float(params))
         self._handle: FrankaStateHandle = interface.get_handle(f"{self._arm_id}_robot")
         self.franka_states: FrankaStates | None = None
         self._sequence = 0

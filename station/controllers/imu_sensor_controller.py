@@ -10,7 +10,8 @@ from typing import ClassVar, NamedTuple
 from typing_extensions import override
 
 from station.core.control.controller import Controller
-from station.core.control.publish_timer import PublishTimer
+from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import ImuSensorHandle, ImuSensorInterface
 from station.core.parameters import Parameters
 
@@ -67,9 +68,14 @@ class ImuSensorController(Controller[ImuSensorInterface]):
         self._timer = PublishTimer(0.0)
         self._sensors: list[ImuSensorHandle] = []
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), PUBLISH_RATE)
+
     @override
     def init(self, interface: ImuSensorInterface, params: Parameters) -> None:
-        self._timer = PublishTimer(params.get_float("publish_rate"))
+        self._timer = PublishTimer(PUBLISH_RATE.read_float(params))
         self._sensors = [interface.get_handle(name) for name in interface.get_names()]
 
     @override

@@ -11,11 +11,26 @@ from typing_extensions import override
 
 from station.core.control.controller import Controller
 from station.core.control.joint_states import JointStates
-from station.core.control.publish_timer import PublishTimer
+from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.parameters import Parameters
 
+_JOINTS = DeclaredParameter(
+    name="joints",
+    type=ParameterType.STRINGS,
+    names=NameKind.JOINT,
+    default_text="all of the robot",
+    description="the published joints, in this order",
+)
+_EXTRA_JOINTS = DeclaredParameter(
+    name="extra_joints",
+    type=ParameterType.MAPPINGS,
+    default=(),
+    description="list of `{name, position, velocity, effort}`: constant values for "
+    "joints that the robot does not report",
+)
 _logger = logging.getLogger(__name__)
 
 
@@ -45,10 +60,15 @@ class JointStateController(Controller[JointStateInterface]):
         self._group = JointStateGroup([])
         self._extra_values: dict[str, list[float]] = {}
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), PUBLISH_RATE, _JOINTS, _EXTRA_JOINTS)
+
     @override
     def init(self, interface: JointStateInterface, params: Parameters) -> None:
-        self._timer = PublishTimer(params.get_float("publish_rate"))
-        names = params.get_str_list("joints", interface.get_names())
+        self._timer = PublishTimer(PUBLISH_RATE.read_float(params))
+        names = _JOINTS.read_str_list(params, interface.get_names())
         self._group = JointStateGroup([interface.get_handle(name) for name in names])
         extra = _read_extra_joints(params, names)
         self.joint_names = names + list(extra)
@@ -89,11 +109,11 @@ def _read_extra_joints(
     configurations of existing robots contain such entries.
     """
     extra: dict[str, dict[str, float]] = {}
-    entries = params.get("extra_joints", [])
+    entries = params.get(_EXTRA_JOINTS.name, [])
     if not isinstance(entries, list):
         _logger.warning(
             "Parameter '%s' is not a list and is ignored.",
-            params.resolve("extra_joints"),
+            params.resolve(_EXTRA_JOINTS.name),
         )
         return extra
     for entry in entries:

@@ -34,9 +34,8 @@ class Clock(ABC):
 class SystemClock(Clock):
     """The operating system's monotonic clock."""
 
-    @override
-    def now(self) -> float:
-        return time.monotonic()
+    # The function itself: the loop asks four times in a cycle.
+    now = staticmethod(time.monotonic)
 
     @override
     def sleep_until(self, deadline: float) -> None:

@@ -23,6 +23,11 @@ from station.core.control.controller_status import (
 )
 from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    ParameterType,
+)
 from station.core.errors import (
     ControllerLoadError,
     HardwareInterfaceError,
@@ -122,6 +127,7 @@ __all__ = [
     "ControllerState",
     "ControllerStatistics",
     "ControllerStatus",
+    "DeclaredParameter",
     "DifferentialTransmission",
     "EffortActuatorInterface",
     "EffortJointInterface",
@@ -146,8 +152,10 @@ __all__ = [
     "JointStateInterface",
     "ManualClock",
     "MultiInterfaceController",
+    "NameKind",
     "ParameterError",
     "ParameterTree",
+    "ParameterType",
     "Parameters",
     "Pid",
     "PidGains",

@@ -62,6 +62,8 @@ class EventKind(Enum):
     """A recording began or ended."""
     INCIDENT = "incident"
     """The cycles around an incident were kept."""
+    EXPERIMENT = "experiment"
+    """An experiment began, came further or ended."""
     EVENTS = "events"
     """The event log itself: events could not be written, or can be again."""
 

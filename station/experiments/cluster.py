@@ -9,8 +9,8 @@ from distributed import Client, KilledWorker
 from typing_extensions import override
 
 from station.core.errors import StationError
-from station.experiments.errors import ExperimentError
 from station.experiments.workers import Identity, compare, identity
+from station.trials.errors import ExperimentError
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-from station.experiments.errors import ExperimentError
-from station.experiments.script import Script, Waypoints
 from station.experiments.trial_world import TrialWorld
+from station.trials.errors import ExperimentError
+from station.trials.script import Script
+from station.wire.excitations import Waypoints
 
 _WAY = 0.1
 """How far a joint goes, if a tenth of its range is not less [rad or m]."""

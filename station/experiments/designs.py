@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from station.experiments.errors import ExperimentError, ImpossibleRangeError
-from station.experiments.parameters import check, is_whole
+from station.trials.errors import ExperimentError, ImpossibleRangeError
+from station.trials.parameters import check, is_whole
 
 Method = Literal["grid", "random", "halton", "sobol"]
 METHODS: Sequence[Method] = ("grid", "random", "halton", "sobol")

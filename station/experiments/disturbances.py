@@ -15,9 +15,9 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import RobotHW
-from station.experiments.errors import ExperimentError, UnknownParameterError
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
+from station.trials.errors import ExperimentError, UnknownParameterError
 
 _COMMANDED = (EffortJointInterface, PositionJointInterface, VelocityJointInterface)
 _DENSITY = 2000.0

@@ -1,15 +1,14 @@
 """Results as tables for other programs."""
 
 import csv
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import yaml
 
-from station.experiments.errors import ExperimentError
-from station.experiments.results import Results
-from station.experiments.trial import Trial
-from station.experiments.trial_world import TrialWorld
+from station.trials.errors import ExperimentError
+from station.trials.results import Results
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -73,16 +72,14 @@ def export(results: Results, path: Path) -> None:
         raise ExperimentError(f"{path} cannot be written: {error}.") from error
 
 
-def write_gains(world: TrialWorld, trial: Trial, path: Path) -> None:
-    """Write the gains that a trial changes as a YAML file of a gain set.
+def write_gains(gains: Mapping[str, Mapping[str, float]], path: Path) -> None:
+    """Write gains, by controller and name, as a YAML file of a gain set.
 
     Raises:
-        ExperimentError: The trial changes no gains, or the file cannot be written.
+        ExperimentError: The file cannot be written.
     """
-    gains = world.gains_of(trial)
-    if not gains:
-        raise ExperimentError(f"Trial {trial.hash} changes no gains.")
+    plain = {controller: dict(values) for controller, values in gains.items()}
     try:
-        path.write_text(yaml.safe_dump({"gains": gains}), encoding="utf-8")
+        path.write_text(yaml.safe_dump({"gains": plain}), encoding="utf-8")
     except OSError as error:
         raise ExperimentError(f"{path} cannot be written: {error}.") from error

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from station.core.errors import suggest
-from station.experiments.errors import ExperimentError, UnknownParameterError
-from station.experiments.trace import Array, Trace
+from station.trials.errors import ExperimentError, UnknownParameterError
+from station.trials.trace import Array, Trace
 
 _CONFIDENCE = 1.96
 """Standard deviations of a normal distribution on either side of 95 %."""

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from station.experiments.analysis import ranked
-from station.experiments.errors import ExperimentError
-from station.experiments.metrics import UNITS
-from station.experiments.results import Results, Row
 from station.experiments.trial_world import TrialWorld
+from station.trials.analysis import ranked
+from station.trials.errors import ExperimentError
+from station.trials.metrics import UNITS
+from station.trials.results import Results, Row
 
 KINDS = ("parallel", "pareto", "responses")
 

@@ -9,14 +9,14 @@ from typing import ParamSpec, TypeVar
 
 from typing_extensions import override
 
-from station.experiments.errors import ExperimentError
 from station.experiments.workers import begin_worker
+from station.trials.errors import ExperimentError
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 NICENESS = 10
-"""How much lower the priority of worker processes is: they never delay a station."""
+"""Niceness of processes that run trials: they never delay a station."""
 
 
 class InThisProcess(Executor):

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass, field
 
-from station.experiments.errors import ExperimentError, WorkerMismatchError
 from station.experiments.pools import losses, refusals, worker_count
-from station.experiments.results import Results
-from station.experiments.trial import Trial, TrialResult
 from station.experiments.workers import Identity, identity, run_trial
+from station.trials.errors import ExperimentError, WorkerMismatchError
+from station.trials.results import Results
+from station.trials.trial import Trial, TrialResult
 
 _AHEAD = 4
 """Trials in hand per worker: enough to keep it busy, too few to need memory."""

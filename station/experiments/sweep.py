@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 
-from station.experiments.analysis import ranked
-from station.experiments.results import Results
 from station.experiments.runner import Progress, Runner, Watcher
-from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
+from station.trials.analysis import ranked
+from station.trials.results import Results
+from station.trials.trial import Trial
 
 ROBUSTNESS_RANGES = ("load=0:3", "friction=0.25:0.75", "delay=0:3")
 """What a robot may meet: a load that nobody told it of, friction of 0.5 Nm give or take

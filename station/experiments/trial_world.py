@@ -17,7 +17,7 @@ import numpy as np
 
 from station.app.in_process import InProcessStation
 from station.core.control.controller import ControllerState
-from station.core.errors import StationError, suggest
+from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.experiments.disturbances import (
@@ -26,15 +26,15 @@ from station.experiments.disturbances import (
     Mechanics,
     world_of,
 )
-from station.experiments.errors import UnknownParameterError
-from station.experiments.metrics import Counts, measure
-from station.experiments.parameters import Overrides, sort_out
-from station.experiments.reference import Reference, make_reference
-from station.experiments.script import Push, Script
-from station.experiments.setup import Setup, digest_of
-from station.experiments.trace import Array, Trace
-from station.experiments.trial import Trial, TrialResult
 from station.hw.mujoco.push import Push as WorldPush
+from station.trials.metrics import Counts, measure
+from station.trials.parameters import Overrides, gains_under, sort_out
+from station.trials.reference import Reference, make_reference
+from station.trials.script import Script
+from station.trials.setup import Setup, digest_of
+from station.trials.trace import Array, Trace
+from station.trials.trial import Trial, TrialResult
+from station.wire.excitations import Push
 
 _LOOK = 100
 """Cycles between two looks at how the trial goes. The ring of snapshots keeps 4096."""
@@ -97,6 +97,10 @@ class TrialWorld:
         """
         self._check_loaded(controller)
         return dict(self._gains.get(controller, {}))
+
+    def all_gains(self) -> dict[str, dict[str, float]]:
+        """Return the gains of the configuration, by controller and name."""
+        return {name: dict(values) for name, values in self._gains.items()}
 
     def model(self) -> mujoco.MjModel:
         """Return MuJoCo's model of the robot; whoever changes it changes the world."""
@@ -206,34 +210,9 @@ class TrialWorld:
             ControllerNotFoundError: A controller is not loaded.
             UnknownParameterError: No gain has that name or suffix.
         """
-        found = {name: dict(values) for name, values in self._gains.items()}
-        for controller, factors in wanted.scales.items():
+        for controller in (*wanted.scales, *wanted.gains):
             self._check_loaded(controller)
-            for suffix, factor in factors.items():
-                named = [
-                    g for g in found.get(controller, {}) if g.endswith(f"/{suffix}")
-                ]
-                if not named:
-                    known = {g.rpartition("/")[2] for g in found.get(controller, {})}
-                    raise UnknownParameterError(
-                        f"No gain of '{controller}' ends in '/{suffix}'.",
-                        remedy=suggest(suffix, sorted(known)),
-                        details={"controller": controller, "gain": suffix},
-                    )
-                for gain in named:
-                    found[controller][gain] *= factor
-        for controller, values in wanted.gains.items():
-            self._check_loaded(controller)
-            known_gains = found.get(controller, {})
-            for gain, value in values.items():
-                if gain not in known_gains:
-                    raise UnknownParameterError(
-                        f"Controller '{controller}' has no gain '{gain}'.",
-                        remedy=suggest(gain, known_gains),
-                        details={"controller": controller, "gain": gain},
-                    )
-                known_gains[gain] = value
-        return found
+        return gains_under(wanted, self._gains)
 
     def _check_loaded(self, controller: str) -> None:
         """Refuse a controller that is not loaded, and say why it is not.

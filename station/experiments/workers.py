@@ -5,18 +5,21 @@ Only plain text travels to a worker and back, so that any executor can carry it.
 
 import os
 import platform
+import signal
 import threading
 from collections import OrderedDict
 from dataclasses import dataclass, fields
 from importlib.metadata import version
+from multiprocessing import parent_process
+from multiprocessing.process import BaseProcess
 
 import mujoco
 
-from station.experiments.errors import WorkerMismatchError
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial, TrialResult
 from station.experiments.trial_world import TrialWorld
 from station.kernel.manifest import source_digest
+from station.trials.errors import WorkerMismatchError
+from station.trials.setup import Setup
+from station.trials.trial import Trial, TrialResult
 
 _WORLDS = 2
 """How many worlds a worker keeps."""
@@ -51,7 +54,7 @@ def identity(setup_text: str) -> Identity:
     Raises:
         StationError: The setup cannot be used here.
     """
-    world = _world(Setup(setup_text))
+    world = kept_world(Setup(setup_text))
     return Identity(
         f"{version('control-station')}+{source_digest()[:12]}",
         mujoco.mj_versionString(),
@@ -78,7 +81,7 @@ def run_trial(
             compare(expected, identity(setup_text), WORKER)
             _checked.add(setup_text)
         setup = Setup(setup_text)
-        return _world(setup).run(Trial.from_json(setup, trial_text))
+        return kept_world(setup).run(Trial.from_json(setup, trial_text))
 
 
 def compare(expected: Identity, found: Identity, worker: str) -> None:
@@ -97,20 +100,39 @@ def compare(expected: Identity, found: Identity, worker: str) -> None:
             )
 
 
-def begin_worker(niceness: int) -> None:
-    """Prepare a process of its own: it is polite, and ends with Ctrl-C of its parent.
+def be_polite(niceness: int) -> None:
+    """Lower the priority of this process, if it is not as low already.
 
     Args:
-        niceness: How much lower its priority is, 0 to 19.
+        niceness: The niceness to have, 0 to 19.
     """
-    import signal
+    # Threads of a station may have a high priority, which their processes inherit.
+    present = os.getpriority(os.PRIO_PROCESS, 0)
+    os.setpriority(os.PRIO_PROCESS, 0, max(niceness, present))
 
-    os.nice(niceness)
+
+def begin_worker(niceness: int) -> None:
+    """Prepare a process of its own: it is polite, and ends with its parent.
+
+    Args:
+        niceness: The niceness to have, 0 to 19.
+    """
+    be_polite(niceness)
     # The parent decides what Ctrl-C means: trials that run may end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 
-def _world(setup: Setup) -> TrialWorld:
+def _end_with(parent: BaseProcess) -> None:
+    """End this process when its parent is gone, however that ended."""
+    parent.join()
+    os._exit(1)
+
+
+def kept_world(setup: Setup) -> TrialWorld:
+    """Return the world of a setup that this process keeps; it is built once."""
     world = _worlds.pop(setup.digest, None)
     if world is None:
         world = TrialWorld(setup)

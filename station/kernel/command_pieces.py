@@ -41,3 +41,19 @@ class CommandPiece:
     def write(self) -> None:
         """Write the copied commands."""
         self.memory[:] = self.values
+
+
+class CommandPieces:
+    """Several pieces, written together.
+
+    Args:
+        pieces: The pieces.
+    """
+
+    def __init__(self, pieces: list[CommandPiece]) -> None:
+        self.pieces = pieces
+
+    def write(self) -> None:
+        """Write the copied commands of all pieces."""
+        for piece in self.pieces:
+            piece.write()

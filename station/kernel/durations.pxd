@@ -14,4 +14,5 @@ cdef class CycleTimes:
     cdef Durations update
     cdef Durations write
     cdef Durations total
+    cdef public double last
     cpdef add(self, double begun, double read, double updated, double written)

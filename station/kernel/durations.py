@@ -54,6 +54,9 @@ class CycleTimes:
         update: How long the controllers take.
         write: How long writing takes.
         total: How long all of it takes.
+
+    Attributes:
+        last: When the last cycle ended [s].
     """
 
     def __init__(
@@ -63,6 +66,7 @@ class CycleTimes:
         self.update = update
         self.write = write
         self.total = total
+        self.last = 0.0
 
     def add(self, begun: float, read: float, updated: float, written: float) -> None:
         """Add a cycle.
@@ -77,3 +81,4 @@ class CycleTimes:
         self.update.add(updated - read)
         self.write.add(written - updated)
         self.total.add(written - begun)
+        self.last = written

@@ -8,7 +8,7 @@ cdef class FingerMotor:
     cdef public double target
     cdef public double place
     cdef public double force
-    cpdef before(self)
+    cpdef bint before(self)
 
 cdef class FingerSensor:
     cdef SimulatorMemory simulator

@@ -28,12 +28,12 @@ class FingerMotor:
         self.place = 0.0
         self.force = 0.0
 
-    def before(self) -> None:
-        """Set the motor's control for the coming step."""
+    def before(self) -> bool:
+        """Set the motor's control for the coming step; return that it was done."""
         simulator = self.simulator
         if self.stiffness == 0.0:
             simulator.controls[0] = self.force
-            return
+            return True
         way, step = self.target - self.place, self.step
         if way < -step:
             way = -step
@@ -46,6 +46,7 @@ class FingerMotor:
             place = position + self.reach
         self.place = place
         simulator.controls[0] = self.stiffness * place
+        return True
 
 
 class FingerSensor:

@@ -16,4 +16,4 @@ cdef class Drives:
     cdef Py_ssize_t size
     cdef double timestep
 
-    cpdef void before_step(self) noexcept
+    cpdef bint before_step(self) noexcept

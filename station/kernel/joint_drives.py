@@ -89,8 +89,8 @@ class Drives:
         self.size = len(own["mode"])
         self.timestep = timestep
 
-    def before_step(self) -> None:
-        """Write the motors' controls and damping for the coming step."""
+    def before_step(self) -> bool:
+        """Write the motors' controls and damping; return that it was done."""
         qvel, inertia, mode = self.qvel, self.inertia, self.mode
         place_dof, place_inertia = self.place_dof, self.place_inertia
         velocity_limit, desired = self.velocity_limit, self.desired_velocity
@@ -145,3 +145,4 @@ class Drives:
             desired[i] = velocity
             control[place_control[i]] = effort
             damping[place_damping[i]] = -gain
+        return True

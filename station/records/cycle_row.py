@@ -9,6 +9,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from station.core.hardware.interfaces.joint_group import packed_memory
 from station.core.loop.snapshot import Record
 
 _HEAD = struct.Struct("<QQddII")
@@ -95,7 +96,7 @@ class RowPacker:
         index = self._indices.get(key)
         if index is None:
             index = self._add_form(*key)
-        joints = packed.memory()
+        joints = packed_memory(packed)
         head = _HEAD.pack(cycle, epoch, time, period, index, len(joints))
         return b"".join((head, joints, *pieces))
 

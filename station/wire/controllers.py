@@ -363,30 +363,6 @@ class ControllerSample(ResponseModel):
     published: dict[str, dict[str, JsonValue]] = Field(default_factory=dict)
 
 
-class ControllerType(ResponseModel):
-    """A plugin that can be loaded.
-
-    Attributes:
-        type: Its type, `package/Class`.
-        base_class: Class of plugins that it belongs to.
-        description: What it does; empty where it does not say.
-    """
-
-    type: str
-    base_class: str
-    description: Reason = ""
-
-
-class ControllerTypes(ResponseModel):
-    """All plugins that can be loaded.
-
-    Attributes:
-        controller_types: The types, in the order in which they are declared.
-    """
-
-    controller_types: Items[ControllerType]
-
-
 class ReloadRequest(RequestModel):
     """Forget the code of controllers that was imported.
 

@@ -24,6 +24,7 @@ EventKindName = Literal[
     "loop",
     "recording",
     "incident",
+    "experiment",
     "events",
 ]
 
@@ -39,8 +40,8 @@ class Event(ResponseModel):
         kind: What the event is about: `request` (a change that somebody asked for),
             `login`, `login_failed`, `token`, `control`, `command_stream`, `stop`,
             `switch`, `controller` (its state), `fault` (of a controller),
-            `robot_mode`, `overrun`, `loop`, `recording`, `incident`, `station`, and
-            `events` (the log itself).
+            `robot_mode`, `overrun`, `loop`, `recording`, `incident`, `experiment` (its
+            progress), `station`, and `events` (the log itself).
         severity: `info`; `warning`: refused, stopped or too late; `error`: failed.
         who: Name of the token or person; empty for the station itself.
         where: Address that the request came from; empty for the station itself.

@@ -92,6 +92,33 @@ class GainSetRequest(RequestModel):
     controllers: list[str] | None = Field(default=None, min_length=1, max_length=64)
 
 
+class GainsOfControllersPatch(RequestModel):
+    """Change gains of several controllers in one cycle, all of them or none.
+
+    Attributes:
+        changes: New values by controller and name, in the units and ranges of the
+            gains' schema; the other gains stay.
+        revisions: Revisions of the gains that the caller has read, by controller; the
+            change is refused when one is another by now. Null for whatever they are.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "changes": {"arm": {"panda_joint1/p": 500.0}},
+                    "revisions": {"arm": 4},
+                }
+            ]
+        }
+    )
+
+    changes: dict[
+        str, Annotated[dict[str, float], Field(min_length=1, max_length=1024)]
+    ] = Field(min_length=1, max_length=64)
+    revisions: dict[str, int] | None = Field(default=None, max_length=64)
+
+
 class GainsChanges(ResponseModel):
     """What changed in one cycle.
 

@@ -33,7 +33,7 @@ def held():
 
 @pytest.fixture
 def control(log, held, clock):
-    return Control(log, held.append, clock.now)
+    return Control(log, lambda names, reason: held.append((names, reason)), clock.now)
 
 
 def command(control, controller):
@@ -92,7 +92,7 @@ def test_it_expires_without_a_heartbeat_and_what_moved_is_held(
     clock.advance(2.0)
 
     assert control.present() is None
-    assert held == [{"arm"}]
+    assert held == [({"arm"}, "Ada has lost control: no heartbeat came for 10 s.")]
     assert results(log) == ["taken", "expired"]
     with pytest.raises(ControlNotHeldError):
         control.renew(ADA, None, None, None, ME)
@@ -106,10 +106,11 @@ def test_it_is_taken_by_force_and_what_moved_is_held(control, held, log):
 
     control.take(GRACE, None, "Grace", 10.0, force=True, origin=ME)
 
-    assert held == [{"arm"}]
+    assert [names for names, _ in held] == [{"arm"}]
     assert told == ["Grace"]
     assert results(log) == ["taken", "forced"]
     assert "Grace has taken control from Ada by force." in log.since()[-1].text
+    assert held[0][1] == "Grace has taken control from Ada by force."
     with pytest.raises(ControlHeldError):
         control.renew(ADA, None, None, None, ME)
 
@@ -128,6 +129,27 @@ def test_it_is_handed_over_to_a_named_one_and_the_motion_goes_on(control, held, 
     assert results(log) == ["taken", "offered", "handed over"]
 
 
+def test_what_was_handed_over_is_held_when_the_heir_loses_control(control, held):
+    control.take(ADA, None, "Ada", 10.0, origin=ME)
+    command(control, "arm")
+    control.renew(ADA, None, None, "grace", ME)
+    control.take(GRACE, None, "Grace", 10.0, origin=ME)
+
+    control.take(ADA, None, "Ada", 10.0, force=True, origin=ME)
+
+    assert [names for names, _ in held] == [{"arm"}]
+
+
+def test_a_goal_is_admitted_before_it_is_planned_and_afterwards(control, held):
+    control.take(ADA, None, "Ada", 10.0, origin=ME)
+    control.admit(ADA, None, "arm")
+    control.take(GRACE, None, "Grace", 10.0, force=True, origin=ME)
+
+    with pytest.raises(ControlHeldError):
+        control.admit(ADA, None, "arm")
+    assert [names for names, _ in held] == [{"arm"}]
+
+
 def test_an_heir_who_uses_force_takes_control_as_anybody_does(control, held, log):
     control.take(ADA, None, "Ada", 10.0, origin=ME)
     command(control, "arm")
@@ -135,7 +157,7 @@ def test_an_heir_who_uses_force_takes_control_as_anybody_does(control, held, log
 
     control.take(GRACE, None, "Grace", 10.0, force=True, origin=ME)
 
-    assert held == [{"arm"}]
+    assert [names for names, _ in held] == [{"arm"}]
     assert results(log) == ["taken", "offered", "forced"]
 
 
@@ -160,7 +182,7 @@ def test_nobody_takes_control_while_a_set_point_is_given(control, held):
     taken.join(5.0)
 
     assert control.present().owner == "G"
-    assert held == [{"arm"}]
+    assert [names for names, _ in held] == [{"arm"}]
 
 
 def test_it_is_given_back(control, held):

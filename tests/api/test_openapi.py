@@ -2,6 +2,8 @@
 
 import json
 import re
+from importlib import import_module
+from pkgutil import iter_modules
 
 import pytest
 
@@ -103,7 +105,15 @@ def test_every_body_has_an_example_that_its_model_accepts():
         assert found.get("examples"), name
         for example in found["examples"]:
             if models:
-                getattr(wire, models[0]).model_validate(example)
+                wire_model(models[0]).model_validate(example)
+
+
+def wire_model(name):
+    """Return a wire model, in whatever module of the wire it is."""
+    modules = [
+        import_module(f"station.wire.{m.name}") for m in iter_modules(wire.__path__)
+    ]
+    return next(getattr(m, name) for m in modules if hasattr(m, name))
 
 
 def test_operations_have_short_names_of_their_own():

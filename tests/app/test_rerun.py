@@ -111,3 +111,60 @@ def test_the_fixture_of_users_fails_at_a_difference(recording, rerun, monkeypatc
 
     with pytest.raises(pytest.fail.Exception, match="panda_joint1"):
         rerun(recording)
+
+
+def _live(robot):
+    """Move while cycles run in their thread: goals replaced, cancelled, set-points."""
+    trajectory = "position_joint_trajectory_controller"
+    names = [f"panda_joint{n}" for n in range(1, 8)]
+
+    def point(offset, seconds):
+        positions = [*ready]
+        positions[0] += offset
+        return {"positions": positions, "time_from_start": seconds}
+
+    def send(*points):
+        goal = {"trajectory": {"joint_names": names, "points": [*points]}}
+        return robot.facade.motion.submit_goal(trajectory, goal)
+
+    robot.move_to({"panda_joint1": 0.1}, duration=0.3)
+    ready = [*robot.latest().position[:7]]
+    for offset in (0.05, -0.05, 0.1):
+        goal = send(point(offset / 2, 0.2), point(offset, 0.4))
+        robot.run(0.12)
+    robot.facade.motion.cancel_goal(trajectory, goal.identifier)
+    robot.run(0.1)
+    robot.facade.motion.follow_trajectory(
+        trajectory, {"joint_names": names, "points": [point(0.0, 0.3)]}
+    )
+    robot.run(0.1)
+    robot.facade.motion.hold(trajectory)
+    robot.run(0.1)
+    robot.switch(start=[EFFORT], stop=[trajectory])
+    for step in range(5):
+        target = [*robot.latest().position[:7]]
+        target[0] += 0.01 * step
+        robot.facade.motion.set_command(EFFORT, target, timeout=0.05)
+        robot.run(0.03)
+    robot.run(0.2)  # the last set-point expires
+    robot.facade.motion.set_command(EFFORT, target)
+    robot.run(0.1)
+    robot.facade.motion.let_go([EFFORT], "Control was lost.")
+    robot.run(0.1)
+
+
+@pytest.mark.alone
+@pytest.mark.slow
+def test_a_live_recording_runs_again_bit_for_bit(tmp_path):
+    with (
+        station.open(threaded=True) as robot,
+        robot.record(tmp_path, "live") as path,
+    ):
+        _live(robot)
+
+    kinds = {one["kind"] for one in recording_reader.read_inputs(path)}
+    assert {"goal", "trajectory", "cancel_goal", "set_point", "expire"} <= kinds
+    found = module.rerun(path)
+
+    assert found.is_equal, found.text()
+    assert found.not_repeated == ()

@@ -105,7 +105,7 @@ def test_client_and_command_line_need_no_extra():
     modules.remove("station.cli.verbs.ui")
     # They simulate.
     modules.remove("station.cli.verbs.experiments")
-    modules.remove("station.cli.verbs.experiment_results")
+    modules.remove("station.cli.verbs.identification")
     modules.remove("station.cli.verbs.validate")
 
     done = run_alone(f"for m in {modules}: __import__(m)")

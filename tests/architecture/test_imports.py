@@ -38,6 +38,11 @@ VIOLATIONS = {
     "api-serves": ("station/api/app.py", "import viser"),
     "web-stands-alone": ("station/web/body_limit.py", "import station.core"),
     "records-read-the-core": ("station/records/cdr.py", "import fastapi"),
+    "trials-are-data": ("station/trials/trial.py", "import mujoco"),
+    "experiments-run-in-process": (
+        "station/experiments/runner.py",
+        "import station.api.app",
+    ),
     "events-watch-the-core": ("station/events/event.py", "import fastapi"),
     "ui-is-a-client": ("station/ui/scene.py", "import station.core.clock"),
 }
@@ -66,6 +71,8 @@ PERMITTED = {
     "station/kernel/functions.py": "import cython, math",
     "station/hw/mock.py": "import mujoco, station.core.clock",
     "station/hw/mujoco/world.py": "import mujoco",
+    "station/trials/trial.py": "import numpy, station.config, station.wire",
+    "station/experiments/runner.py": "import mujoco, station.trials.trial",
     "station/testing/bench.py": "import station.core.clock, station.hw.mock",
     "station/testing/conformance/robot_conformance.py": "import pytest",
     "station/ui/scene.py": "import viser, station.client.sync, station.wire",

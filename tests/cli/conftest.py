@@ -6,6 +6,10 @@ import pytest
 
 from station.cli.main import main
 from station.client import ApiError
+from station.controllers.forward_command_controller.command_timeout import (
+    timeout_parameters,
+)
+from station.core.control.controller_type import ControllerType as CoreControllerType
 from station.wire import (
     ArmReport,
     CommandAccepted,
@@ -30,6 +34,9 @@ from station.wire import (
 )
 
 GROUP = "position_controllers/JointGroupPositionController"
+DESCRIBED = CoreControllerType(
+    GROUP, "Base", "Forwards positions.", timeout_parameters(0.2, longest=1.0)
+)
 
 
 class FakeSimulation:
@@ -160,7 +167,7 @@ class FakeStation:
         )
 
     def controller_types(self):
-        return [ControllerType(type=GROUP, base_class="Base")]
+        return [ControllerType.model_validate(DESCRIBED)]
 
     def parameter(self, path):
         self._record("parameter", path)

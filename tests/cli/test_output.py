@@ -25,7 +25,13 @@ def test_terminal_gets_a_styled_table(capsys, monkeypatch):
 
 def test_models_are_json_by_their_names_on_the_wire(capsys):
     model = ControllerType(type="a/B", base_class="C")
-    wire = {"type": "a/B", "base_class": "C", "description": ""}
+    wire = {
+        "type": "a/B",
+        "base_class": "C",
+        "description": "",
+        "parameters": [],
+        "error": "",
+    }
 
     say_model(model)
     say_models([model])

@@ -60,5 +60,5 @@ def test_all_topics_of_the_original_are_published():
 
 def test_seven_joints_are_needed():
     station = make_franka_station()
-    with pytest.raises(ParameterError, match="must name 7"):
+    with pytest.raises(ParameterError, match="7 different joints"):
         station.load_controller("state", TYPE, {"arm_id": "panda", "joint_names": []})

@@ -8,6 +8,7 @@ import pytest
 from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.controllers import CONTROLLERS
+from station.core.control.controller_factory import COMMON_PARAMETERS
 from station.core.control.switching import SwitchRequest
 from station.core.parameters import Parameters
 from tests.conformance.benches import JOINTS, bench_for
@@ -171,6 +172,32 @@ def test_the_resources_that_stand_for_topics_and_actions_exist():
 
 def test_every_parameter_that_is_read_is_told_and_no_other(reading):
     assert set(reading.defaults) == set(documented(reading.status.type))
+
+
+def test_every_parameter_that_is_read_is_declared_and_no_other(reading):
+    declared = reading.controller.declared_parameters()
+    names = {one.name for one in (*COMMON_PARAMETERS, *declared)}
+
+    assert set(reading.defaults) == names | {"type"}
+
+
+def test_the_declarations_say_what_the_page_says(reading):
+    groups = groups_of(TYPES[reading.status.type][4])
+    rows = {
+        name: row
+        for row in table("Parameters")
+        if row[3] in groups
+        for name in names_of(row[0])
+    }
+    for one in (*COMMON_PARAMETERS, *reading.controller.declared_parameters()):
+        _, unit, default, _, meaning = rows[one.name]
+        assert (default == "required") == one.is_required, one.name
+        if one.default_text:
+            assert default.strip("`") == one.default_text
+        if "command" not in unit:  # of PIDs, whose units depend on the type
+            assert one.unit == unit.replace("²", "^2").replace("³", "^3"), one.name
+        if "`, `" not in rows[one.name][0]:  # one meaning for two
+            assert meaning.startswith(one.description), one.name
 
 
 def test_defaults_are_told(reading):

@@ -2,6 +2,7 @@
 
 import calendar
 import re
+import sys
 import time
 
 import httpx
@@ -18,6 +19,11 @@ from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.records.record_store import RecordStore
 from station.records.recorder import Recorder
+from station.trials.background_experiments import BackgroundExperiments
+from station.trials.results import Results, file_of
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial, TrialResult
 from tests.api.spring import make_station
 from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
 
@@ -48,8 +54,21 @@ def keep_an_incident(incidents):
     recorder.close()
 
 
+def keep_an_experiment(setup):
+    """Keep the experiment `stiffer` with one trial."""
+    name = "effort_group_position_controller"
+    trial = Trial(
+        setup,
+        Script(controller=name, duration=1.0),
+        {f"gains/{name}/panda_joint7/p": 60.0},
+    )
+    result = TrialResult(trial.hash, "done", None, {"rms_error": 0.1}, 0.1, "w")
+    with Results.create(file_of("stiffer"), "sweep", setup, {}) as results:
+        results.add(trial, result)
+
+
 @pytest.fixture
-def url(tmp_path):
+def url(tmp_path, monkeypatch):
     """Serve the station of the default configuration; return its address.
 
     Recordings and incidents have the names that the pages give as examples.
@@ -63,12 +82,19 @@ def url(tmp_path):
     recorder = Recorder(station, store, incidents)
     recorder.start_thread()
     station.loop.start()
-    app = create_app(station, Authenticator(OPERATOR), kept=Kept(recorder=recorder))
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    keep_an_experiment(Setup.of(config))
+    command = (sys.executable, str(ROOT / "tests/trials/experiment_script.py"), "wait")
+    experiments = BackgroundExperiments(Setup.of(config), command=command)
+    kept = Kept(recorder=recorder, experiments=experiments)
+    app = create_app(station, Authenticator(OPERATOR), kept=kept)
     try:
         station.switch_controllers(SwitchRequest(start=config.start))
         with ApiServer(app, port=0) as server:
             yield server.url
     finally:
+        experiments.close()
         station.loop.stop()
         recorder.close()
 

@@ -13,12 +13,13 @@ from pathlib import Path
 from distributed import LocalCluster
 
 from station.experiments.cluster import ClusterExecutor
-from station.experiments.results import Results
 from station.experiments.runner import Progress
-from station.experiments.script import Script, Step
-from station.experiments.setup import Setup
 from station.experiments.sweep import sweep
-from station.experiments.trial import Trial
+from station.trials.results import Results
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial
+from station.wire.excitations import Step
 
 TRIALS = 24
 

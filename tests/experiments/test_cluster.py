@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from station.experiments.script import Script, Step
-from station.experiments.trial import Trial
+from station.trials.script import Script
+from station.trials.trial import Trial
+from station.wire.excitations import Step
 from tests.experiments.conftest import GROUP
 
 ROOT = Path(__file__).parents[2]
@@ -51,7 +52,7 @@ def test_no_trial_is_lost_or_counted_twice_when_workers_go_and_come(
 def test_scheduler_that_does_not_answer_is_told_by_name():
     script = (
         "from station.experiments.cluster import ClusterExecutor\n"
-        "from station.experiments.setup import Setup\n"
+        "from station.trials.setup import Setup\n"
         "ClusterExecutor('tcp://127.0.0.1:9', Setup.load().text, timeout=0.5)\n"
     )
 

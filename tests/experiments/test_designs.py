@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from station.experiments.designs import METHODS, Range, parse_range, points
-from station.experiments.errors import (
+from station.trials.errors import (
     ExperimentError,
     ImpossibleRangeError,
     UnknownParameterError,

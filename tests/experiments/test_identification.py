@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from station.experiments.errors import ExperimentError, UnknownParameterError
 from station.experiments.identification import identify
-from station.experiments.script import Multisine, Script
-from station.experiments.trial import Trial
+from station.trials.errors import ExperimentError, UnknownParameterError
+from station.trials.script import Script
+from station.trials.trial import Trial
+from station.wire.excitations import Multisine
 from tests.experiments.conftest import GROUP
 
 JOINT = "panda_joint7"

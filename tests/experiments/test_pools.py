@@ -7,7 +7,6 @@ from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
-from station.experiments.errors import ExperimentError
 from station.experiments.pools import (
     NICENESS,
     InThisProcess,
@@ -16,6 +15,7 @@ from station.experiments.pools import (
     refusals,
     worker_count,
 )
+from station.trials.errors import ExperimentError
 
 
 def test_this_process():

@@ -6,14 +6,14 @@ from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
-from station.experiments.errors import ExperimentError, WorkerMismatchError
 from station.experiments.pools import InThisProcess, make_pool
-from station.experiments.results import Results
 from station.experiments.runner import Runner
-from station.experiments.script import Script
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial
 from station.experiments.workers import compare, identity
+from station.trials.errors import ExperimentError, WorkerMismatchError
+from station.trials.results import Results
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial
 
 LOADS = [0.0, 0.5, 1.0]
 

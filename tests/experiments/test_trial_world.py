@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from station.experiments.errors import ExperimentError
-from station.experiments.script import Push, Relay, Script, Sine, Step, Waypoints
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial
 from station.experiments.trial_world import TrialWorld
+from station.trials.errors import ExperimentError
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial
+from station.wire.excitations import Push, Relay, Sine, Step, Waypoints
 from tests.experiments.conftest import GROUP
 
 JTC = "effort_joint_trajectory_controller"

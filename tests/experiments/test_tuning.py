@@ -2,62 +2,21 @@
 
 import pytest
 
-from station.experiments.errors import (
-    ExperimentError,
-    ImpossibleRangeError,
-    UnknownParameterError,
-)
 from station.experiments.pools import InThisProcess
-from station.experiments.results import Results
-from station.experiments.trial import TrialResult
 from station.experiments.tuning import (
-    Bound,
-    Goal,
     Search,
     tunable_gains,
     tune,
 )
+from station.trials.errors import (
+    ExperimentError,
+    UnknownParameterError,
+)
+from station.trials.goal import Bound, Goal
+from station.trials.results import Results
 from tests.experiments.conftest import GROUP
 
-FIRST = {"rms_error": 0.1, "effort_rms": 10.0, "limit_margin": 0.5}
 GAINS = {f"gains/{GROUP}/panda_joint1/p": 120.0, f"gains/{GROUP}/panda_joint1/d": 150.0}
-
-
-def result(state="done", **metrics):
-    return TrialResult("h", state, None, {**FIRST, **metrics}, 0.1, "w")
-
-
-def test_cost_is_relative_to_the_first_trial():
-    goal = Goal({"rms_error": 1.0, "limit_margin": 3.0}, ())
-
-    assert goal.cost(result(), FIRST) == 1.0
-    assert goal.cost(result(rms_error=0.05), FIRST) == pytest.approx(0.875)
-    assert goal.cost(result(limit_margin=1.0), FIRST) == pytest.approx(0.625)
-
-
-def test_bounds_outweigh_everything_and_failure_outweighs_bounds():
-    goal = Goal({"rms_error": 1.0}, (Bound("effort_rms", 1.1, is_relative=True),))
-
-    costs = [
-        goal.cost(result(effort_rms=effort, rms_error=1e-6), FIRST)
-        for effort in (10.9, 11.1, 22.0)
-    ]
-
-    assert costs[0] < 1.0 < 1e3 < costs[1] < costs[2]
-    assert goal.cost(result("failed"), FIRST) > costs[2]
-
-
-def test_impossible_goals_are_refused_by_name():
-    with pytest.raises(UnknownParameterError, match="no metric 'speed'"):
-        Goal({"speed": 1.0})
-    with pytest.raises(ImpossibleRangeError, match="weight of 'energy' is 0"):
-        Goal({"energy": 0.0})
-    with pytest.raises(ImpossibleRangeError, match="one weight"):
-        Goal({})
-    with pytest.raises(ImpossibleRangeError, match="bound of 'energy' is nan"):
-        Bound("energy", float("nan"))
-    with pytest.raises(ExperimentError, match="has no metric 'overshoot'"):
-        Goal({"overshoot": 1.0}, ()).cost(result(), FIRST)
 
 
 def test_gains_that_a_search_changes():

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.experiments.setup import Setup
 from station.experiments.validation import Check, Scorecard, validate
+from station.trials.setup import Setup
 
 ONE = "effort_group_position_controller"
 

@@ -42,6 +42,16 @@ def test_a_piece_of_commands_tells_what_changed_and_writes_it_back():
     assert not piece.take()
 
 
+def test_pieces_of_commands_are_written_back_together():
+    module = interpreted("command_pieces")
+    memories = [doubles([1.0]), doubles([2.0, 3.0])]
+    pieces = module.CommandPieces([module.CommandPiece(one) for one in memories])
+    for memory in memories:
+        memory[0] = nan
+    pieces.write()
+    assert [list(memory) for memory in memories] == [[1.0], [2.0, 3.0]]
+
+
 def test_durations_keep_the_last_and_sum_up_all():
     durations = interpreted("durations").Durations(2)
     for value in (1.0, 3.0, 2.0):

@@ -11,7 +11,6 @@ from station.core.control.controller import ControllerSample
 from station.core.errors import RecordingFileError, RecordingNotFoundError
 from station.core.franka.franka_errors import ERROR_NAMES
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.hardware.interfaces.joint_group import Packed
 from station.records import messages
 from station.records.cycle_messages import CycleMessages
 from station.records.cycle_row import RowPacker
@@ -24,7 +23,7 @@ def _doubles(memory):
 
 def test_a_row_keeps_a_cycle():
     packer = RowPacker(["a", "b"], {"arm": ["a", "b"], "other": []}.get)
-    packed = Packed(([1.0, 2.0], [3.0, 4.0], [5.0, 6.0]))
+    packed = ([1.0, 2.0], [3.0, 4.0], [5.0, 6.0])
     sample = ControllerSample(0.5, [1.0, 2.0], [3.0, 4.0], [5.0, 6.0], [7.0, 8.0])
     one = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
 

@@ -7,6 +7,7 @@ from station.api.routes import (
     control,
     controllers,
     events,
+    experiments,
     gain_sets,
     gains,
     goals,
@@ -25,6 +26,7 @@ from station.api.routes import (
     stop,
     streams,
     tokens,
+    waypoint_paths,
 )
 
 PREFIX = "/api/v1"
@@ -39,11 +41,13 @@ for _module in (
     gain_sets,
     set_points,
     goals,
+    waypoint_paths,
     joint_states,
     parameters,
     hardware,
     loop,
     recordings,
+    experiments,
     robots,
     grippers,
     scene,

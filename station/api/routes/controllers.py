@@ -116,11 +116,10 @@ def unload_controller(name: str, station: StationDep) -> ControllerState:
 
 @router.get("/controller-types", responses=problems())
 def list_controller_types(station: StationDep) -> ControllerTypes:
-    """List the types of controllers that can be loaded."""
+    """List the types of controllers that can be loaded, each with its parameters."""
     return ControllerTypes(
         controller_types=[
-            ControllerType(type=name, base_class=base)
-            for name, base in station.controller_types()
+            ControllerType.model_validate(each) for each in station.controller_types()
         ]
     )
 

@@ -10,7 +10,8 @@ from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.facade.station import Station
-from station.wire import Gains, GainsChange, GainsPatch
+from station.wire import Gains, GainsChange, GainsChanges, GainsPatch
+from station.wire.gain_sets import GainsOfControllersPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 
@@ -57,6 +58,22 @@ def patch_gains(
         revision=change.revision,
         cycle=change.cycle,
     )
+
+
+@router.patch(
+    "/gains",
+    dependencies=[Operator],
+    responses=problems(404, 412, 413, 422, 503),
+)
+def patch_gains_of_controllers(
+    request: GainsOfControllersPatch, station: StationDep
+) -> GainsChanges:
+    """Change gains of several controllers; all of them take effect in the same cycle.
+
+    The change is checked as a whole, and taken back as a whole.
+    """
+    changes = station.tuning.set_many(request.changes, request.revisions)
+    return GainsChanges.model_validate({"changes": changes})
 
 
 def _matching_revision(station: Station, name: str, if_match: str) -> int:

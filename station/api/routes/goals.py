@@ -1,11 +1,19 @@
 """Goals of controllers, and trajectories without a goal."""
 
+from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Query
 
 from station.api import answers
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import (
+    AccessDep,
+    ControlDep,
+    LeaseKey,
+    Operator,
+    StationDep,
+    Viewer,
+)
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.wire import (
@@ -26,12 +34,23 @@ router = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
     dependencies=[Operator],
     responses=problems(404, 409, 413, 422, 423),
 )
-def submit_goal(name: str, request: GoalRequest, station: StationDep) -> Goal:
+def submit_goal(
+    name: str,
+    request: GoalRequest,
+    station: StationDep,
+    control: ControlDep,
+    access: AccessDep,
+    key: LeaseKey = None,
+) -> Goal:
     """Give a running controller a goal; it replaces the one before.
 
-    A stop, a reset or a recovery ends the goal; nothing resumes it.
+    A stop, a reset or a recovery ends the goal, and so does whoever takes control by
+    force; nothing resumes it.
     """
-    return answers.goal(station.motion.submit_goal(name, request.goal, request.epoch))
+    admit = partial(control.admit, access, key, name)
+    return answers.goal(
+        station.motion.submit_goal(name, request.goal, request.epoch, admit)
+    )
 
 
 @router.get("/controllers/{name}/goals", responses=problems(404, 422))
@@ -65,7 +84,12 @@ def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     responses=problems(404, 409, 413, 422, 423),
 )
 def follow_trajectory(
-    name: str, request: TrajectoryRequest, station: StationDep
+    name: str,
+    request: TrajectoryRequest,
+    station: StationDep,
+    control: ControlDep,
+    access: AccessDep,
+    key: LeaseKey = None,
 ) -> CommandAccepted:
     """Let a running controller follow a trajectory without a goal.
 
@@ -74,7 +98,11 @@ def follow_trajectory(
     """
     receipt = station.motion.receipt()
     epoch = station.motion.follow_trajectory(
-        name, request.trajectory, request.epoch, receipt
+        name,
+        request.trajectory,
+        request.epoch,
+        receipt,
+        partial(control.admit, access, key, name),
     )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 

@@ -1,5 +1,6 @@
 """Verbs for the list of controllers: list, load, unload."""
 
+import json
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -7,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_model, say_models, say_table
+from station.core.errors import suggest
 
 if TYPE_CHECKING:
-    from station.wire import ControllerState
+    from station.wire import ControllerState, ControllerType, DeclaredParameter
 
 
 def list_controllers(options: Namespace) -> int:
@@ -56,11 +58,62 @@ def list_controller_types(options: Namespace) -> int:
     """Print the types of controllers that can be loaded."""
     with open_client(options) as client:
         types = client.controller_types()
+    if options.type is not None:
+        types = [_find_type(types, options.type)]
     if options.json:
         say_models(types)
+    elif options.type is None:
+        say_table(["type", "description"], [[t.type, _about(t)] for t in types])
     else:
-        say_table(["type", "base class"], [[t.type, t.base_class] for t in types])
+        say(f"{types[0].type}: {_about(types[0])}")
+        headers = ["parameter", "type", "unit", "default", "allowed", "description"]
+        say_table(headers, [_parameter_row(each) for each in types[0].parameters])
     return 0
+
+
+def _find_type(types: "list[ControllerType]", name: str) -> "ControllerType":
+    """Return the type of that name.
+
+    Raises:
+        UsageError: There is none.
+    """
+    for each in types:
+        if each.type == name:
+            return each
+    raise UsageError(
+        f"There is no controller type '{name}'. "
+        f"{suggest(name, [each.type for each in types])}"
+    )
+
+
+def _about(controller_type: "ControllerType") -> str:
+    """Return the description of a type, or why it cannot be imported."""
+    if controller_type.error:
+        return f"cannot be imported: {controller_type.error}"
+    return controller_type.description
+
+
+def _parameter_row(parameter: "DeclaredParameter") -> list[str]:
+    default = parameter.default_text or json.dumps(parameter.default)
+    return [
+        parameter.name,
+        parameter.type.replace("_", " "),
+        parameter.unit,
+        "required" if parameter.required else default,
+        _allowed(parameter),
+        parameter.description,
+    ]
+
+
+def _allowed(parameter: "DeclaredParameter") -> str:
+    if parameter.choices:
+        return ", ".join(parameter.choices)
+    sign = ">" if parameter.excludes_minimum else ">="
+    bounds = [
+        f"{sign} {parameter.minimum:g}" if parameter.minimum is not None else "",
+        f"<= {parameter.maximum:g}" if parameter.maximum is not None else "",
+    ]
+    return ", ".join(bound for bound in bounds if bound)
 
 
 def load_controller(options: Namespace) -> int:

@@ -1,24 +1,16 @@
 """Verb `experiments`: what experiments have found, and what follows from it."""
 
 from argparse import Namespace
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_table
-from station.cli.verbs.experiments import say_summary
-from station.client import ApiError
-from station.experiments.analysis import compare, ranked
-from station.experiments.errors import ExperimentError
+from station.cli.output import say, say_json, say_progress, say_table
 from station.experiments.exports import export, table, write_gains
-from station.experiments.results import Results, default_folder, file_of, names
-from station.experiments.trial_world import TrialWorld
-
-if TYPE_CHECKING:
-    from station.client import StationClient
-    from station.wire import Gains, GainsChange
+from station.trials.analysis import compare, gains_of, ranked, summary
+from station.trials.results import Results, default_folder, file_of, names
+from station.wire.experiments import Experiment
 
 
 def experiments(options: Namespace) -> int:
@@ -32,7 +24,8 @@ def experiments(options: Namespace) -> int:
     if not fewest <= len(words) <= most:
         raise UsageError(
             f"The words after `experiments {options.action}` are too few or too many.",
-            remedy="station experiments list, show|best NAME, plot|export NAME FILE, "
+            remedy="station experiments list, show|best|watch|cancel NAME, "
+            "plot|export NAME FILE, "
             "apply NAME [HASH], compare NAME OTHER.",
         )
     return action(options)
@@ -65,6 +58,27 @@ def _show(options: Namespace) -> int:
             say(f"{options.name}: {results.kind} of setup {results.setup.digest}")
             say_summary(results)
     return 0
+
+
+def say_summary(results: Results) -> None:
+    """Print the distribution of each metric, and how many trials failed."""
+    found = summary(results)
+    say_table(
+        ["metric", "median", "5 %", "95 %", "worst", "worst trial"],
+        [
+            [
+                d.metric,
+                *(f"{v:.4g}" for v in (d.median, d.p5, d.p95, d.worst)),
+                d.worst_hash,
+            ]
+            for d in found
+        ],
+    )
+    rows = results.rows()
+    failed = [row for row in rows if row.result.state == "failed"]
+    say(f"{len(rows)} trials, {len(failed)} failed.")
+    for row in failed[:3]:
+        say(f"  {row.result.describe()}")
 
 
 def _best(options: Namespace) -> int:
@@ -129,25 +143,18 @@ def _compare(options: Namespace) -> int:
 
 
 def _apply(options: Namespace) -> int:
-    """Show the gains of a trial beside those of a running station; set them with --yes.
-
-    Raises:
-        ExperimentError: The trial changes no gains.
-    """
+    """Show the gains of a trial beside those of a running station; set with --yes."""
     with Results.open(file_of(options.name)) as results:
         if options.words:
             trial = results.trial(options.words[0])
         else:
             best = ranked(results, _metric(options))[0]
             trial = results.trial(best.result.hash)
-    with TrialWorld(trial.setup) as world:
-        if options.yaml is not None:
-            write_gains(world, trial, options.yaml)
-            say(f"Wrote {options.yaml}.")
-            return 0
-        wanted = world.gains_of(trial)
-    if not wanted:
-        raise ExperimentError(f"Trial {trial.hash} changes no gains.")
+        wanted = gains_of(results, trial)
+    if options.yaml is not None:
+        write_gains(wanted, options.yaml)
+        say(f"Wrote {options.yaml}.")
+        return 0
     with open_client(options) as client:
         present = {name: client.gains(name) for name in wanted}
         rows = [
@@ -164,56 +171,37 @@ def _apply(options: Namespace) -> int:
         if not options.yes:
             say("Nothing has changed; with --yes the new gains are put into force.")
             return 0
-        _put_into_force(client, wanted, present)
+        revisions = {name: gains.revision for name, gains in present.items()}
+        client.gain_sets.set_gains(wanted, revisions)
         say(f"The gains of trial {trial.hash} are in force.")
-        undo = "`station gains undo` takes them back"
-        more = f", typed {len(wanted)} times: once per controller"
-        say(f"{undo}{more if len(wanted) > 1 else ''}.")
+        say("`station gains undo` takes them back.")
         client.gain_sets.save(options.name, list(wanted))
         say(f"They are saved as gain set {options.name}.")
     return 0
 
 
-def _put_into_force(
-    client: "StationClient",
-    wanted: Mapping[str, Mapping[str, float]],
-    present: Mapping[str, "Gains"],
-) -> None:
-    """Set the gains of all controllers, or of none: what was set is put back.
-
-    Args:
-        client: The running station.
-        wanted: New gains by controller and name.
-        present: The gains that were shown; a controller that has others by now refuses.
-
-    Raises:
-        ExperimentError: A controller refused; the text says what became of the others.
-    """
-    done: dict[str, GainsChange] = {}
-    for name, gains in wanted.items():
-        try:
-            done[name] = client.set_gains(name, gains, etag=present[name].etag)
-        except ApiError as error:
-            fates = [_put_back(client, one, change) for one, change in done.items()]
-            raise ExperimentError(
-                f"The gains of '{name}' were not set: {error} "
-                f"{' '.join(fates) or 'No others had been set.'}",
-                remedy="Look at the present gains with `station experiments apply`, "
-                "then repeat it with --yes.",
-            ) from error
+def _watch(options: Namespace) -> int:
+    """Show how far an experiment of the running station is, until it ends."""
+    with open_client(options) as client:
+        found = client.experiments.wait(options.name, _say_progress)
+    if options.json:
+        say_json(found.model_dump())
+    else:
+        say(f"{found.name}: {found.state}. {found.reason}".rstrip())
+    return int(found.state == "failed")
 
 
-def _put_back(client: "StationClient", name: str, change: "GainsChange") -> str:
-    """Set the gains from before a change; return a sentence on what came of it."""
-    try:
-        now = client.gains(name)
-        if now.revision == change.revision:
-            client.set_gains(name, change.previous, etag=now.etag)
-            return f"Those of '{name}' had been set, and were put back."
-        why = "somebody has changed them since"
-    except ApiError as error:
-        why = str(error)
-    return f"Those of '{name}' WERE SET and could not be put back: {why}."
+def _say_progress(found: Experiment) -> None:
+    best = "" if found.cost is None else f", best cost {found.cost:.3f} of the first"
+    left = "" if found.left is None else f", {found.left:.0f} s left"
+    say_progress(f"{found.ended} of at most {found.trials} trials{best}{left}")
+
+
+def _cancel(options: Namespace) -> int:
+    with open_client(options) as client:
+        found = client.experiments.cancel(options.name)
+    say(f"{found.name} ends after the trials that run; {found.ended} are kept.")
+    return 0
 
 
 def _metric(options: Namespace) -> str | None:
@@ -228,5 +216,7 @@ _ACTIONS: dict[str, tuple[Callable[[Namespace], int], int, int]] = {
     "apply": (_apply, 1, 2),
     "export": (_export, 2, 2),
     "compare": (_compare, 2, 2),
+    "watch": (_watch, 1, 1),
+    "cancel": (_cancel, 1, 1),
 }
 """What each action does, and how many words it takes."""

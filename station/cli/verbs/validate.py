@@ -4,8 +4,8 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.output import say_json, say_table
-from station.experiments.setup import Setup
 from station.experiments.validation import validate as check_robot
+from station.trials.setup import Setup
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from station.client._async.connection import AsyncConnection
 from station.client.routes import segment
 from station.wire import GainsChange, GainsChanges, GainSet, GainSetRequest, GainSets
+from station.wire.gain_sets import GainsOfControllersPatch
 
 _PATH = "/gain-sets"
 
@@ -56,6 +57,24 @@ class AsyncGainSetsClient:
         """
         path, request = f"{_path(name)}/apply", _chosen(controllers)
         answer = await self._connection.send("POST", path, GainsChanges, request)
+        return answer.changes
+
+    async def set_gains(
+        self,
+        changes: Mapping[str, Mapping[str, float]],
+        revisions: Mapping[str, int] | None = None,
+    ) -> Mapping[str, GainsChange]:
+        """Change gains of several controllers in one cycle; the others stay.
+
+        Args:
+            changes: New values by controller and name.
+            revisions: Refuse when the gains of a controller have another revision.
+        """
+        request = GainsOfControllersPatch(
+            changes={name: dict(values) for name, values in changes.items()},
+            revisions=None if revisions is None else dict(revisions),
+        )
+        answer = await self._connection.send("PATCH", "/gains", GainsChanges, request)
         return answer.changes
 
     async def undo(self) -> Mapping[str, GainsChange]:

@@ -3,7 +3,9 @@
 from pathlib import Path
 
 from station.client._async.connection import AsyncConnection
+from station.client._async.experiments_client import AsyncExperimentsClient
 from station.client._async.gain_sets_client import AsyncGainSetsClient
+from station.client._async.waypoint_paths_client import AsyncWaypointPathsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -115,7 +117,13 @@ class AsyncIncidentsClient(_AsyncFiles):
 
 def kept_on_disk(
     connection: AsyncConnection,
-) -> tuple[AsyncGainSetsClient, AsyncRecordingsClient, AsyncIncidentsClient]:
+) -> tuple[
+    AsyncGainSetsClient,
+    AsyncRecordingsClient,
+    AsyncIncidentsClient,
+    AsyncExperimentsClient,
+    AsyncWaypointPathsClient,
+]:
     """Return the clients of what a station keeps on its disk.
 
     Args:
@@ -125,4 +133,6 @@ def kept_on_disk(
         AsyncGainSetsClient(connection),
         AsyncRecordingsClient(connection),
         AsyncIncidentsClient(connection),
+        AsyncExperimentsClient(connection),
+        AsyncWaypointPathsClient(connection),
     )

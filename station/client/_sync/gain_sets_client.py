@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from station.client._sync.connection import Connection
 from station.client.routes import segment
 from station.wire import GainsChange, GainsChanges, GainSet, GainSetRequest, GainSets
+from station.wire.gain_sets import GainsOfControllersPatch
 
 _PATH = "/gain-sets"
 
@@ -55,6 +56,24 @@ class GainSetsClient:
         """
         path, request = f"{_path(name)}/apply", _chosen(controllers)
         answer = self._connection.send("POST", path, GainsChanges, request)
+        return answer.changes
+
+    def set_gains(
+        self,
+        changes: Mapping[str, Mapping[str, float]],
+        revisions: Mapping[str, int] | None = None,
+    ) -> Mapping[str, GainsChange]:
+        """Change gains of several controllers in one cycle; the others stay.
+
+        Args:
+            changes: New values by controller and name.
+            revisions: Refuse when the gains of a controller have another revision.
+        """
+        request = GainsOfControllersPatch(
+            changes={name: dict(values) for name, values in changes.items()},
+            revisions=None if revisions is None else dict(revisions),
+        )
+        answer = self._connection.send("PATCH", "/gains", GainsChanges, request)
         return answer.changes
 
     def undo(self) -> Mapping[str, GainsChange]:

@@ -4,7 +4,9 @@
 from pathlib import Path
 
 from station.client._sync.connection import Connection
+from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
+from station.client._sync.waypoint_paths_client import SyncWaypointPathsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -116,7 +118,13 @@ class IncidentsClient(_Files):
 
 def kept_on_disk(
     connection: Connection,
-) -> tuple[GainSetsClient, RecordingsClient, IncidentsClient]:
+) -> tuple[
+    GainSetsClient,
+    RecordingsClient,
+    IncidentsClient,
+    ExperimentsClient,
+    SyncWaypointPathsClient,
+]:
     """Return the clients of what a station keeps on its disk.
 
     Args:
@@ -126,4 +134,6 @@ def kept_on_disk(
         GainSetsClient(connection),
         RecordingsClient(connection),
         IncidentsClient(connection),
+        ExperimentsClient(connection),
+        SyncWaypointPathsClient(connection),
     )

@@ -73,10 +73,12 @@ class StationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: What the station kept of stops, reflexes and faults.
+        experiments: Many trials of a simulated copy of the station.
     """
 
     def __init__(
@@ -94,7 +96,8 @@ class StationClient:
         )
         self.simulation = SimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
-        self.gain_sets, self.recordings, self.incidents = kept
+        self.gain_sets, self.recordings, self.incidents = kept[:3]
+        self.experiments, self.waypoint_paths = kept[3:]
         self.tokens = TokensClient(self._connection)
         self.lease = LeaseClient(self._connection)
 

@@ -12,7 +12,8 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
 from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
 from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
-from station.core.errors import InvalidGainError, ParameterError
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.errors import InvalidGainError
 from station.core.franka import Frame
 from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_hw import RobotHW
@@ -22,7 +23,13 @@ from station.core.ports.set_point import SetPointPort
 
 FRAMES = ("O", "EE")
 """Axes in which a twist may be given: of the base O, or of the end effector EE."""
-_FRAME = "frame"
+_FRAME = DeclaredParameter(
+    name="frame",
+    type=ParameterType.STRING,
+    default=FRAMES[0],
+    choices=FRAMES,
+    description="axes in which the twist is given: `O` (base) or `EE` (end effector)",
+)
 
 
 class CartesianJogController(CartesianMotionController):
@@ -36,22 +43,19 @@ class CartesianJogController(CartesianMotionController):
     set-points are given. The run-time parameter `frame` is 0 for `O` and 1 for `EE`.
     """
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), _FRAME)
+
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         super().init(hw, params)
-        name = params.get_str(_FRAME, FRAMES[0])
-        if name not in FRAMES:
-            raise ParameterError(
-                f"Parameter '{params.resolve(_FRAME)}' is '{name}'; it must be O, the "
-                "base, or EE, the end effector.",
-                remedy="Choose O or EE.",
-                details={"parameter": params.resolve(_FRAME)},
-            )
-        self._frame = FRAMES.index(name)
+        self._frame = FRAMES.index(_FRAME.read_str(params))
         text = "axes of the twist: 0 of the base, 1 of the end effector"
         self.tunables = Tunables(
-            {_FRAME: Tunable("", 0.0, 1.0, text)},
-            {_FRAME: float(self._frame)},
+            {_FRAME.name: Tunable("", 0.0, 1.0, text)},
+            {_FRAME.name: float(self._frame)},
             check=_check_frame,
             apply=self._set_frame,
         )
@@ -84,12 +88,12 @@ class CartesianJogController(CartesianMotionController):
         return ControllerSample(time, desired, actual, errors, desired)
 
     def _set_frame(self, values: Mapping[str, float]) -> None:
-        self._frame = int(values[_FRAME])
+        self._frame = int(values[_FRAME.name])
 
 
 def _check_frame(values: Mapping[str, float]) -> None:
-    if values[_FRAME] not in {0.0, 1.0}:
+    if values[_FRAME.name] not in {0.0, 1.0}:
         raise InvalidGainError(
-            f"Gain '{_FRAME}' is {values[_FRAME]}; it must be 0 or 1.",
+            f"Gain '{_FRAME.name}' is {values[_FRAME.name]}; it must be 0 or 1.",
             remedy="Send 0 for the axes of the base, 1 for the end effector's.",
         )

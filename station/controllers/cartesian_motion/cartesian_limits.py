@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from station.controllers.smoothed_motion.axis_limits import AxisLimits
-from station.core.errors import ParameterError
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.parameters import Parameters
 
 SHARE_OF_AN_AXIS = 1.0 / sqrt(3.0)
@@ -62,6 +62,41 @@ class CartesianLimits:
         )
 
 
+_MEANINGS = {
+    "max_translational_velocity": "largest speed of the end effector's origin",
+    "max_translational_acceleration": "largest acceleration of the origin",
+    "max_translational_jerk": "largest jerk of the origin",
+    "max_rotational_velocity": "largest angular velocity of the end effector",
+    "max_rotational_acceleration": "largest angular acceleration",
+    "max_rotational_jerk": "largest angular jerk",
+}
+
+
+def _declare(
+    kind: str, length: str, default: VectorLimits, largest: VectorLimits
+) -> tuple[DeclaredParameter, ...]:
+    orders = ((length + "/s", "velocity"), (length + "/s^2", "acceleration"))
+    return tuple(
+        DeclaredParameter(
+            name=f"max_{kind}_{quantity}",
+            type=ParameterType.NUMBER,
+            unit=unit,
+            default=float(getattr(default, quantity)),
+            minimum=0.0,
+            excludes_minimum=True,
+            maximum=float(getattr(largest, quantity)),
+            description=_MEANINGS[f"max_{kind}_{quantity}"],
+        )
+        for unit, quantity in (*orders, (length + "/s^3", "jerk"))
+    )
+
+
+_OF_TRANSLATION = _declare("translational", "m", TRANSLATION, LARGEST_TRANSLATION)
+_OF_ROTATION = _declare("rotational", "rad", ROTATION, LARGEST_ROTATION)
+LIMIT_PARAMETERS = (*_OF_TRANSLATION, *_OF_ROTATION)
+"""The parameters `max_translational_…` and `max_rotational_…`."""
+
+
 def read_cartesian_limits(params: Parameters) -> CartesianLimits:
     """Read the limits `max_translational_…` and `max_rotational_…`.
 
@@ -72,31 +107,6 @@ def read_cartesian_limits(params: Parameters) -> CartesianLimits:
         ParameterError: A value is not above 0, or is larger than the arms allow.
     """
     return CartesianLimits(
-        _read_vector(params, "translational", TRANSLATION, LARGEST_TRANSLATION),
-        _read_vector(params, "rotational", ROTATION, LARGEST_ROTATION),
+        VectorLimits(*(each.read_float(params) for each in _OF_TRANSLATION)),
+        VectorLimits(*(each.read_float(params) for each in _OF_ROTATION)),
     )
-
-
-def _read_vector(
-    params: Parameters, kind: str, default: VectorLimits, largest: VectorLimits
-) -> VectorLimits:
-    def read(key: str, usual: float, bound: float) -> float:
-        return _read(params, f"max_{kind}_{key}", usual, bound)
-
-    return VectorLimits(
-        read("velocity", default.velocity, largest.velocity),
-        read("acceleration", default.acceleration, largest.acceleration),
-        read("jerk", default.jerk, largest.jerk),
-    )
-
-
-def _read(params: Parameters, key: str, default: float, largest: float) -> float:
-    value = params.get_float(key, default)
-    if not 0.0 < value <= largest:
-        raise ParameterError(
-            f"Parameter '{params.resolve(key)}' is {value}; it must be above 0 and at "
-            f"most {largest}.",
-            remedy="Give a value in that range, or leave the parameter out.",
-            details={"parameter": params.resolve(key)},
-        )
-    return value

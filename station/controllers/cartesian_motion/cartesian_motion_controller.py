@@ -6,6 +6,7 @@ from typing import ClassVar
 from typing_extensions import override
 
 from station.controllers.cartesian_motion.cartesian_limits import (
+    LIMIT_PARAMETERS,
     CartesianLimits,
     read_cartesian_limits,
 )
@@ -17,21 +18,26 @@ from station.controllers.cartesian_motion.joint_lookahead import (
     Obstacle,
 )
 from station.controllers.cartesian_motion.lookahead_settings import (
+    LOOKAHEAD_PARAMETERS,
     read_lookahead_settings,
 )
 from station.controllers.forward_command_controller.command_timeout import (
     read_command_timeout,
+    timeout_parameters,
 )
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
 from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
     find_model,
     read_arm_id,
     read_arm_joints,
     require,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import (
     FrankaCartesianPoseHandle,
@@ -79,6 +85,18 @@ class CartesianMotionController(MultiInterfaceController):
         FrankaPoseCartesianInterface,
         FrankaModelInterface,
     )
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            ARM_ID,
+            JOINT_NAMES,
+            *LIMIT_PARAMETERS,
+            *LOOKAHEAD_PARAMETERS,
+            *timeout_parameters(DEFAULT_TIMEOUT, longest=LONGEST_TIMEOUT),
+        )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

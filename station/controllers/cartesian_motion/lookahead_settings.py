@@ -1,9 +1,8 @@
 """Margins that Cartesian motion keeps from limits of the joints and from collisions."""
 
 from dataclasses import dataclass
-from typing import NoReturn
 
-from station.core.errors import ParameterError
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.parameters import Parameters
 
 LARGEST_JOINT_ACCELERATION = (10.0, 7.5, 10.0, 10.0, 10.0, 10.0, 10.0)
@@ -37,6 +36,64 @@ class LookaheadSettings:
     max_joint_acceleration: tuple[float, ...] = (7.0, 5.0, 7.0, 7.0, 7.0, 7.0, 7.0)
 
 
+def _declare(
+    name: str, unit: str, bounds: tuple[float, float], description: str
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=float(getattr(_DEFAULT, name)),
+        minimum=bounds[0],
+        maximum=bounds[1],
+        description=description,
+    )
+
+
+_DEFAULT = LookaheadSettings()
+_MARGINS = (
+    _declare(
+        "joint_limit_margin",
+        "rad",
+        (0.0, 1.0),
+        "distance to a joint's position limit at which the arm waits",
+    ),
+    _declare(
+        "least_dexterity",
+        "",
+        (0.01, 1.0),
+        "smallest singular value of the Jacobian at which the arm waits: 0 at a "
+        "singular pose, about 0.2 in mid-range",
+    ),
+    _declare(
+        "least_clearance",
+        "m",
+        (0.0, 0.3),
+        "distance between two parts of the arm, hand included, at which the arm waits",
+    ),
+    _declare(
+        "joint_velocity_share",
+        "",
+        (0.01, 1.0),
+        "share of the joints' velocity limits that a motion may use",
+    ),
+)
+_MAX_JOINT_ACCELERATION = DeclaredParameter(
+    name="max_joint_acceleration",
+    type=ParameterType.NUMBER_OR_NUMBERS,
+    unit="rad/s^2",
+    default=_DEFAULT.max_joint_acceleration,
+    minimum=0.0,
+    excludes_minimum=True,
+    maximum=max(LARGEST_JOINT_ACCELERATION),
+    size=len(LARGEST_JOINT_ACCELERATION),
+    description="largest joint acceleration; one number, or seven; at most 10, "
+    "joint 2: 7.5",
+)
+LOOKAHEAD_PARAMETERS = (*_MARGINS, _MAX_JOINT_ACCELERATION)
+"""The parameters that are named after the attributes of `LookaheadSettings`."""
+
+
 def read_lookahead_settings(params: Parameters) -> LookaheadSettings:
     """Read the parameters that are named after the attributes of the settings.
 
@@ -49,42 +106,10 @@ def read_lookahead_settings(params: Parameters) -> LookaheadSettings:
     Raises:
         ParameterError: A value is out of its range.
     """
-    default = LookaheadSettings()
-    return LookaheadSettings(
-        _read(params, "joint_limit_margin", default.joint_limit_margin, (0.0, 1.0)),
-        _read(params, "least_dexterity", default.least_dexterity, (0.01, 1.0)),
-        _read(params, "least_clearance", default.least_clearance, (0.0, 0.3)),
-        _read(
-            params, "joint_velocity_share", default.joint_velocity_share, (0.01, 1.0)
-        ),
-        _read_accelerations(params, list(default.max_joint_acceleration)),
-    )
-
-
-def _read(
-    params: Parameters, key: str, default: float, bounds: tuple[float, float]
-) -> float:
-    value = params.get_float(key, default)
-    if not bounds[0] <= value <= bounds[1]:
-        _refuse(params, key, value, f"between {bounds[0]} and {bounds[1]}")
-    return value
-
-
-def _read_accelerations(params: Parameters, default: list[float]) -> tuple[float, ...]:
-    key, largest = "max_joint_acceleration", LARGEST_JOINT_ACCELERATION
-    if params.has(key) and not isinstance(params.get(key), list):
-        values = [params.get_float(key)] * len(largest)
-    else:
-        values = params.get_float_list(key, len(largest), default)
-    for value, bound in zip(values, largest, strict=True):
-        if not 0.0 < value <= bound:
-            _refuse(params, key, values, f"above 0 and at most {list(largest)}")
-    return tuple(values)
-
-
-def _refuse(params: Parameters, key: str, value: object, allowed: str) -> NoReturn:
-    raise ParameterError(
-        f"Parameter '{params.resolve(key)}' is {value}; it must be {allowed}.",
-        remedy="Give a value in that range, or leave the parameter out.",
-        details={"parameter": params.resolve(key)},
-    )
+    margins = {each.name: each.read_float(params) for each in _MARGINS}
+    accelerations = _MAX_JOINT_ACCELERATION.read_per_axis(params)
+    for value, bound in zip(accelerations, LARGEST_JOINT_ACCELERATION, strict=True):
+        if value > bound:
+            allowed = f"at most {list(LARGEST_JOINT_ACCELERATION)}"
+            _MAX_JOINT_ACCELERATION.refuse(params, accelerations, allowed)
+    return LookaheadSettings(**margins, max_joint_acceleration=tuple(accelerations))

@@ -3,7 +3,7 @@
 from enum import Enum
 from math import inf
 
-from station.core.errors import ParameterError
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.parameters import Parameters
 
 
@@ -25,6 +25,50 @@ class TimeoutAction(Enum):
     STOP = "stop"
 
 
+def timeout_parameters(
+    default: float = 0.0, *, longest: float = inf
+) -> tuple[DeclaredParameter, DeclaredParameter]:
+    """Return the declarations of `command_timeout` and `command_timeout_action`.
+
+    Args:
+        default: Validity of a set-point when `command_timeout` is absent [s].
+        longest: Longest validity allowed [s]; when it is finite, every set-point
+            expires.
+    """
+    always = longest < inf
+    never = "" if always else "; 0: never"
+    follows = (
+        "what follows: come to rest and `hold`, or `stop` (the controller fails)"
+        if always
+        else "what follows: `hold` (rest), `stop` (the controller fails) or `off` "
+        "(nothing)"
+    )
+    return (
+        DeclaredParameter(
+            name="command_timeout",
+            type=ParameterType.NUMBER,
+            unit="s",
+            default=default,
+            minimum=0.0,
+            excludes_minimum=always,
+            maximum=longest,
+            description="time on the wall clock after which a set-point expires"
+            + never,
+        ),
+        DeclaredParameter(
+            name="command_timeout_action",
+            type=ParameterType.STRING,
+            default=TimeoutAction.HOLD.value,
+            choices=tuple(
+                each.value
+                for each in TimeoutAction
+                if not (always and each is TimeoutAction.OFF)
+            ),
+            description=follows,
+        ),
+    )
+
+
 def read_command_timeout(
     params: Parameters, default: float = 0.0, *, longest: float = inf
 ) -> tuple[float, TimeoutAction]:
@@ -32,37 +76,14 @@ def read_command_timeout(
 
     Args:
         params: The controller's namespace.
-        default: Validity when `command_timeout` is absent [s].
-        longest: Longest validity allowed [s]; when it is finite, every set-point
-            expires.
+        default: See `timeout_parameters`.
+        longest: See `timeout_parameters`.
 
     Raises:
         ParameterError: `command_timeout` is not a number >= 0 or is beyond `longest`,
             or `command_timeout_action` is not a value of `TimeoutAction`.
     """
-    is_required = longest < inf
-    timeout = params.get_float("command_timeout", default)
-    if not 0.0 <= timeout < inf or not 0.0 < (timeout or inf) <= longest:
-        bounds = f"more than 0 and at most {longest} s" if is_required else ">= 0 s"
-        raise ParameterError(
-            f"Parameter '{params.resolve('command_timeout')}' is {timeout}; it must be "
-            f"{bounds}.",
-            remedy="Give a time in seconds"
-            + ("." if is_required else ", or 0 for no timeout."),
-            details={"parameter": params.resolve("command_timeout")},
-        )
-    action = params.get_str("command_timeout_action", TimeoutAction.HOLD.value)
-    allowed = [
-        each.value
-        for each in TimeoutAction
-        if not (is_required and each is TimeoutAction.OFF)
-    ]
-    if action not in allowed:
-        raise ParameterError(
-            f"Parameter '{params.resolve('command_timeout_action')}' is '{action}'; "
-            f"allowed are {', '.join(allowed)}.",
-            remedy="Choose one of these actions.",
-            details={"parameter": params.resolve("command_timeout_action")},
-        )
-    chosen = TimeoutAction(action)
+    validity, action = timeout_parameters(default, longest=longest)
+    timeout = validity.read_float(params)
+    chosen = TimeoutAction(action.read_str(params))
     return (0.0 if chosen is TimeoutAction.OFF else timeout), chosen

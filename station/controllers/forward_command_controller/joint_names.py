@@ -1,7 +1,24 @@
-"""The parameter `joints`: which joints a controller commands."""
+"""The parameters `joint` and `joints`: which joints a controller commands."""
 
-from station.core.errors import ParameterError
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    ParameterType,
+)
 from station.core.parameters import Parameters
+
+JOINT = DeclaredParameter(
+    name="joint",
+    type=ParameterType.STRING,
+    names=NameKind.JOINT,
+    description="the joint",
+)
+JOINTS = DeclaredParameter(
+    name="joints",
+    type=ParameterType.STRINGS,
+    names=NameKind.JOINT,
+    description="the joints, in the order of the set-points",
+)
 
 
 def read_joint_names(params: Parameters) -> list[str]:
@@ -13,13 +30,10 @@ def read_joint_names(params: Parameters) -> list[str]:
     Raises:
         ParameterError: `joints` is missing, empty, or names a joint twice.
     """
-    names = params.get_str_list("joints")
+    names = JOINTS.read_str_list(params)
     # Of two commands for a joint that is named twice, the second would win silently.
     if not names or len(set(names)) != len(names):
-        raise ParameterError(
-            f"Parameter '{params.resolve('joints')}' is {names}; it must name at least "
-            "one joint, and each joint once.",
-            remedy="List the joints the controller commands.",
-            details={"parameter": params.resolve("joints")},
+        JOINTS.refuse(
+            params, names, "a list of at least one joint, and each joint once"
         )
     return names

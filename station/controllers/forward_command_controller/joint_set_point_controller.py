@@ -7,16 +7,22 @@ from typing_extensions import override
 
 from station.controllers.forward_command_controller.command_timeout import (
     read_command_timeout,
+    timeout_parameters,
 )
 from station.controllers.forward_command_controller.controlled_joints import (
     ControlledJoints,
 )
-from station.controllers.forward_command_controller.joint_names import read_joint_names
+from station.controllers.forward_command_controller.joint_names import (
+    JOINT,
+    JOINTS,
+    read_joint_names,
+)
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
 from station.core.control.controller import Controller
+from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import (
     JointDescription,
     find_robot_description,
@@ -65,10 +71,19 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     joints: list[JointDescription]
     _watched: WatchedSetPoint
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            JOINTS if cls.is_group else JOINT,
+            *timeout_parameters(cls.default_timeout, longest=cls.longest_timeout),
+        )
+
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
         self.joint_names = (
-            read_joint_names(params) if self.is_group else [params.get_str("joint")]
+            read_joint_names(params) if self.is_group else [JOINT.read_str(params)]
         )
         self.group = JointGroup([interface.get_handle(n) for n in self.joint_names])
         self.memory = ControlledJoints(self.group)

@@ -1,6 +1,8 @@
 """What all controllers of a Franka arm share: its parameters, handles and poses."""
 
 from station.controllers.franka_arm.arm_handles import (
+    ARM_ID,
+    JOINT_NAMES,
     claim_torques,
     find_model,
     find_state,
@@ -12,6 +14,8 @@ from station.controllers.franka_arm.arm_handles import (
 from station.controllers.franka_arm.pose_port import PosePort
 
 __all__ = [
+    "ARM_ID",
+    "JOINT_NAMES",
     "PosePort",
     "claim_torques",
     "find_model",

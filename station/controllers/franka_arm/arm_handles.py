@@ -6,7 +6,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from station.core.errors import ControllerLoadError, ParameterError
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    ParameterType,
+)
+from station.core.errors import ControllerLoadError
 from station.core.franka import (
     FrankaModelHandle,
     FrankaModelInterface,
@@ -22,6 +27,19 @@ LARGEST_STEP = 1.0
 """Largest change of a torque per cycle [Nm]."""
 JOINT_COUNT = 7
 """Number of joints of an arm."""
+ARM_ID = DeclaredParameter(
+    name="arm_id",
+    type=ParameterType.STRING,
+    names=NameKind.ARM,
+    description="the arm, e.g. `panda`",
+)
+JOINT_NAMES = DeclaredParameter(
+    name="joint_names",
+    type=ParameterType.STRINGS,
+    size=JOINT_COUNT,
+    names=NameKind.JOINT,
+    description="the seven joints of the arm, from base to flange",
+)
 
 InterfaceT = TypeVar("InterfaceT")
 
@@ -32,7 +50,7 @@ def read_arm_id(params: Parameters) -> str:
     Raises:
         ParameterError: `arm_id` is missing or not a string.
     """
-    return params.get_str("arm_id")
+    return ARM_ID.read_str(params)
 
 
 def read_arm_joints(params: Parameters) -> list[str]:
@@ -41,13 +59,9 @@ def read_arm_joints(params: Parameters) -> list[str]:
     Raises:
         ParameterError: `joint_names` is missing, or does not name 7 joints.
     """
-    names = params.get_str_list("joint_names")
+    names = JOINT_NAMES.read_str_list(params)
     if len(set(names)) != JOINT_COUNT:
-        raise ParameterError(
-            f"Parameter '{params.resolve('joint_names')}' is {names}; it must name "
-            f"{JOINT_COUNT} joints.",
-            remedy="Name the joints from base to flange.",
-        )
+        JOINT_NAMES.refuse(params, names, f"a list of {JOINT_COUNT} different joints")
     return names
 
 

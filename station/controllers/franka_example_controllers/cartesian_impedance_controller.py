@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_timeout import (
+    timeout_parameters,
+)
 from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
     claim_torques,
     find_model,
     find_state,
@@ -29,6 +34,7 @@ from station.controllers.franka_example_controllers.quaternion import (
 )
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -60,6 +66,16 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         FrankaModelInterface,
         FrankaStateInterface,
     )
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            ARM_ID,
+            JOINT_NAMES,
+            *timeout_parameters(),
+        )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

@@ -10,9 +10,10 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_arm import read_arm_id
+from station.controllers.franka_arm import ARM_ID, read_arm_id
 from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
+from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaCartesianPoseHandle, FrankaPoseCartesianInterface
 from station.core.parameters import Parameters
 
@@ -27,6 +28,11 @@ class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
     """
 
     hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID)
 
     @override
     def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:

@@ -15,7 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_timeout import (
+    timeout_parameters,
+)
 from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
     claim_torques,
     find_model,
     find_state,
@@ -38,6 +43,7 @@ from station.controllers.franka_example_controllers.quaternion import (
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
@@ -79,6 +85,15 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         FrankaStateInterface,
     )
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            *(each.inside(arm) for arm in ARMS for each in (ARM_ID, JOINT_NAMES)),
+            *timeout_parameters(),
+        )
+
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         self._springs: dict[str, CartesianSpring] = {}
@@ -93,7 +108,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
                 _rotation_error,
             )
             self.joint_names += names
-        left, right = (f"{params.get_str(f'{arm}/arm_id')}_link0" for arm in ARMS)
+        left, right = (f"{ARM_ID.inside(arm).read_str(params)}_link0" for arm in ARMS)
         xml = Parameters(params.tree).get_str(ROBOT_DESCRIPTION)
         self._left_T_right = base_transform(xml, left, right)
         self._frame_id = left

@@ -16,6 +16,8 @@ import numpy as np
 from typing_extensions import override
 
 from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
     claim_torques,
     find_model,
     find_state,
@@ -25,6 +27,7 @@ from station.controllers.franka_arm import (
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import Frame, FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -52,6 +55,11 @@ class ForceExampleController(MultiInterfaceController):
         FrankaModelInterface,
         FrankaStateInterface,
     )
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID, JOINT_NAMES)
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

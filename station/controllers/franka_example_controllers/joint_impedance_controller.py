@@ -13,7 +13,7 @@ rest, and an acceleration time of 0 is refused.
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import cos, pi, sin
 from typing import ClassVar
 
@@ -21,6 +21,8 @@ import numpy as np
 from typing_extensions import override
 
 from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
     claim_torques,
     find_model,
     read_arm_id,
@@ -29,8 +31,8 @@ from station.controllers.franka_arm import (
     saturate_torque_rate,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
-from station.core.control.publish_timer import PublishTimer
-from station.core.errors import ParameterError
+from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -43,6 +45,41 @@ SMALLEST_RADIUS = 0.005
 NEW_SHARE = 0.99
 """Share of the new velocity in the filtered velocity."""
 _DOF = 7
+
+
+def _number(name: str, unit: str, default: float, text: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=default,
+        description=text,
+    )
+
+
+def _seven(name: str, unit: str, text: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name, type=ParameterType.NUMBERS, unit=unit, size=_DOF, description=text
+    )
+
+
+_K_GAINS = _seven("k_gains", "Nm/rad", "stiffness of the seven joints")
+_D_GAINS = _seven("d_gains", "Nms/rad", "damping of the seven joints")
+_RADIUS = _number(
+    "radius", "m", RADIUS, "radius of the circle; replaces a radius below 0.005"
+)
+_VEL_MAX = _number("vel_max", "m/s", 0.05, "speed along the circle")
+_ACCELERATION_TIME = _number(
+    "acceleration_time", "s", 2.0, "time in which that speed is reached"
+)
+_CORIOLIS = _number(
+    "coriolis_factor", "", 1.0, "factor of the compensated Coriolis torques"
+)
+_PUBLISH_RATE = replace(
+    PUBLISH_RATE,
+    default=30.0,
+    description="rate at which `torque_comparison` is published",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,22 +115,35 @@ class JointImpedanceExampleController(MultiInterfaceController):
         FrankaPoseCartesianInterface,
     )
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            ARM_ID,
+            JOINT_NAMES,
+            _K_GAINS,
+            _D_GAINS,
+            _RADIUS,
+            _VEL_MAX,
+            _ACCELERATION_TIME,
+            _CORIOLIS,
+            _PUBLISH_RATE,
+        )
+
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         arm_id, self.joint_names = read_arm_id(params), read_arm_joints(params)
-        radius = params.get_float("radius", RADIUS)
+        radius = _RADIUS.read_float(params)
         self._radius = RADIUS if abs(radius) < SMALLEST_RADIUS else radius
-        self._vel_max = params.get_float("vel_max", 0.05)
-        self._acceleration_time = params.get_float("acceleration_time", 2.0)
+        self._vel_max = _VEL_MAX.read_float(params)
+        self._acceleration_time = _ACCELERATION_TIME.read_float(params)
         if self._acceleration_time == 0.0:
-            raise ParameterError(
-                f"Parameter '{params.resolve('acceleration_time')}' is 0 s.",
-                remedy="Give the time in which the circle's speed is reached.",
-            )
-        self._k = np.array(params.get_float_list("k_gains", _DOF))
-        self._d = np.array(params.get_float_list("d_gains", _DOF))
-        self._coriolis_factor = params.get_float("coriolis_factor", 1.0)
-        self._timer = PublishTimer(params.get_float("publish_rate", 30.0))
+            _ACCELERATION_TIME.refuse(params, "0 s", "another time")
+        self._k = np.array(_K_GAINS.read_float_list(params))
+        self._d = np.array(_D_GAINS.read_float_list(params))
+        self._coriolis_factor = _CORIOLIS.read_float(params)
+        self._timer = PublishTimer(_PUBLISH_RATE.read_float(params))
         self._joints = claim_torques(hw, self.joint_names)
         self._model = find_model(hw, arm_id)
         poses = require(hw, FrankaPoseCartesianInterface)

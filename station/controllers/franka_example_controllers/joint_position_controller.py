@@ -10,9 +10,10 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.franka_arm import read_arm_joints
+from station.controllers.franka_arm import JOINT_NAMES, read_arm_joints
 from station.controllers.franka_example_controllers.start_pose import check_start_pose
 from station.core.control.controller import Controller
+from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import JointGroup, PositionJointInterface
 from station.core.parameters import Parameters
 
@@ -34,6 +35,11 @@ class JointPositionExampleController(Controller[PositionJointInterface]):
         self._joints = JointGroup([])
         self._start: list[float] = []
         self._elapsed = 0.0
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), JOINT_NAMES)
 
     @override
     def init(self, interface: PositionJointInterface, params: Parameters) -> None:

@@ -30,6 +30,7 @@ from station.controllers.franka_example_controllers.joint_wall import (
     wall_torques,
 )
 from station.controllers.franka_example_controllers.teleop_parameters import (
+    TELEOP_PARAMETERS,
     bounds_of,
     read_teleop_gains,
     read_teleop_parameters,
@@ -38,6 +39,7 @@ from station.controllers.franka_example_controllers.teleop_parameters import (
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.publish_timer import PublishTimer
 from station.core.control.tunables import Tunables
+from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
@@ -94,6 +96,11 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         EffortJointInterface,
         FrankaStateInterface,
     )
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), *TELEOP_PARAMETERS)
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

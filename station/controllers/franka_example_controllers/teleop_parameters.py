@@ -12,19 +12,87 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from station.controllers.franka_arm import ARM_ID, JOINT_NAMES
 from station.controllers.franka_example_controllers.follower_motion import MotionBounds
 from station.core.control.tunables import Tunable
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.parameters import Parameters
 
 _DOF = 7
+
+
+def _seven(name: str, unit: str, text: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name, type=ParameterType.NUMBERS, unit=unit, size=_DOF, description=text
+    )
+
+
+_LEADER = (
+    _seven("leader/d_gains_lower", "Nms/rad", "damping of the leader at low velocity"),
+    _seven("leader/d_gains_upper", "Nms/rad", "damping of the leader at high velocity"),
+    _seven(
+        "leader/dq_max_lower",
+        "rad/s",
+        "velocity at which that damping starts to change",
+    ),
+    _seven(
+        "leader/dq_max_upper", "rad/s", "velocity at which that damping stops to change"
+    ),
+)
+_FOLLOWER = (
+    _seven("follower/p_gains", "Nm/rad", "stiffness of the follower"),
+    _seven("follower/d_gains", "Nms/rad", "damping of the follower"),
+    _seven(
+        "follower/drift_comp_gains",
+        "1/s",
+        "velocity of the follower per distance to the leader",
+    ),
+)
+_MOTION = {
+    "dq_l": _seven(
+        "follower/dq_max_lower",
+        "rad/s",
+        "largest velocity of the follower far behind the leader",
+    ),
+    "dq_u": _seven(
+        "follower/dq_max_upper",
+        "rad/s",
+        "largest velocity of the follower close to the leader",
+    ),
+    "ddq_l": _seven(
+        "follower/ddq_max_lower",
+        "rad/s^2",
+        "largest acceleration of the follower far behind the leader",
+    ),
+    "ddq_u": _seven(
+        "follower/ddq_max_upper",
+        "rad/s^2",
+        "largest acceleration of the follower close to the leader",
+    ),
+}
+_CONTACT = DeclaredParameter(
+    name="contact_force_threshold",
+    type=ParameterType.NUMBER,
+    unit="N",
+    description="force at the hand above which the arm is in contact",
+)
+ROLES = ("leader", "follower")
+"""The arm that is guided, and the arm that follows."""
+TELEOP_PARAMETERS = (
+    *(each.inside(role) for role in ROLES for each in (ARM_ID, JOINT_NAMES, _CONTACT)),
+    *_LEADER,
+    *_FOLLOWER,
+    *_MOTION.values(),
+)
+"""All parameters of the teleoperation."""
 _SMALLEST = 0.1
 _LARGEST_VELOCITY = (2.17, 2.17, 2.17, 2.17, 2.6, 2.6, 2.6)
 _LARGEST_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
 _BOUNDS = {
-    "dq_l": ("dq_max_lower", "rad/s", _LARGEST_VELOCITY),
-    "dq_u": ("dq_max_upper", "rad/s", _LARGEST_VELOCITY),
-    "ddq_l": ("ddq_max_lower", "rad/s^2", _LARGEST_ACCELERATION),
-    "ddq_u": ("ddq_max_upper", "rad/s^2", _LARGEST_ACCELERATION),
+    "dq_l": _LARGEST_VELOCITY,
+    "dq_u": _LARGEST_VELOCITY,
+    "ddq_l": _LARGEST_ACCELERATION,
+    "ddq_u": _LARGEST_ACCELERATION,
 }
 _SCALARS = {
     "leader_damping_scaling": Tunable("", 0.0, 8.0, "factor of the leader's damping"),
@@ -92,21 +160,9 @@ def read_teleop_parameters(params: Parameters) -> TeleopParameters:
     Raises:
         ParameterError: A parameter is missing, or is not a list of seven numbers.
     """
-
-    def read(key: str) -> NDArray[np.float64]:
-        return np.array(params.get_float_list(key, _DOF))
-
-    return TeleopParameters(
-        LeaderDamping(
-            read("leader/d_gains_lower"),
-            read("leader/d_gains_upper"),
-            read("leader/dq_max_lower"),
-            read("leader/dq_max_upper"),
-        ),
-        read("follower/p_gains"),
-        read("follower/d_gains"),
-        read("follower/drift_comp_gains"),
-    )
+    damping = [np.array(each.read_float_list(params)) for each in _LEADER]
+    follower = [np.array(each.read_float_list(params)) for each in _FOLLOWER]
+    return TeleopParameters(LeaderDamping(*damping), *follower)
 
 
 def read_teleop_gains(params: Parameters) -> dict[str, float]:
@@ -121,26 +177,26 @@ def read_teleop_gains(params: Parameters) -> dict[str, float]:
         "force_feedback_idle": 0.5,
         "force_feedback_guiding": 0.95,
         **{
-            f"{arm}_contact_force_threshold": params.get_float(
-                f"{arm}/contact_force_threshold"
-            )
-            for arm in ("leader", "follower")
+            f"{role}_{_CONTACT.name}": _CONTACT.inside(role).read_float(params)
+            for role in ROLES
         },
     }
-    for prefix, (key, _, _) in _BOUNDS.items():
-        for number, value in enumerate(params.get_float_list(f"follower/{key}", _DOF)):
-            gains[f"{prefix}_{number + 1}"] = value
+    for prefix, parameter in _MOTION.items():
+        for number, value in enumerate(parameter.read_float_list(params), 1):
+            gains[f"{prefix}_{number}"] = value
     return gains
 
 
 def teleop_schema(gains: Mapping[str, float]) -> dict[str, Tunable]:
     """Return unit and range of each; a configured value beyond a range widens it."""
     schema = dict(_SCALARS)
-    for prefix, (key, unit, largest) in _BOUNDS.items():
+    for prefix, largest in _BOUNDS.items():
+        declared = _MOTION[prefix]
         for number, maximum in enumerate(largest, 1):
-            name = f"{prefix}_{number}"
-            text = f"{key} of joint {number} of the follower"
-            schema[name] = Tunable(unit, _SMALLEST, maximum, text)
+            text = f"{declared.description}, joint {number}"
+            schema[f"{prefix}_{number}"] = Tunable(
+                declared.unit, _SMALLEST, maximum, text
+            )
     return {
         name: replace(
             tunable,

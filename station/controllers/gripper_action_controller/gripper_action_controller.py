@@ -11,12 +11,18 @@ from typing import ClassVar, TypeVar
 from typing_extensions import override
 
 from station.controllers.forward_command_controller import JointQuantity
+from station.controllers.forward_command_controller.joint_names import JOINT
 from station.controllers.gripper_action_controller.gripper_goal_port import (
     GripperGoalPort,
     GripperTarget,
 )
-from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.controllers.pid_command_controller import (
+    JointPidGroup,
+    pid_parameters,
+    read_pid_gains,
+)
 from station.core.control.controller import Controller, ControllerSample
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
@@ -32,6 +38,36 @@ from station.core.parameters import Parameters
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
+
+
+_GOAL_TOLERANCE = DeclaredParameter(
+    name="goal_tolerance",
+    type=ParameterType.NUMBER,
+    unit="m or rad",
+    default=0.01,
+    description="largest distance to the goal that counts as reached",
+)
+_MAX_EFFORT = DeclaredParameter(
+    name="max_effort",
+    type=ParameterType.NUMBER,
+    unit="N or Nm",
+    default_text="effort limit",
+    description="largest effort of goals that do not state one",
+)
+_STALL_VELOCITY = DeclaredParameter(
+    name="stall_velocity_threshold",
+    type=ParameterType.NUMBER,
+    unit="m/s or rad/s",
+    default=0.001,
+    description="velocity below which the joint stands still",
+)
+_STALL_TIMEOUT = DeclaredParameter(
+    name="stall_timeout",
+    type=ParameterType.NUMBER,
+    unit="s",
+    default=1.0,
+    description="a goal is aborted when the joint stands still elsewhere for this time",
+)
 
 
 class GripperActionController(Controller[CommandInterfaceT]):
@@ -66,16 +102,28 @@ class GripperActionController(Controller[CommandInterfaceT]):
         self._distance = 0.0
         self._last_movement = 0.0
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            JOINT,
+            _GOAL_TOLERANCE,
+            _MAX_EFFORT,
+            _STALL_VELOCITY,
+            _STALL_TIMEOUT,
+        )
+
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
-        name = params.get_str("joint")
+        name = JOINT.read_str(params)
         self.joint_names = [name]
         self.joint = require_robot_description(params).joint(name)
         self._handle = interface.get_handle(name)
-        self._tolerance = abs(params.get_float("goal_tolerance", 0.01))
+        self._tolerance = abs(_GOAL_TOLERANCE.read_float(params))
         self._max_effort = self._read_max_effort(params)
-        self._stall_velocity = params.get_float("stall_velocity_threshold", 0.001)
-        self._stall_timeout = params.get_float("stall_timeout", 1.0)
+        self._stall_velocity = _STALL_VELOCITY.read_float(params)
+        self._stall_timeout = _STALL_TIMEOUT.read_float(params)
         self._port = GripperGoalPort(
             self.joint, self._max_effort, self.is_running, self._feedback
         )
@@ -117,7 +165,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._port.waiting.popleft()
         goal = self._goal
         if goal is not None and goal.cancel_requested:
-            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, "The goal was cancelled."))
+            goal.finish(GoalStatus.PREEMPTED, GoalResult(0, goal.cancel_reason))
             self._goal = None
             self._hold()
         position = handle.get_position()
@@ -135,6 +183,8 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._goal.finish(GoalStatus.PREEMPTED, replaced)
         if not goal.is_final():
             goal.status = GoalStatus.ACTIVE
+        if goal.receipt is not None:
+            goal.receipt.pick_up()
         self._goal = goal
         self._target = target
         self._last_movement = time
@@ -209,13 +259,13 @@ class GripperActionController(Controller[CommandInterfaceT]):
             ParameterError: Neither the parameter nor the joint has a finite effort.
         """
         limit = self.joint.effort
-        effort = abs(params.get_float("max_effort", limit if limit < inf else -inf))
+        effort = abs(_MAX_EFFORT.read_float(params, limit if limit < inf else -inf))
         if not isfinite(effort):
             raise ParameterError(
-                f"Parameter '{params.resolve('max_effort')}' is missing, and joint "
+                f"Parameter '{params.resolve(_MAX_EFFORT.name)}' is missing, and joint "
                 f"'{self.joint.name}' has no effort limit.",
                 remedy="Give the largest effort of the gripper in N or Nm.",
-                details={"parameter": params.resolve("max_effort")},
+                details={"parameter": params.resolve(_MAX_EFFORT.name)},
             )
         return effort
 
@@ -242,6 +292,14 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
 
     hardware_interface: ClassVar[type] = EffortJointInterface
     _pids: JointPidGroup
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            *pid_parameters(error=JointQuantity.POSITION, command=JointQuantity.EFFORT),
+        )
 
     @override
     def init(self, interface: EffortJointInterface, params: Parameters) -> None:

@@ -13,6 +13,7 @@ from typing_extensions import override
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidCommandError
 from station.core.ports.goal import Goal, GoalPort
+from station.core.ports.receipt import Receipt
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +55,15 @@ class GripperGoalPort(GoalPort):
         self._max_effort = max_effort
 
     @override
-    def submit(self, request: Mapping[str, object]) -> Goal:
+    def submit(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> Goal:
         """Check a goal and let it replace the present one.
 
         Args:
             request: `{"command": {"position", "max_effort"}}`; `max_effort` is
                 optional, and its sign is ignored.
+            receipt: Where the cycle is noted that takes the goal up.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -67,9 +71,12 @@ class GripperGoalPort(GoalPort):
                 limits of the joint.
         """
         command = self._parse(request)
-        goal = self.new_goal(request)
+        goal = self.new_goal(request, receipt)
         self.remember(goal)
-        self.waiting.append((goal, command))
+        if receipt is None:
+            self.waiting.append((goal, command))
+        else:
+            receipt.hand_over(lambda: self.waiting.append((goal, command)))
         return goal
 
     def _parse(self, request: Mapping[str, object]) -> GripperTarget:

@@ -13,6 +13,7 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
 )
 from station.core.errors import InvalidTrajectoryError
 from station.core.ports.goal import Goal, GoalPort
+from station.core.ports.receipt import Receipt
 from station.core.trajectory import (
     JointTolerances,
     ToleranceRequest,
@@ -46,11 +47,14 @@ class FollowJointTrajectoryPort(GoalPort):
         self._tolerances = tolerances
 
     @override
-    def submit(self, request: Mapping[str, object]) -> Goal:
+    def submit(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> Goal:
         """Check a follow_joint_trajectory goal and let it replace the present one.
 
         Args:
             request: See `parse_goal`.
+            receipt: Where the cycle is noted that takes the goal up.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -58,22 +62,22 @@ class FollowJointTrajectoryPort(GoalPort):
                 `details["error_code"]` is the error code of the action's result.
         """
         try:
-            return self._accept(request)
+            return self._accept(request, receipt)
         except InvalidTrajectoryError as error:
             error.details["error_code"] = int(error_code_of(error))
             raise
 
-    def _accept(self, request: Mapping[str, object]) -> Goal:
+    def _accept(self, request: Mapping[str, object], receipt: Receipt | None) -> Goal:
         wanted = parse_goal(request)
         self._check_names([*wanted.path_tolerance, *wanted.goal_tolerance])
-        goal = self.new_goal(request)
+        goal = self.new_goal(request, receipt)
         bounds = updated_tolerances(
             self._tolerances,
             wanted.path_tolerance,
             wanted.goal_tolerance,
             wanted.goal_time_tolerance,
         )
-        self._execution.plan(wanted.trajectory, goal, bounds)
+        self._execution.plan(wanted.trajectory, goal, bounds, receipt)
         self.remember(goal)
         return goal
 

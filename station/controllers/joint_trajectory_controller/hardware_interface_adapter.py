@@ -6,6 +6,7 @@ hardware_interface_adapter.h.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable  # noqa: TC003 - a native attribute
+from dataclasses import replace
 
 from typing_extensions import override
 
@@ -13,8 +14,13 @@ from station.controllers.forward_command_controller import JointQuantity
 from station.controllers.joint_trajectory_controller.joint_tracking import (
     JointTracking,
 )
-from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.controllers.pid_command_controller import (
+    JointPidGroup,
+    pid_parameters,
+    read_pid_gains,
+)
 from station.core.control.tunables import Tunables
+from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
 from station.core.description.robot_description import JointDescription
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import (
@@ -31,6 +37,14 @@ from station.core.hardware.interfaces.interface_manager import interface_type_na
 from station.core.parameters import Parameters
 from station.kernel.doubles import doubles
 from station.kernel.pid import add_feed_forward
+
+_VELOCITY_FF = DeclaredParameter(
+    name=f"velocity_ff/{EACH_JOINT}",
+    type=ParameterType.NUMBER,
+    unit="command s/rad",
+    default=0.0,
+    description="factor with which the desired velocity is added to the command",
+)
 
 
 class HardwareInterfaceAdapter(ABC):
@@ -123,7 +137,7 @@ class ClosedLoopAdapter(HardwareInterfaceAdapter):
             rates=self.tracking.rate_errors,
         )
         self._velocity_ff = doubles(
-            params.get_float(f"velocity_ff/{joint.name}", 0.0) for joint in joints
+            _VELOCITY_FF.of(joint.name).read_float(params) for joint in joints
         )
         self._feeds_forward = any(self._velocity_ff)
         self.tunables = self._pids.tunables
@@ -174,6 +188,27 @@ class DesiredStateAdapter(HardwareInterfaceAdapter):
             set_command(*state)
 
 
+_PID_COMMANDS: dict[type, JointQuantity] = {
+    VelocityJointInterface: JointQuantity.VELOCITY,
+    EffortJointInterface: JointQuantity.EFFORT,
+}
+"""What the PIDs of a `ClosedLoopAdapter` compute, by the interface."""
+
+
+def adapter_parameters(interface: type) -> tuple[DeclaredParameter, ...]:
+    """Return the parameters that the adapter for an interface reads.
+
+    Args:
+        interface: Type of the interface.
+    """
+    command = _PID_COMMANDS.get(interface)
+    if command is None:
+        return ()
+    rate = "" if command is JointQuantity.VELOCITY else "Nm s/rad"
+    pid = pid_parameters(error=JointQuantity.POSITION, command=command)
+    return (*pid, replace(_VELOCITY_FF, unit=rate))
+
+
 def adapter_for(
     interface: object, joints: list[JointDescription], params: Parameters
 ) -> HardwareInterfaceAdapter:
@@ -192,10 +227,9 @@ def adapter_for(
     match interface:
         case PositionJointInterface():
             return PositionAdapter(interface, joints)
-        case VelocityJointInterface():
-            return ClosedLoopAdapter(interface, joints, params, JointQuantity.VELOCITY)
-        case EffortJointInterface():
-            return ClosedLoopAdapter(interface, joints, params, JointQuantity.EFFORT)
+        case VelocityJointInterface() | EffortJointInterface():
+            command = _PID_COMMANDS[type(interface)]
+            return ClosedLoopAdapter(interface, joints, params, command)
         case PosVelJointInterface() | PosVelAccJointInterface():
             return DesiredStateAdapter(interface, joints)
     raise ControllerLoadError(

@@ -9,19 +9,23 @@ from typing import ClassVar, NamedTuple, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.joint_names import read_joint_names
+from station.controllers.forward_command_controller.joint_names import (
+    JOINTS,
+    read_joint_names,
+)
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_port import (  # noqa: E501
     FollowJointTrajectoryPort,
 )
 from station.controllers.joint_trajectory_controller.hardware_interface_adapter import (
     HardwareInterfaceAdapter,
     adapter_for,
+    adapter_parameters,
 )
 from station.controllers.joint_trajectory_controller.joint_trajectory_port import (
     JointTrajectoryPort,
 )
 from station.controllers.joint_trajectory_controller.speed_scaling import (
-    SPEED_SCALING,
+    SPEED_PARAMETERS,
     SpeedScaling,
 )
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
@@ -29,11 +33,11 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
 )
 from station.core.control.controller import Controller, PackedSample
 from station.core.control.tunables import Tunables
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
-from station.core.errors import ParameterError
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,
@@ -44,6 +48,7 @@ from station.core.hardware.interfaces import (
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
 from station.core.trajectory import (
+    TOLERANCE_PARAMETERS,
     PosVelAccState,
     read_tolerances,
 )
@@ -66,6 +71,24 @@ class JointTrajectoryState(NamedTuple):
     desired: PosVelAccState
     actual: PosVelAccState
     error: PosVelAccState
+
+
+_ALLOW_PARTIAL_JOINTS_GOAL = DeclaredParameter(
+    name="allow_partial_joints_goal",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="a trajectory may leave joints out",
+)
+_CONSTRAINTS = "constraints"
+_STOP_TRAJECTORY_DURATION = DeclaredParameter(
+    name="stop_trajectory_duration",
+    type=ParameterType.NUMBER,
+    unit="s",
+    default=0.0,
+    minimum=0.0,
+    description="time in which a motion comes to rest; 0: hold the measured positions "
+    "at once",
+)
 
 
 class JointTrajectoryController(Controller[InterfaceT]):
@@ -92,21 +115,32 @@ class JointTrajectoryController(Controller[InterfaceT]):
     _adapter: HardwareInterfaceAdapter
     _columns: tuple[Doubles, ...]
 
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            JOINTS,
+            *(each.inside(_CONSTRAINTS) for each in TOLERANCE_PARAMETERS),
+            _STOP_TRAJECTORY_DURATION,
+            _ALLOW_PARTIAL_JOINTS_GOAL,
+            *SPEED_PARAMETERS,
+            *adapter_parameters(cls.hardware_interface),
+        )
+
     @override
     def init(self, interface: InterfaceT, params: Parameters) -> None:
         self.joint_names = read_joint_names(params)
         description = require_robot_description(params)
         self.joints = [description.joint(name) for name in self.joint_names]
         self._adapter = self.make_adapter(interface, params)
-        speed = _read_speed(params)
+        speed = SpeedScaling.from_parameters(params)
         tracking = self._adapter.tracking
         self.execution = TrajectoryExecution(
             self.joints,
             tracking,
-            stop_duration=_read_duration(params, "stop_trajectory_duration", 0.0),
-            allow_partial_joints_goal=params.get_bool(
-                "allow_partial_joints_goal", default=False
-            ),
+            stop_duration=_STOP_TRAJECTORY_DURATION.read_float(params),
+            allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
             speed=speed,
         )
         self._columns = (
@@ -122,7 +156,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
         )
         self.goals = FollowJointTrajectoryPort(
             self.execution,
-            read_tolerances(params.namespace("constraints"), self.joint_names),
+            read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names),
             self.is_running,
             self._state_message,
         )
@@ -252,36 +286,3 @@ def _message(state: PosVelAccState) -> dict[str, object]:
         "accelerations": state.acceleration,
         "time_from_start": state.time_from_start,
     }
-
-
-def _read_duration(params: Parameters, key: str, default: float) -> float:
-    """Return a duration [s].
-
-    Raises:
-        ParameterError: The duration is not a number >= 0.
-    """
-    duration = params.get_float(key, default)
-    if duration < 0.0:
-        raise ParameterError(
-            f"Parameter '{params.resolve(key)}' is {duration}; it must be >= 0 s.",
-            remedy="Give a time in seconds.",
-            details={"parameter": params.resolve(key)},
-        )
-    return duration
-
-
-def _read_speed(params: Parameters) -> SpeedScaling:
-    """Return the speed scaling.
-
-    Raises:
-        ParameterError: A parameter is out of its range.
-    """
-    target = params.get_float(SPEED_SCALING, 1.0)
-    if not 0.0 <= target <= 1.0:
-        raise ParameterError(
-            f"Parameter '{params.resolve(SPEED_SCALING)}' is {target}; allowed is 0 "
-            "to 1.",
-            remedy="Give a fraction of the planned speed.",
-            details={"parameter": params.resolve(SPEED_SCALING)},
-        )
-    return SpeedScaling(target, _read_duration(params, "speed_scaling_ramp", 0.5))

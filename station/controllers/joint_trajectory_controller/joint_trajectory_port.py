@@ -49,8 +49,8 @@ class JointTrajectoryPort(TrajectoryPort):
         self._execution.plan(trajectory, receipt=receipt)
 
     @override
-    def hold(self) -> None:
-        self._execution.hold()
+    def hold(self, receipt: Receipt | None = None) -> None:
+        self._execution.hold(receipt)
 
     @override
     def query_state(self, time: float) -> PosVelAccState:

@@ -3,9 +3,28 @@
 from collections.abc import Mapping
 
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.parameters import Parameters
 
-SPEED_SCALING = "speed_scaling"
-"""Name of the parameter and of the run-time parameter."""
+SPEED_SCALING = DeclaredParameter(
+    name="speed_scaling",
+    type=ParameterType.NUMBER,
+    default=1.0,
+    minimum=0.0,
+    maximum=1.0,
+    description="speed of the executed trajectory; 0 pauses",
+)
+"""The factor, which is a run-time parameter, too."""
+_RAMP = DeclaredParameter(
+    name="speed_scaling_ramp",
+    type=ParameterType.NUMBER,
+    unit="s",
+    default=0.5,
+    minimum=0.0,
+    description="time from standstill to full speed",
+)
+SPEED_PARAMETERS = (SPEED_SCALING, _RAMP)
+"""The parameters of the speed scaling."""
 
 
 class SpeedScaling:
@@ -29,10 +48,22 @@ class SpeedScaling:
         self._ramp_time = ramp_time
         text = "speed of the trajectory; 0 pauses, 1 is as planned"
         self.tunables = Tunables(
-            {SPEED_SCALING: Tunable("", 0.0, 1.0, text)},
-            {SPEED_SCALING: target},
+            {SPEED_SCALING.name: Tunable("", 0.0, 1.0, text)},
+            {SPEED_SCALING.name: target},
             apply=self._set_target,
         )
+
+    @classmethod
+    def from_parameters(cls, params: Parameters) -> "SpeedScaling":
+        """Return the scaling that `speed_scaling` and `speed_scaling_ramp` describe.
+
+        Args:
+            params: The controller's namespace.
+
+        Raises:
+            ParameterError: A parameter is out of its range.
+        """
+        return cls(SPEED_SCALING.read_float(params), _RAMP.read_float(params))
 
     def advance(self, period: float) -> float:
         """Move the factor towards its target; return the trajectory time passed [s].
@@ -54,4 +85,4 @@ class SpeedScaling:
         return period * 0.5 * (before + self.factor)
 
     def _set_target(self, values: Mapping[str, float]) -> None:
-        self.target = values[SPEED_SCALING]
+        self.target = values[SPEED_SCALING.name]

@@ -187,21 +187,28 @@ class TrajectoryExecution:
         with self._planning:
             # Replaced trajectories are freed here, where time does not matter.
             self._retired.clear()
+            planned = None
             if request.points:
-                planned = self._planned(request, goal, tolerances)
-                self._requests.append(_Request(planned, goal, receipt))
-                return
-            if goal is not None:
+                planned = self._planned(request, goal, tolerances, receipt)
+            elif goal is not None:
                 check_joint_names(
                     request.joint_names,
                     self._names,
                     allow_partial_joints_goal=self._allow_partial,
                 )
-            self._requests.append(_Request(None, goal, receipt))
+            made = _Request(planned, goal, receipt)
+            if receipt is None:
+                self._requests.append(made)
+            else:
+                receipt.hand_over(lambda: self._requests.append(made))
 
-    def hold(self) -> None:
-        """Let the next cycle end the motion and hold. Any thread; takes no lock."""
-        self._requests.append(_Request(None, None))
+    def hold(self, receipt: Receipt | None = None) -> None:
+        """Let the next cycle end the motion and hold. Any thread; takes no lock.
+
+        Args:
+            receipt: Where the cycle is noted that takes the request up.
+        """
+        self._requests.append(_Request(None, None, receipt))
 
     def advance(self, time: float, period: float) -> None:
         """Compute the desired states and the errors of the present cycle.
@@ -223,7 +230,7 @@ class TrajectoryExecution:
             self._requests.popleft()
         goal = self._supervision.goal
         if goal is not None and goal.cancel_requested:
-            self._supervision.end(GoalStatus.PREEMPTED, "The goal was cancelled.")
+            self._supervision.end(GoalStatus.PREEMPTED, goal.cancel_reason)
             self._follow(self._resting())
             goal = None
         is_within = not self._sample(now)
@@ -267,8 +274,11 @@ class TrajectoryExecution:
         request: JointTrajectory,
         goal: Goal | None,
         tolerances: Mapping[str, JointTolerances] | None,
+        receipt: Receipt | None,
     ) -> SegmentTrajectory:
         time, period, uptime = self._moment
+        if receipt is not None:
+            receipt.planned_at = time
         check_duration(request, time)
         current = self._latest_trajectory()
         following = uptime + to_nanoseconds(period * self.speed.factor)

@@ -6,7 +6,14 @@ from station.controllers.pid_command_controller.joint_pid_controller import (
 )
 from station.controllers.pid_command_controller.joint_pid_group import (
     JointPidGroup,
+    pid_parameters,
     read_pid_gains,
 )
 
-__all__ = ["JointPidController", "JointPidGroup", "read_pid_gains", "set_ways"]
+__all__ = [
+    "JointPidController",
+    "JointPidGroup",
+    "pid_parameters",
+    "read_pid_gains",
+    "set_ways",
+]

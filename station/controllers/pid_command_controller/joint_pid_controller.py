@@ -17,9 +17,11 @@ from station.controllers.forward_command_controller import (
 )
 from station.controllers.pid_command_controller.joint_pid_group import (
     JointPidGroup,
+    pid_parameters,
     read_pid_gains,
 )
 from station.core.control.controller import PackedSample
+from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.parameters import Parameters
@@ -55,6 +57,14 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
     _rate_errors: JointErrors
     _columns: tuple[Doubles, ...]
     _period: float
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            *pid_parameters(error=cls.quantity, command=cls.command_quantity),
+        )
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:

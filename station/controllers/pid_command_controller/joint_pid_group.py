@@ -1,12 +1,14 @@
 """One PID per joint, and its gains as run-time parameters."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import EACH_JOINT, DeclaredParameter
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidGainError, ParameterError
-from station.core.numerics.pid import PidGains, apply_gains
+from station.core.numerics.pid import PID_PARAMETERS, PidGains, apply_gains
 from station.core.parameters import Parameters
 from station.kernel.doubles import Doubles, zeros
 from station.kernel.pid import PidGroup
@@ -130,6 +132,24 @@ class JointPidGroup:
         for index, each in enumerate(gains):
             apply_gains(self._group, index, each)
         self._gains = gains
+
+
+def pid_parameters(
+    *, error: JointQuantity, command: JointQuantity
+) -> tuple[DeclaredParameter, ...]:
+    """Return the declarations of what `read_pid_gains` reads, at its first place.
+
+    Args:
+        error: The quantity whose error the PIDs reduce.
+        command: The quantity that the PIDs compute.
+    """
+    rotating = JointDescription("")
+    units = _units(command.unit(rotating), error.unit(rotating))
+    units["i_clamp"] = command.unit(rotating)
+    return tuple(
+        replace(each.inside(f"{EACH_JOINT}/pid"), unit=units.get(each.name, ""))
+        for each in PID_PARAMETERS
+    )
 
 
 def read_pid_gains(

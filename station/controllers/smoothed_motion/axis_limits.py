@@ -1,11 +1,9 @@
 """Limits of smoothed motion: parameters and defaults."""
 
 from dataclasses import dataclass
-from math import inf, isfinite
-from typing import NoReturn
 
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import JointDescription
-from station.core.errors import ParameterError
 from station.core.parameters import Parameters
 
 TIME_TO_SPEED = 0.5
@@ -35,6 +33,48 @@ class AxisLimits:
     jerk: tuple[float, ...]
 
 
+_PER_JOINT = "one number for all joints, or a list with one number per joint"
+
+
+def _declare(
+    name: str, unit: str, default_text: str, description: str
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER_OR_NUMBERS,
+        unit=unit,
+        default_text=default_text,
+        minimum=0.0,
+        excludes_minimum=True,
+        description=description,
+    )
+
+
+_MAX_VELOCITY = _declare(
+    "max_velocity", "rad/s", "velocity limit", f"largest velocity; {_PER_JOINT}"
+)
+_MAX_ACCELERATION = _declare(
+    "max_acceleration",
+    "rad/s^2",
+    f"full velocity after {TIME_TO_SPEED:g} s",
+    "largest acceleration, likewise",
+)
+_MAX_JERK = _declare(
+    "max_jerk",
+    "rad/s^3",
+    f"full acceleration after {TIME_TO_ACCELERATION:g} s",
+    "largest jerk, likewise",
+)
+LIMIT_PARAMETERS = (_MAX_VELOCITY, _MAX_ACCELERATION, _MAX_JERK)
+"""The parameters of the limits."""
+MAX_LEAD = _declare(
+    "max_lead",
+    "rad",
+    f"{LEAD:g}, or {LINEAR_LEAD:g} m",
+    "largest distance of the desired position from a joint; one number, or a list",
+)
+
+
 def read_axis_limits(params: Parameters, joints: list[JointDescription]) -> AxisLimits:
     """Read `max_velocity`, `max_acceleration` and `max_jerk`.
 
@@ -50,15 +90,15 @@ def read_axis_limits(params: Parameters, joints: list[JointDescription]) -> Axis
         ParameterError: A value is missing or not above 0, or a velocity is beyond the
             limit of its joint.
     """
-    velocity = _read(params, "max_velocity", [joint.velocity for joint in joints])
+    velocity = _MAX_VELOCITY.read_per_axis(params, [each.velocity for each in joints])
     for value, joint in zip(velocity, joints, strict=True):
         if value > joint.velocity:
-            _refuse(params, "max_velocity", value, f"<= {joint.velocity}")
-    acceleration = _read(
-        params, "max_acceleration", [each / TIME_TO_SPEED for each in velocity]
+            _MAX_VELOCITY.refuse(params, value, f"<= {joint.velocity}")
+    acceleration = _MAX_ACCELERATION.read_per_axis(
+        params, [each / TIME_TO_SPEED for each in velocity]
     )
-    jerk = _read(
-        params, "max_jerk", [each / TIME_TO_ACCELERATION for each in acceleration]
+    jerk = _MAX_JERK.read_per_axis(
+        params, [each / TIME_TO_ACCELERATION for each in acceleration]
     )
     return AxisLimits(tuple(velocity), tuple(acceleration), tuple(jerk))
 
@@ -77,32 +117,4 @@ def read_max_lead(params: Parameters, joints: list[JointDescription]) -> list[fl
         ParameterError: A value is not above 0.
     """
     default = [LINEAR_LEAD if joint.is_linear() else LEAD for joint in joints]
-    return _read(params, "max_lead", default)
-
-
-def _read(params: Parameters, key: str, default: list[float]) -> list[float]:
-    """Return one positive number per joint.
-
-    Raises:
-        ParameterError: The numbers are too many, too few, or not positive and finite.
-    """
-    if not params.has(key):
-        values = default
-    elif isinstance(params.get(key), list):
-        values = params.get_float_list(key)
-    else:
-        values = [params.get_float(key)] * len(default)
-    if len(values) != len(default):
-        _refuse(params, key, values, f"{len(default)} numbers, or one")
-    for value in values:
-        if not (isfinite(value) and value > 0.0):
-            _refuse(params, key, "missing" if value == inf else value, "> 0")
-    return values
-
-
-def _refuse(params: Parameters, key: str, value: object, allowed: str) -> NoReturn:
-    raise ParameterError(
-        f"Parameter '{params.resolve(key)}' is {value}; it must be {allowed}.",
-        remedy="Give one number for all joints, or a list with one number per joint.",
-        details={"parameter": params.resolve(key)},
-    )
+    return MAX_LEAD.read_per_axis(params, default)

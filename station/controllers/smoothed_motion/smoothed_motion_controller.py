@@ -11,14 +11,21 @@ from station.controllers.forward_command_controller import (
     JointQuantity,
     JointSetPointController,
 )
-from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.controllers.pid_command_controller import (
+    JointPidGroup,
+    pid_parameters,
+    read_pid_gains,
+)
 from station.controllers.smoothed_motion.axis_limits import (
+    LIMIT_PARAMETERS,
+    MAX_LEAD,
     AxisLimits,
     read_axis_limits,
     read_max_lead,
 )
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
 from station.core.control.controller import PackedSample
+from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters
 from station.kernel.doubles import Doubles, put, zeros
@@ -64,6 +71,15 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     _rate_errors: JointErrors
     _columns: tuple[Doubles, ...]
     _max_lead: list[float]
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        common = (*super().declared_parameters(), *LIMIT_PARAMETERS)
+        if not issubclass(cls.hardware_interface, EffortJointInterface):
+            return common
+        position, effort = JointQuantity.POSITION, JointQuantity.EFFORT
+        return (*common, MAX_LEAD, *pid_parameters(error=position, command=effort))
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:

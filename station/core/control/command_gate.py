@@ -23,10 +23,16 @@ from collections.abc import Iterable
 from itertools import cycle
 
 from station.core.control.command_guard import all_guards, as_pieces
-from station.core.control.command_piece import Piece, make_piece
+from station.core.control.command_piece import (
+    BlockPiece,
+    ListPiece,
+    Piece,
+    make_piece,
+)
 from station.core.control.controller import ControllerState
 from station.core.control.loaded_controller import LoadedController
 from station.core.hardware.robot_hw import RobotHW
+from station.kernel.command_pieces import CommandPieces
 from station.kernel.doubles import Storage
 
 _RUNNING = ControllerState.RUNNING
@@ -66,8 +72,7 @@ class CommandGate:
         self._guards = all_guards(hw)
         # Commands that nobody owns, with their rest; and all that are written anew.
         self._resting: list[Piece] = []
-        self._rows: list[Piece] = []
-        self._looks = cycle(self._rows)
+        self._note_rows([])
         self._owned_names: set[str] = set()
         self._names: dict[Slot, str] = {
             (id(storage), index): guard.name
@@ -115,8 +120,7 @@ class CommandGate:
         For a world that was put somewhere else.
         """
         self._resting = []
-        self._rows = []
-        self._looks = cycle(self._rows)
+        self._note_rows([])
         self.is_stale = True
 
     def close(self, loaded: Iterable[LoadedController]) -> None:
@@ -132,8 +136,9 @@ class CommandGate:
             if piece.differs():
                 self._note(f"the command of '{self._changed(piece)}'")
             break  # one group in a cycle, the next group in the next cycle
+        self._write_blocks()
         # Also what equals the right value: it may still be no float, e.g. 0j.
-        for piece in self._rows:
+        for piece in self._lists:
             piece.write()
 
     def _close_with_care(self, loaded: Iterable[LoadedController]) -> None:
@@ -227,8 +232,14 @@ class CommandGate:
         # With nobody beside it, what the only controller has written stays as it is.
         beside = owners if len(running) > 1 else []
         owned_pieces = [piece for one in beside for piece in one.commands.pieces]
-        self._rows = [*self._resting, *owned_pieces]
-        self._looks = cycle(self._rows)
+        self._note_rows([*self._resting, *owned_pieces])
+
+    def _note_rows(self, rows: list[Piece]) -> None:
+        self._rows = rows
+        self._looks = cycle(rows)
+        self._lists = [piece for piece in rows if isinstance(piece, ListPiece)]
+        blocks = [piece for piece in rows if isinstance(piece, BlockPiece)]
+        self._write_blocks = CommandPieces([*blocks]).write
 
     def _changed(self, piece: Piece) -> str:
         for index, value in enumerate(piece.values, piece.start):

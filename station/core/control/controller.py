@@ -13,6 +13,7 @@ from typing import ClassVar, Generic, TypeAlias, TypeVar
 from typing_extensions import override
 
 from station.core.control.tunables import Tunables
+from station.core.declared_parameter import DeclaredParameter
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
@@ -184,6 +185,16 @@ class ControllerBase:
         self.tunables = Tunables()
         self.joint_names: list[str] = []
         self.sample: ControllerSample | None = None
+
+    @classmethod
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        """Return the parameters that `init` reads, for people who load a controller.
+
+        Override it with `(*super().declared_parameters(), …)` and read the parameters
+        through these declarations, so that there is no second list of them. Called
+        without an instance, outside of the control thread.
+        """
+        return ()
 
     def starting(self, time: float) -> None:
         """Prepare to run; command the robot to rest where it is."""

@@ -1,17 +1,39 @@
 """Makes loaded controllers out of a name and its parameters."""
 
+import inspect
 import re
 from collections.abc import Sequence
 
 from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_loader import ControllerLoader, create_controller
+from station.core.control.controller_type import ControllerType
 from station.core.control.loaded_controller import LoadedController
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    ParameterType,
+)
 from station.core.errors import ControllerLoadError, ParameterError, StationError
 from station.core.faults import CONTAINED, describe, trace_of_fault
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 from station.core.parameters import Parameters
 
+FALLBACK = DeclaredParameter(
+    name="fallback",
+    type=ParameterType.STRINGS,
+    default=(),
+    names=NameKind.CONTROLLER,
+    description="controllers that take over when this one fails",
+)
+ALLOW_START_JUMP = DeclaredParameter(
+    name="allow_start_jump",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="start even if the first command is far from the last command",
+)
+COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP)
+"""Parameters that every controller has, whatever its type."""
 _NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
 
 
@@ -42,6 +64,18 @@ class ControllerFactory:
             for controller_type in loader.declared_types()
         ]
 
+    def describe_types(self) -> list[ControllerType]:
+        """Return every type with the parameters that it declares.
+
+        Modules that were not needed so far are imported. A type whose module cannot be
+        imported, or whose declaration fails, is listed with the reason.
+        """
+        return [
+            _describe_type(loader, controller_type)
+            for loader in self.loaders
+            for controller_type in loader.declared_types()
+        ]
+
     def reload(self) -> None:
         """Let every loader forget the code it imported."""
         for loader in self.loaders:
@@ -66,8 +100,8 @@ class ControllerFactory:
             )
         params = self._parameters.namespace(name)
         controller_type = params.get_str("type")
-        fallback = tuple(params.get_str_list("fallback", []))
-        may_jump = params.get_bool("allow_start_jump", default=False)
+        fallback = tuple(FALLBACK.read_str_list(params))
+        may_jump = ALLOW_START_JUMP.read_bool(params)
         controller = create_controller(self.loaders, controller_type)
         claims = self._initialise(name, controller, params)
         info = ControllerInfo(name, controller_type, claims)
@@ -94,3 +128,20 @@ class ControllerFactory:
                 remedy="Correct the controller's init.",
                 details={"controller": name, "traceback": trace_of_fault()},
             ) from error
+
+
+def _describe_type(loader: ControllerLoader, controller_type: str) -> ControllerType:
+    try:
+        found = loader.find_class(controller_type)
+        declared = () if found is None else found.declared_parameters()
+    except StationError as error:
+        return ControllerType(controller_type, loader.name, error=error.message)
+    except CONTAINED as error:  # of the plugin's module or its declaration
+        return ControllerType(controller_type, loader.name, error=describe(error))
+    text = inspect.cleandoc((found.__doc__ if found else "") or "")
+    return ControllerType(
+        controller_type,
+        loader.name,
+        text.partition("\n")[0],
+        (*COMMON_PARAMETERS, *declared),
+    )

@@ -49,6 +49,20 @@ class ControllerLoader(ABC):
             ControllerLoadError: The type is known but cannot be created.
         """
 
+    def find_class(
+        self,
+        controller_type: str,  # noqa: ARG002 - for overrides
+    ) -> type[ControllerBase] | None:
+        """Return the class of a type, or None when the loader cannot tell it.
+
+        Args:
+            controller_type: The type.
+
+        Raises:
+            ControllerLoadError: The type is known but cannot be imported.
+        """
+        return None
+
     def knows(self, controller_type: str) -> bool:
         """Return whether `create` should be tried for that type."""
         return controller_type in self.declared_types()
@@ -85,12 +99,15 @@ class TableLoader(ControllerLoader):
 
     @override
     def create(self, controller_type: str) -> ControllerBase | None:
+        found = self.find_class(controller_type)
+        return None if found is None else found()
+
+    @override
+    def find_class(self, controller_type: str) -> type[ControllerBase] | None:
         target = self._table.get(controller_type)
-        if target is None:
-            return None
-        if not isinstance(target, str):
-            return target()
-        return _create(controller_type, target, self._modules)
+        if target is None or not isinstance(target, str):
+            return target
+        return _find_class(controller_type, target, self._modules)
 
     @override
     def reload(self) -> None:
@@ -120,6 +137,10 @@ class EntryPointLoader(ControllerLoader):
     @override
     def create(self, controller_type: str) -> ControllerBase | None:
         return self._table.create(controller_type)
+
+    @override
+    def find_class(self, controller_type: str) -> type[ControllerBase] | None:
+        return self._table.find_class(controller_type)
 
     @override
     def reload(self) -> None:
@@ -155,7 +176,7 @@ class ClassLoader(ControllerLoader):
     def create(self, controller_type: str) -> ControllerBase | None:
         module = controller_type.partition(":")[0]
         self._check_allowed(module, controller_type)
-        return _create(controller_type, controller_type, self._modules)
+        return _find_class(controller_type, controller_type, self._modules)()
 
     def _check_allowed(self, module: str, controller_type: str) -> None:
         """Refuse a module that is not on the list.
@@ -242,9 +263,9 @@ def _create_with(
         raise _cannot_create(controller_type, error) from error
 
 
-def _create(
+def _find_class(
     controller_type: str, target: str, modules: PluginModules
-) -> ControllerBase:
+) -> type[ControllerBase]:
     module_name, _, class_name = target.partition(":")
     try:
         found: object = modules.load(module_name)
@@ -258,7 +279,7 @@ def _create(
             remedy="Derive it from Controller or MultiInterfaceController.",
             details={"type": controller_type},
         )
-    return found()
+    return found
 
 
 def _cannot_create(controller_type: str, error: BaseException) -> ControllerLoadError:

@@ -23,6 +23,7 @@ from station.core.control.controller_status import (
     ControllerStatistics,
     ControllerStatus,
 )
+from station.core.control.controller_type import ControllerType
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.loading import LOAD_TIMEOUT, Loading
 from station.core.control.switch_caller import SwitchCaller
@@ -272,6 +273,13 @@ class ControllerManager:
     def list_controller_types(self) -> list[tuple[str, str]]:
         """Return (type, base class) of everything the loaders declare (CM-86)."""
         return self._factory.declared_types()
+
+    def describe_controller_types(self) -> list[ControllerType]:
+        """Return everything the loaders declare, with parameters; may import modules.
+
+        Not for the control thread.
+        """
+        return self._factory.describe_types()
 
     def register_loader(self, loader: ControllerLoader) -> None:
         """Ask `loader`, too, after those that are known already."""

@@ -1,5 +1,14 @@
 """Decide in which cycles a controller publishes."""
 
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+
+PUBLISH_RATE = DeclaredParameter(
+    name="publish_rate",
+    type=ParameterType.NUMBER,
+    unit="Hz",
+    description="rate of publication; 0: nothing is published",
+)
+
 
 class PublishTimer:
     """Decides in which cycles to publish, from the station time it is given.

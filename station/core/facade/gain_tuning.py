@@ -92,35 +92,52 @@ class GainTuning:
             LoopError: The loop died or hangs.
         """
         with self._change_lock:
-            self._manager.get_controller(name)
-            present = self._revisions.get(name, 0)
-            if revision is not None and revision != present:
-                raise GainsChangedError(
-                    f"The gains of '{name}' changed since revision {revision}; they "
-                    f"are at {present}.",
-                    remedy="Read them again and repeat the change.",
-                    details={"revision": present},
-                )
+            if revision is not None:
+                self._check_revision(name, revision)
             return self._apply({name: changes})[name]
 
     def set_many(
-        self, changes: Mapping[str, Mapping[str, float]]
+        self,
+        changes: Mapping[str, Mapping[str, float]],
+        revisions: Mapping[str, int] | None = None,
     ) -> dict[str, GainsChange]:
         """Change the parameters of several controllers between the same two cycles.
 
         Args:
             changes: New values by controller and name; the others stay.
+            revisions: Revisions the caller has read, by controller; any of those that
+                it does not name.
 
         Returns:
             What changed, by controller.
 
         Raises:
             ControllerNotFoundError: A controller is not loaded; nothing changed.
+            GainsChangedError: A revision is not the present one; nothing changed.
             InvalidGainError: A name or value is not allowed; nothing changed.
             LoopError: The loop died or hangs.
         """
         with self._change_lock:
+            for name, revision in (revisions or {}).items():
+                self._check_revision(name, revision)
             return self._apply(changes)
+
+    def _check_revision(self, name: str, revision: int) -> None:
+        """Refuse a revision that is not the present one; the lock is held.
+
+        Raises:
+            ControllerNotFoundError: No controller of that name is loaded.
+            GainsChangedError: It is not.
+        """
+        self._manager.get_controller(name)
+        present = self._revisions.get(name, 0)
+        if revision != present:
+            raise GainsChangedError(
+                f"The gains of '{name}' changed since revision {revision}; they "
+                f"are at {present}.",
+                remedy="Read them again and repeat the change.",
+                details={"revision": present},
+            )
 
     def undo(self) -> dict[str, GainsChange]:
         """Take the last change back that was not taken back; return what changed.

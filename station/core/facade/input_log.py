@@ -25,11 +25,13 @@ class Input:
         arguments: How, as JSON has it.
         after: Returns the last cycle before it took effect; None while none has taken
             it up.
+        until: Returns the last cycle before a set-point expired; None while it has not.
     """
 
     kind: str
     arguments: Mapping[str, object]
     after: Callable[[], int | None]
+    until: Callable[[], int | None] = lambda: None
 
 
 class InputLog:
@@ -53,15 +55,6 @@ class InputLog:
         cycle = self._loop.cycle
         self._add(kind, arguments, lambda: cycle)
 
-    def note_plan(self, kind: str, **arguments: object) -> None:
-        """Note what is planned now, for the next cycle that takes it up.
-
-        While cycles run in their thread, some may pass until the plan is made; then a
-        re-run, which plans between two cycles, may go another way.
-        """
-        running = self._loop.state is LoopState.RUNNING
-        self.note(kind, **arguments, while_running=running)
-
     def note_in_cycle(self, kind: str, **arguments: object) -> None:
         """Note what an operation does; called by the operation."""
         # The thread has counted the cycle already when it carries operations out.
@@ -70,12 +63,21 @@ class InputLog:
         self._add(kind, arguments, lambda: cycle)
 
     def note_command(self, kind: str, receipt: Receipt, **arguments: object) -> None:
-        """Note a command that a later cycle picks up, or none does."""
+        """Note a command that a later cycle picks up, or none does.
+
+        With a plan goes the station time of the cycle that it was made from: cycles may
+        have passed until the plan was ready.
+        """
 
         def after() -> int | None:
             return None if receipt.cycle is None else receipt.cycle - 1
 
-        self._add(kind, arguments, after)
+        def until() -> int | None:
+            return None if receipt.ended is None else receipt.ended - 1
+
+        if receipt.planned_at is not None:
+            arguments["planned_at"] = receipt.planned_at
+        self._add(kind, arguments, after, until)
 
     def note_stop(self, reason: str) -> None:
         """Note that the stop was engaged; the next cycle carries it out."""
@@ -101,7 +103,8 @@ class InputLog:
         kind: str,
         arguments: Mapping[str, object],
         after: Callable[[], int | None],
+        until: Callable[[], int | None] = lambda: None,
     ) -> None:
         if len(self._inputs) >= CAPACITY:
             self.is_complete = False
-        self._inputs.append(Input(kind, arguments, after))
+        self._inputs.append(Input(kind, arguments, after, until))

@@ -4,7 +4,7 @@ Every command is checked alike first: the station must be armed, the controller 
 run, and the epoch, if the caller names one, must be the present one.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import (
@@ -26,7 +26,10 @@ from station.core.trajectory.trajectory_port import TrajectoryPort
 
 _PICK_UP = 0.02
 """How long a running loop may take to pick a command up [s]."""
-_OVERTAKEN = "A stop, a reset or a recovery came before it began."
+
+
+def _anybody() -> None:
+    """Let everybody command."""
 
 
 class MotionCommands:
@@ -118,25 +121,49 @@ class MotionCommands:
         )
         return present
 
-    def let_expire(self, names: Iterable[str]) -> None:
-        """Let the set-points of controllers expire now, as if nobody had renewed them.
+    def let_go(self, names: Iterable[str], reason: str) -> None:
+        """End what controllers were commanded: their commander has lost control.
 
-        What a controller then does is what its `command_timeout` parameters say: it
-        holds, or it stops. A set-point that no cycle has picked up yet is dropped.
-        Controllers without a set-point are left alone.
+        Set-points expire now, as if nobody had renewed them: what a controller then
+        does is what its `command_timeout` parameters say, it holds or it stops. A
+        set-point that no cycle has picked up yet is dropped. Goals are cancelled and
+        trajectories end, so that the joints hold. Controllers that were commanded
+        nothing are left alone.
 
         Args:
             names: The controllers; those that are no longer loaded are left out.
+            reason: Why the goals end, in one sentence.
         """
         for name in names:
             try:
-                port = self._set_point_port(name)
-            except (ControllerNotFoundError, InvalidCommandError):
+                controller = self.manager.get_controller(name)
+            except ControllerNotFoundError:
                 continue
-            port.expire()
+            if controller.set_points is not None:
+                controller.set_points.expire()
+            goals = [] if controller.goals is None else controller.goals.goals()
+            ended = [self._cancel(name, goal, goals, reason) for goal in goals]
+            if controller.trajectories is not None and not any(ended):
+                self.hold(name)
+
+    def hold(self, name: str) -> None:
+        """Let a controller end its trajectory without a goal, and hold the joints.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            InvalidCommandError: It takes no trajectories.
+        """
+        receipt = self.receipt()
+        self._trajectory_port(name).hold(receipt)
+        self._inputs.note_command("hold_trajectory", receipt, name=name)
 
     def submit_goal(
-        self, name: str, request: Mapping[str, object], epoch: int | None = None
+        self,
+        name: str,
+        request: Mapping[str, object],
+        epoch: int | None = None,
+        admit: Callable[[], None] = _anybody,
+        receipt: Receipt | None = None,
     ) -> Goal:
         """Give a running controller a goal; it replaces the one before.
 
@@ -144,6 +171,9 @@ class MotionCommands:
             name: The controller.
             request: The goal message of the controller's action.
             epoch: The epoch in which the caller decided; the present one when None.
+            admit: Called before the goal is planned and afterwards; raises a
+                StationError when the caller may not move the robot.
+            receipt: Where the cycle is noted that takes the goal up.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -156,13 +186,16 @@ class MotionCommands:
             StationError: One of these came true meanwhile; nothing moves.
         """
         port = self._goal_port(name)
+        admit()
         present = self._check_may_move(name, epoch)
-        self._inputs.note_plan("goal", name=name, request=request)
-        goal = port.submit(request)
+        receipt = receipt or self.receipt()
+        goal = port.submit(request, receipt)
+        self._inputs.note_command("goal", receipt, name=name, request=request)
         try:
+            admit()
             self._check_may_move(name, present)
-        except StationError:
-            goal.withdraw(_OVERTAKEN)
+        except StationError as error:
+            goal.withdraw(f"It did not begin: {error.message}")
             raise
         return goal
 
@@ -197,12 +230,23 @@ class MotionCommands:
             InvalidCommandError: It takes no goals.
         """
         port = self._goal_port(name)
-        order = [goal.identifier for goal in port.goals()]
-        goal = port.cancel(identifier)
-        # A re-run has other identifiers: the goal is known by its place.
-        behind = order[::-1].index(identifier) if identifier in order else 0
-        self._inputs.note("cancel_goal", name=name, behind=behind)
+        goal = port.get(identifier)
+        self._cancel(name, goal, port.goals())
         return goal
+
+    def _cancel(
+        self, name: str, goal: Goal, goals: list[Goal], reason: str | None = None
+    ) -> bool:
+        """Ask a goal to end; return whether it had not ended yet."""
+        receipt = self.receipt()
+        if goal.ended is None:
+            goal.ended = receipt
+        if not goal.ask_to_end(reason):
+            return False
+        # A re-run has other identifiers: the goal is known by its place.
+        behind = goals[::-1].index(goal) if goal in goals else 0
+        self._inputs.note_command("cancel_goal", receipt, name=name, behind=behind)
+        return True
 
     def follow_trajectory(
         self,
@@ -210,6 +254,7 @@ class MotionCommands:
         request: Mapping[str, object],
         epoch: int | None = None,
         receipt: Receipt | None = None,
+        admit: Callable[[], None] = _anybody,
     ) -> int:
         """Let a running controller follow a trajectory without a goal.
 
@@ -218,6 +263,8 @@ class MotionCommands:
             request: The trajectory message.
             epoch: The epoch in which the caller decided; the present one when None.
             receipt: Where the cycle is noted that takes the trajectory up.
+            admit: Called before the trajectory is planned and afterwards; raises a
+                StationError when the caller may not move the robot.
 
         Returns:
             The epoch it counts for.
@@ -233,10 +280,13 @@ class MotionCommands:
             StationError: One of these came true meanwhile; nothing moves.
         """
         port = self._trajectory_port(name)
+        admit()
         present = self._check_may_move(name, epoch)
-        self._inputs.note_plan("trajectory", name=name, request=request)
+        receipt = receipt or self.receipt()
         port.follow(request, receipt)
+        self._inputs.note_command("trajectory", receipt, name=name, request=request)
         try:
+            admit()
             self._check_may_move(name, present)
         except StationError:
             port.hold()

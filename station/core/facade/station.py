@@ -12,6 +12,7 @@ from pathlib import Path
 
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerManager, ControllerStatus
+from station.core.control.controller_type import ControllerType
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, GainsChange
@@ -26,9 +27,11 @@ from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.parameter_server import ParameterServer
+from station.core.facade.path_player import PathPlayer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
+from station.core.facade.waypoint_paths import WaypointPaths
 from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopReport, LoopState
@@ -52,6 +55,7 @@ class Station:
         robot_type: Type of the robot for the status.
         reserved: Names at the root of the tree that no controller may have.
         gain_sets: Where gain sets are kept; the user's own folder when None.
+        waypoint_paths: Where waypoint paths are kept; the user's own folder when None.
 
     Attributes:
         loop: The loop.
@@ -62,6 +66,8 @@ class Station:
         robots: The robots, their services and recovery.
         tuning: Gains of several controllers at once, and the last change taken back.
         gain_sets: Named sets of gains on disk.
+        waypoint_paths: Named waypoint paths on disk.
+        path_player: Plays waypoint paths.
         parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
@@ -76,6 +82,7 @@ class Station:
         robot_type: str = "",
         reserved: frozenset[str] = frozenset(),
         gain_sets: Path | None = None,
+        waypoint_paths: Path | None = None,
     ) -> None:
         self.loop = loop
         self.manager = manager
@@ -92,6 +99,8 @@ class Station:
         self._loading: set[str] = set()
         self.tuning = GainTuning(loop, manager, self._change_lock, self.inputs)
         self.gain_sets = GainSets(self.tuning, gain_sets)
+        self.waypoint_paths = WaypointPaths(loop, manager, waypoint_paths)
+        self.path_player = PathPlayer(loop, manager, self.motion, self.waypoint_paths)
         self.parameter_server = ParameterServer(
             parameters, self._change_lock, self._loading, reserved
         )
@@ -208,9 +217,9 @@ class Station:
         self.manager.get_controller(name)  # raises, and says which ones are loaded
         return self.controller(name)  # it was loaded in between
 
-    def controller_types(self) -> list[tuple[str, str]]:
-        """Return type and base class of every controller that can be loaded."""
-        return self.manager.list_controller_types()
+    def controller_types(self) -> list[ControllerType]:
+        """Return every type that can be loaded, with its parameters."""
+        return self.manager.describe_controller_types()
 
     def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
         """Let the next load of each type read its Python module anew.

@@ -13,7 +13,7 @@ from typing_extensions import override
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_state import FrankaStateHandle
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
-from station.kernel.doubles import Storage
+from station.kernel.doubles import Doubles, Storage, put
 
 POSE_SIZE = 16
 """Numbers in a pose."""
@@ -42,8 +42,8 @@ class FrankaCartesianHandle(FrankaStateHandle):
         name: str,
         state: RobotState,
         refresh: Callable[[], None],
-        command: list[float],
-        elbow: list[float],
+        command: Doubles,
+        elbow: Doubles,
     ) -> None:
         super().__init__(name, state, refresh)
         self._command = command
@@ -63,9 +63,13 @@ class FrankaCartesianHandle(FrankaStateHandle):
                 [m/s] and angular velocity [rad/s], 6 numbers.
             elbow: Position of joint 3 [rad] and sign of joint 4, +1 or -1; two zeros
                 let the arm choose.
+
+        Raises:
+            TypeError: A value is not a number; nothing was commanded.
+            ValueError: There are more or fewer numbers; nothing was commanded.
         """
-        self._command[:] = command
-        self._elbow[:] = elbow
+        put(self._command, command)
+        put(self._elbow, elbow)
 
     @override
     def command_slots(self) -> list[tuple[Storage, int]]:

@@ -57,6 +57,10 @@ class LoopMeter:
 
     Args:
         clock: Wall time.
+
+    Attributes:
+        add: Adds a cycle: when it began, when the robot had been read, when the
+            controllers had been updated, and when the commands had been written [s].
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -66,10 +70,9 @@ class LoopMeter:
         self._update = DurationRing()
         self._write = DurationRing()
         self._total = DurationRing()
-        self._add = CycleTimes(self._read, self._update, self._write, self._total).add
-        self._since = clock.now()
-        self._last = self._since
-        self._cycles = 0
+        self._times = CycleTimes(self._read, self._update, self._write, self._total)
+        self.add = self._times.add
+        self._since = self._times.last = clock.now()
         self._skipped = 0
         self._skipped_before = 0
 
@@ -88,8 +91,7 @@ class LoopMeter:
             self._total,
         ):
             ring.reset()
-        self._since = self._last = self._clock.now()
-        self._cycles = 0
+        self._since = self._times.last = self._clock.now()
         self._skipped_before = self._skipped
 
     def woke(self, lateness: float, skipped: int) -> None:
@@ -97,24 +99,11 @@ class LoopMeter:
         self._lateness.add(lateness)
         self._skipped += skipped
 
-    def add(self, begun: float, read: float, updated: float, written: float) -> None:
-        """Add a cycle.
-
-        Args:
-            begun: When it began [s].
-            read: When the robot had been read [s].
-            updated: When the controllers had been updated [s].
-            written: When the commands had been written [s].
-        """
-        self._add(begun, read, updated, written)
-        self._last = written
-        self._cycles += 1
-
     def idled(self) -> None:
         """Note that the thread woke while time stands still: it counts for nothing."""
         now = self._clock.now()
-        self._since += now - self._last
-        self._last = now
+        self._since += now - self._times.last
+        self._times.last = now
 
     def report(
         self,
@@ -134,8 +123,8 @@ class LoopMeter:
             real_time_factor: Station time over wall time, as asked for, > 0.
             scheduler: Scheduling class granted to the thread, in words.
         """
-        elapsed = self._last - self._since
-        cycles, skipped = self._cycles, self._skipped - self._skipped_before
+        elapsed = self._times.last - self._since
+        cycles, skipped = self._total.count, self._skipped - self._skipped_before
         rate = real_time_factor / period
         achieved = cycles / elapsed if elapsed > 0.0 else 0.0
         simulated = (cycles + skipped) * period

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from station.core.control.controller import ControllerSample
-from station.core.hardware.interfaces.joint_group import Packed
+from station.core.hardware.interfaces.joint_group import Packed, unpack
 
 
 class Snapshot(NamedTuple):
@@ -93,7 +93,7 @@ class SnapshotRing:
 
 def _unpack(record: Record) -> Snapshot:
     cycle, epoch, stamp, period, mode, packed, samples = record
-    position, velocity, effort = packed.unpack()
+    position, velocity, effort = unpack(packed)
     return Snapshot(
         cycle, epoch, stamp, period, mode, position, velocity, effort, samples
     )

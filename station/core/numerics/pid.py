@@ -8,10 +8,44 @@ Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 from dataclasses import dataclass
 from math import isfinite, isnan
 
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import InvalidGainError
 from station.core.parameters import Parameters
 from station.kernel.doubles import zeros
 from station.kernel.pid import NO_ERROR, PidGroup
+
+
+def _declare(
+    name: str, unit: str, description: str, default_text: str = ""
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=None if default_text or name == "p" else 0.0,
+        default_text=default_text,
+        description=description,
+    )
+
+
+_P = _declare("p", "command/error", "proportional gain")
+_I = _declare("i", "command/(error s)", "integral gain")
+_D = _declare("d", "command s/error", "derivative gain")
+_CLAMP = _declare("i_clamp", "command", "bound of the integral part")
+_CLAMP_MAX = _declare(
+    "i_clamp_max", "command", "upper bound of the integral part", "i_clamp"
+)
+_CLAMP_MIN = _declare(
+    "i_clamp_min", "command", "lower bound of the integral part", "-i_clamp"
+)
+_ANTIWINDUP = DeclaredParameter(
+    name="antiwindup",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="bound the integral itself, not only its part of the command",
+)
+PID_PARAMETERS = (_P, _I, _D, _CLAMP, _CLAMP_MAX, _CLAMP_MIN, _ANTIWINDUP)
+"""The parameters of a set of gains, in the namespace of the gains."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +117,14 @@ class PidGains:
         for name in ("pid", "gains"):
             if not where.has("p") and where.has(name):
                 where = where.namespace(name)
-        clamp = abs(where.get_float("i_clamp", 0.0))
+        clamp = abs(_CLAMP.read_float(where))
         return cls(
-            p=where.get_float("p"),
-            i=where.get_float("i", 0.0),
-            d=where.get_float("d", 0.0),
-            i_max=abs(where.get_float("i_clamp_max", clamp)),
-            i_min=-abs(where.get_float("i_clamp_min", clamp)),
-            antiwindup=where.get_bool("antiwindup", default=False),
+            p=_P.read_float(where),
+            i=_I.read_float(where),
+            d=_D.read_float(where),
+            i_max=abs(_CLAMP_MAX.read_float(where, clamp)),
+            i_min=-abs(_CLAMP_MIN.read_float(where, clamp)),
+            antiwindup=_ANTIWINDUP.read_bool(where),
         )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from station.core.errors import ControllerStateError, GoalNotFoundError
+from station.core.ports.receipt import Receipt
 
 _KEPT_GOALS = 50
 
@@ -53,6 +54,10 @@ class Goal:
         progress: Part of the goal's time that has passed, 0 to 1.
         result: How the goal ended; None until then.
         cancel_requested: Whether the goal was asked to end.
+        cancel_reason: Why it was asked to end, in one sentence.
+        receipt: Where the cycle is noted that takes the goal up; None for nowhere.
+        ended: Where the cycle is noted that ends the goal because it was asked to end;
+            None for nowhere.
         feedback: Returns the action's feedback message (JSON-compatible values), which
             is empty unless the controller replaces this function. Any thread.
     """
@@ -64,6 +69,9 @@ class Goal:
         self.progress = 0.0
         self.result: GoalResult | None = None
         self.cancel_requested = False
+        self.cancel_reason = "The goal was cancelled."
+        self.receipt: Receipt | None = None
+        self.ended: Receipt | None = None
         self.feedback: Callable[[], Mapping[str, object]] = dict
 
     def is_final(self) -> bool:
@@ -72,9 +80,28 @@ class Goal:
 
     def finish(self, status: GoalStatus, result: GoalResult) -> None:
         """End the goal; a goal that has ended stays as it is."""
-        if not self.is_final():
-            self.result = result
-            self.status = status
+        if self.is_final():
+            return
+        self.result = result
+        self.status = status
+        if self.ended is not None and status is GoalStatus.PREEMPTED:
+            self.ended.pick_up()
+
+    def ask_to_end(self, reason: str | None = None) -> bool:
+        """Ask the controller to end the goal in its next cycle. Callable in any thread.
+
+        Args:
+            reason: Why, in one sentence; None when somebody cancels it.
+
+        Returns:
+            Whether the goal had not ended yet.
+        """
+        if self.is_final():
+            return False
+        if reason is not None:
+            self.cancel_reason = reason
+        self.cancel_requested = True
+        return True
 
     def withdraw(self, reason: str) -> None:
         """End the goal from outside of its controller, whether it has begun or not.
@@ -112,11 +139,14 @@ class GoalPort(ABC):
         self._count = 0
 
     @abstractmethod
-    def submit(self, request: Mapping[str, object]) -> Goal:
+    def submit(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> Goal:
         """Check a request and hand it to the controller.
 
         Args:
             request: The goal message of the action as JSON-compatible values.
+            receipt: Where the cycle is noted that takes the goal up.
 
         Returns:
             The accepted goal; the controller takes it up in its next cycle.
@@ -153,8 +183,7 @@ class GoalPort(ABC):
             GoalNotFoundError: There is no such goal among the last 50.
         """
         goal = self.get(identifier)
-        if not goal.is_final():
-            goal.cancel_requested = True
+        goal.ask_to_end()
         return goal
 
     def void(self, reason: str) -> None:
@@ -175,8 +204,14 @@ class GoalPort(ABC):
         for goal in self.goals():
             goal.finish(GoalStatus.ABORTED, GoalResult(0, reason))
 
-    def new_goal(self, request: Mapping[str, object]) -> Goal:
+    def new_goal(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> Goal:
         """Return a goal with a new name, which `goals` does not list yet.
+
+        Args:
+            request: The goal message.
+            receipt: Where the cycle is noted that takes the goal up.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -189,6 +224,7 @@ class GoalPort(ABC):
         self._count += 1
         goal = Goal(str(self._count), request)
         goal.feedback = self._feedback
+        goal.receipt = receipt
         return goal
 
     def remember(self, goal: Goal) -> None:

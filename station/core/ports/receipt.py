@@ -1,4 +1,4 @@
-"""In which cycle a command was picked up."""
+"""In which cycle a command was picked up, and what else a re-run must know of it."""
 
 import threading
 from collections.abc import Callable
@@ -14,6 +14,11 @@ class Receipt:
         cycle: The cycle whose update was the first with the command; None while none
             has picked it up, which stays so when a newer command came before.
         done: Released once `cycle` is there.
+        ended: The cycle in which a set-point expired; None while it has not.
+        planned_at: Station time of the cycle whose state a trajectory was planned from
+            [s]; None for what needs no plan.
+        held: Where a command waits that a re-run hands over later; None hands it over
+            at once.
     """
 
     def __init__(self, present_cycle: Callable[[], int]) -> None:
@@ -22,9 +27,26 @@ class Receipt:
         # Released by the control thread, which never waits for it.
         self.done = threading.Lock()
         self.done.acquire()
+        self.ended: int | None = None
+        self.planned_at: float | None = None
+        self.held: list[Callable[[], None]] | None = None
 
     def pick_up(self) -> None:
         """Note the present cycle; control thread only."""
         if self.cycle is None:
             self.cycle = self._present_cycle()
             self.done.release()
+
+    def end(self) -> None:
+        """Note that the set-point expires in the present cycle; control thread only."""
+        self.ended = self._present_cycle()
+
+    def hand_over(self, deposit: Callable[[], None]) -> None:
+        """Call `deposit`, which gives the command to the control thread.
+
+        A re-run lets it wait for the cycle that the recording names.
+        """
+        if self.held is None:
+            deposit()
+        else:
+            self.held.append(deposit)

@@ -81,6 +81,7 @@ class SetPointPort:
         )
         self.generation = 0
         self._deadline = inf
+        self._in_force: Receipt | None = None
         self._is_void = False
 
     def check(
@@ -168,7 +169,7 @@ class SetPointPort:
             if self.last is not None:
                 self._deadline = deadline
             return None
-        self.last, self._deadline = values, deadline
+        self.last, self._deadline, self._in_force = values, deadline, receipt
         if receipt is not None:
             receipt.pick_up()
         return self.last
@@ -182,6 +183,8 @@ class SetPointPort:
         if self._deadline == inf or self.clock.now() <= self._deadline:
             return False
         self._deadline = inf
+        if self._in_force is not None:
+            self._in_force.end()
         return True
 
     def clear(self) -> None:

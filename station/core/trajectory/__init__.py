@@ -22,7 +22,9 @@ from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState,
     QuinticSplineSegment,
 )
+from station.core.trajectory.through_waypoints import peak_speeds, through_waypoints
 from station.core.trajectory.tolerances import (
+    TOLERANCE_PARAMETERS,
     JointTolerances,
     StateTolerances,
     ToleranceRequest,
@@ -31,6 +33,7 @@ from station.core.trajectory.tolerances import (
 )
 
 __all__ = [
+    "TOLERANCE_PARAMETERS",
     "JointSegments",
     "JointTolerances",
     "JointTrajectory",
@@ -46,9 +49,11 @@ __all__ = [
     "find_segment",
     "hold_trajectory",
     "init_joint_trajectory",
+    "peak_speeds",
     "read_tolerances",
     "sample_segments",
     "stop_trajectory",
+    "through_waypoints",
     "updated_tolerances",
     "wraparound_offset",
 ]

@@ -7,10 +7,46 @@ joint_trajectory_controller/tolerances.h.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from station.core.declared_parameter import (
+    EACH_JOINT,
+    DeclaredParameter,
+    ParameterType,
+)
 from station.core.parameters import Parameters
 
+_GOAL_TIME = DeclaredParameter(
+    name="goal_time",
+    type=ParameterType.NUMBER,
+    unit="s",
+    default=0.0,
+    description="time after the end of a trajectory within which the joints must "
+    "arrive",
+)
+_PATH = DeclaredParameter(
+    name=f"{EACH_JOINT}/trajectory",
+    type=ParameterType.NUMBER,
+    unit="rad",
+    default=0.0,
+    description="largest error during the motion; 0: no bound",
+)
+_GOAL = DeclaredParameter(
+    name=f"{EACH_JOINT}/goal",
+    type=ParameterType.NUMBER,
+    unit="rad",
+    default=0.0,
+    description="largest error at the end; 0: no bound",
+)
 STOPPED_VELOCITY_TOLERANCE = 0.01
 """Default speed below which a joint counts as stopped [rad/s or m/s]."""
+_STOPPED = DeclaredParameter(
+    name="stopped_velocity_tolerance",
+    type=ParameterType.NUMBER,
+    unit="rad/s",
+    default=STOPPED_VELOCITY_TOLERANCE,
+    description="largest velocity at the end that counts as standing still",
+)
+TOLERANCE_PARAMETERS = (_GOAL_TIME, _STOPPED, _PATH, _GOAL)
+"""The parameters of the default bounds, in the namespace `constraints`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,12 +175,12 @@ def read_tolerances(
     Raises:
         ParameterError: A value is not a number.
     """
-    goal_time = params.get_float("goal_time", 0.0)
-    stopped = params.get_float("stopped_velocity_tolerance", STOPPED_VELOCITY_TOLERANCE)
+    goal_time = _GOAL_TIME.read_float(params)
+    stopped = _STOPPED.read_float(params)
     return {
         name: JointTolerances(
-            path=StateTolerances(params.get_float(f"{name}/trajectory", 0.0)),
-            goal=StateTolerances(params.get_float(f"{name}/goal", 0.0), stopped),
+            path=StateTolerances(_PATH.of(name).read_float(params)),
+            goal=StateTolerances(_GOAL.of(name).read_float(params), stopped),
             goal_time=goal_time,
         )
         for name in joints

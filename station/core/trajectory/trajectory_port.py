@@ -28,8 +28,12 @@ class TrajectoryPort(ABC):
         """
 
     @abstractmethod
-    def hold(self) -> None:
-        """End the motion in the next cycle and hold the joints."""
+    def hold(self, receipt: Receipt | None = None) -> None:
+        """End the motion in the next cycle and hold the joints.
+
+        Args:
+            receipt: Where that cycle is noted.
+        """
 
     @abstractmethod
     def query_state(self, time: float) -> PosVelAccState:

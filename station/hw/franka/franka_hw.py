@@ -129,6 +129,7 @@ class FrankaHW(RobotHW):
         self._driven, self._cycle_time = self.arm, self.arm.cycle_time
         self._mode = self.arm.state.doubles(MODE)
         self._sensors = SensorCheck(self.arm.state)
+        self._first_bad = self._sensors.first_bad
         description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -231,10 +232,13 @@ class FrankaHW(RobotHW):
             self._catch_up(cycles)
         if self._motion.is_waiting:
             self._motion.advance(cycles)
-        # A controller that used a reading that is not finite would command garbage.
-        self._blind = self._sensors.blind_sensor()
-        if self._blind is not None:
+        bad = self._first_bad()
+        if bad >= 0:
+            # A controller that used a reading that is not finite would command garbage.
+            self._blind = self._sensors.describe(bad)
             arm.stop_motion()
+        else:
+            self._blind = None
         if self._fingers is not None:
             self._fingers.read()
 

@@ -87,6 +87,9 @@ class JointDrives:
             joints.memory, joints.places, own, timestep
         ).before_step
 
+    def attend(self) -> None:
+        """Do nothing: every cycle of the drives is a usual one."""
+
     def after_reset(self) -> None:
         """Hold the pose to which the world was reset."""
         zeros = [0.0] * len(self.modes)

@@ -159,9 +159,9 @@ class MujocoRobotHW(RobotHW):
         """Let `period` pass in the world, then read joints, actuators and sensors."""
         self._advance(period)
         motors, world_joints = self._motors, self._world_joints
-        motors.joint_state["position"][:] = world_joints.read_positions()
-        motors.joint_state["velocity"][:] = world_joints.read_velocities()
-        motors.joint_state["effort"][:] = world_joints.read_motor_forces()
+        put(motors.joint_state["position"], world_joints.read_positions())
+        put(motors.joint_state["velocity"], world_joints.read_velocities())
+        put(motors.joint_state["effort"], world_joints.read_motor_forces())
         motors.update_state()
         self._state_interface.propagate()
         self._unpowered_position[:] = self._unpowered.read_positions()

@@ -47,6 +47,9 @@ class OverspeedBrakes:
         forces: Mean force of the brakes in the last step [Nm or N], one per degree of
             freedom of the model, shape (nv,); in place.
         braked_steps: Steps in which a brake acted.
+        has_acted: Whether a brake acted in the last step.
+        are_sane: Return whether all velocities are possible and within their limits.
+            The answer False alone does not mean that a joint is too fast.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -59,10 +62,10 @@ class OverspeedBrakes:
         # As `_shares`, but with a share for joints without a limit as well, so that one
         # sum shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
-        self._are_sane = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane)).holds
+        self.are_sane = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane)).holds
         self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
         self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
-        self._has_acted = False
+        self.has_acted = False
         self.forces = np.zeros(model.nv)
         self.braked_steps = 0
 
@@ -79,18 +82,11 @@ class OverspeedBrakes:
             self._shares[dof] = 1.0 / self._bounds[dof]
             self._sane[dof] = max(1.0 / sqrt(MAX_SQUARED_VELOCITY), self._shares[dof])
 
-    def is_quiet(self) -> bool:
-        """Return whether no brake acts or must act, and all velocities are possible.
-
-        The answer False alone does not mean that a joint is too fast.
-        """
-        return not self._has_acted and self._are_sane()
-
     def act(self) -> None:
         """Slow down the joints that were too fast at the end of the last step."""
-        if self._has_acted:
+        if self.has_acted:
             self.forces[:] = 0.0
-            self._has_acted = False
+            self.has_acted = False
         relative = self._relative
         np.multiply(self._qvel, self._shares, out=relative)
         # The sum is a quick test that mostly suffices. Written so that a NaN ends here,
@@ -109,7 +105,7 @@ class OverspeedBrakes:
         dofs = np.flatnonzero(change)
         self._data.qpos[self._position_of_dof[dofs]] += timestep * change[dofs]
         self.forces[braked] = impulses / timestep
-        self._has_acted = True
+        self.has_acted = True
         self.braked_steps += 1
 
     def _response(self, dofs: NDArray[np.intp]) -> NDArray[np.float64]:

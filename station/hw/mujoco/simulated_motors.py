@@ -29,11 +29,12 @@ from station.core.hardware.transmissions import (
     ActuatorData,
     Direction,
     JointData,
+    Propagation,
     Transmission,
     TransmissionHandle,
     TransmissionInfo,
 )
-from station.kernel.doubles import Storage
+from station.kernel.doubles import Doubles, zeros
 
 QUANTITIES = ("position", "velocity", "effort")
 
@@ -55,20 +56,22 @@ class SimulatedMotors:
         self,
         names: Sequence[str],
         joint_names: Sequence[str],
-        targets: Mapping[str, Storage],
+        targets: Mapping[str, Doubles],
     ) -> None:
         self._names = list(names)
         self._joint_names = list(joint_names)
         self._targets = targets
-        self._state = {quantity: [0.0] * len(names) for quantity in QUANTITIES}
-        self._commands = {quantity: [0.0] * len(names) for quantity in QUANTITIES}
+        self._state = {quantity: zeros(len(names)) for quantity in QUANTITIES}
+        self._commands = {quantity: zeros(len(names)) for quantity in QUANTITIES}
         self.joint_state = {
-            quantity: [0.0] * len(joint_names) for quantity in QUANTITIES
+            quantity: zeros(len(joint_names)) for quantity in QUANTITIES
         }
         self._to_state: list[TransmissionHandle] = []
         self._to_targets: dict[str, list[TransmissionHandle]] = {
             quantity: [] for quantity in QUANTITIES
         }
+        self._state_propagation = Propagation()
+        self._target_propagation = dict.fromkeys(QUANTITIES, Propagation())
 
     def register(self, robot: InterfaceManager) -> None:
         """Offer the actuators, so that transmissions can be loaded on them."""
@@ -125,6 +128,8 @@ class SimulatedMotors:
                     quantities=(quantity,),
                 )
             )
+            handles = self._to_targets[quantity]
+            self._target_propagation[quantity] = Propagation(handles)
         self._to_state.append(
             TransmissionHandle(
                 info.name,
@@ -135,11 +140,11 @@ class SimulatedMotors:
                 quantities=QUANTITIES,
             )
         )
+        self._state_propagation = Propagation(self._to_state)
 
     def update_state(self) -> None:
         """Compute the actuators' state from `joint_state`. Control thread."""
-        for handle in self._to_state:
-            handle.propagate()
+        self._state_propagation.carry()
 
     def act(self, quantity: str) -> None:
         """Apply the actuators' commands of one quantity. Control thread.
@@ -147,5 +152,4 @@ class SimulatedMotors:
         Args:
             quantity: "position", "velocity" or "effort".
         """
-        for handle in self._to_targets[quantity]:
-            handle.propagate()
+        self._target_propagation[quantity].carry()

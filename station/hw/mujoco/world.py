@@ -25,8 +25,17 @@ _warnings: deque[str] = deque(maxlen=8)
 class WorldActor(Protocol):
     """A part that drives joints of the world, e.g. an arm's own controller."""
 
-    def before_step(self) -> None:
-        """Write the controls of the coming step. Control thread; once per step."""
+    def before_step(self) -> bool:
+        """Write the controls of the coming step, as far as it is a usual step.
+
+        Control thread; once per step.
+
+        Returns:
+            Whether that was done. If not, nothing was written, and `attend` is called.
+        """
+
+    def attend(self) -> None:
+        """Write the controls of a coming step that is not a usual one."""
 
     def after_reset(self) -> None:
         """Start again from the state of the world, which has been reset."""
@@ -66,8 +75,9 @@ class World:
         self._advance, self.keeps_interpreter_lock = make_stepper(model, self.data)
         self._qvel = self.data.qvel
         self._actors: list[WorldActor] = []
-        self._preparations: list[Callable[[], None]] = []
+        self._preparations: list[tuple[Callable[[], bool], Callable[[], None]]] = []
         self.brakes = OverspeedBrakes(model, self.data)
+        self._are_sane = self.brakes.are_sane
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
         self.step_count = 0
@@ -84,7 +94,7 @@ class World:
     def add_actor(self, actor: WorldActor) -> None:
         """Let `actor` act before every step, after those added before it."""
         self._actors.append(actor)
-        self._preparations.append(actor.before_step)
+        self._preparations.append((actor.before_step, actor.attend))
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
@@ -145,12 +155,13 @@ class World:
         self.step_count += 1
         if self.diverged_because is not None:
             return
-        for prepare in self._preparations:
-            prepare()
+        for prepare, attend in self._preparations:
+            if not prepare():
+                attend()
         if self.pushes:
             self._count_pushes()
         self._advance()
-        if self.brakes.is_quiet():
+        if self._are_sane() and not self.brakes.has_acted:
             return  # the usual case: every velocity is finite and within its limit
         # Written with `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:

@@ -191,6 +191,9 @@ def test_types_are_listed(client):
 
     assert spring.type == "test/Spring"
     assert spring.base_class
+    common = spring.parameters[1]
+    assert (common.name, common.type) == ("allow_start_jump", "boolean")
+    assert (common.required, common.default) == (False, False)
 
 
 def test_a_module_outside_of_the_list_is_refused_with_the_line_that_allows_it(operator):

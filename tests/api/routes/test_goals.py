@@ -213,3 +213,30 @@ def test_points_in_the_past_are_dropped_and_the_rest_followed(arm, station):
     station.loop.step(600)
 
     assert arm.joint_states().position == pytest.approx(AWAY, abs=1e-6)
+
+
+def test_a_goal_is_cancelled_when_control_is_taken_by_force(arm, operator, station):
+    with arm.control(owner="Ada"):
+        goal = arm.submit_goal("arm", GOAL)
+        station.loop.step(100)
+        taken = operator.post("/api/v1/control", json={"owner": "G", "force": True})
+        station.loop.step(2)
+        held = arm.joint_states().position
+        station.loop.step(500)
+
+    assert taken.status_code == 200
+    ended = arm.goal("arm", goal.id)
+    assert ended.status == "preempted"
+    assert ended.result.message == "G has taken control from Ada by force."
+    assert arm.joint_states().position == held
+
+
+def test_a_goal_goes_on_when_control_is_handed_over(arm, operator, station):
+    with arm.control(owner="Ada") as lease:
+        goal = arm.submit_goal("arm", GOAL)
+        station.loop.step(100)
+        lease.hand_over("Grace")
+        operator.post("/api/v1/control", json={"owner": "Grace"})
+        station.loop.step(500)
+
+    assert arm.goal("arm", goal.id).status == "succeeded"

@@ -47,6 +47,23 @@ def test_types_are_listed(run):
     assert json.loads(run("list-types --json").out)[0]["base_class"] == "Base"
 
 
+def test_parameters_of_a_type_are_listed(run):
+    group = "position_controllers/JointGroupPositionController"
+
+    head, _, *rows = run(f"list_controller_types {group}").out.splitlines()
+
+    assert head == f"{group}: Forwards positions."
+    assert rows[0].split()[:6] == ["command_timeout", "number", "s", "0.2", ">", "0,"]
+    assert "hold, stop" in rows[1]
+
+
+def test_a_misspelt_type_is_answered_with_the_nearest(run):
+    outcome = run("list_controller_types position_controllers/JointGroupPosition")
+
+    assert outcome.code == 2
+    assert "position_controllers/JointGroupPositionController" in outcome.err
+
+
 def test_controller_is_loaded_from_the_configuration(run, station):
     assert run("load hand").code == 0
     assert station.calls == [("load", "hand", None, None)]

@@ -7,10 +7,10 @@ import pytest
 
 from station.cli.main import main
 from station.client import ApiError
-from station.experiments.results import Results, file_of
-from station.experiments.script import Script
-from station.experiments.setup import Setup
-from station.experiments.trial import Trial, TrialResult
+from station.trials.results import Results, file_of
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial, TrialResult
 
 GROUP = "effort_group_position_controller"
 TRAJECTORY = "effort_joint_trajectory_controller"
@@ -22,8 +22,9 @@ def hashes(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     base = Trial(Setup.load(), Script(controller=GROUP, duration=0.1))
     found = []
+    plan = {"gains_before": {GROUP: {"panda_joint1/p": 600.0}}}
     for name in ("one", "two"):
-        with Results.create(file_of(name), "sweep", base.setup, {}) as results:
+        with Results.create(file_of(name), "sweep", base.setup, plan) as results:
             for factor in (0.5, 0.8, 0.9):
                 trial = base.with_parameters({f"scale/{GROUP}/p": factor})
                 metrics = {"rms_error": factor / 10.0, "effort_rms": 2.0}
@@ -91,19 +92,12 @@ def test_wrong_words_are_refused(capsys, words, reason, code):
 
 
 class FakeGains:
-    """A running station whose gains are read and set.
+    """A station that keeps gains, and may refuse to change them."""
 
-    Args:
-        refusing: The controller that refuses.
-        meddled: Whether somebody changes gains right after every change.
-    """
-
-    def __init__(self, refusing=None, *, meddled=False):
+    def __init__(self, *, refuses=False):
         self.calls = []
-        self.gain_sets = self
-        self.revisions = {}
-        self.refusing = refusing
-        self.meddled = meddled
+        self.gain_sets = SimpleNamespace(set_gains=self._set, save=self._save)
+        self.refuses = refuses
 
     def __enter__(self):
         return self
@@ -111,22 +105,15 @@ class FakeGains:
     def __exit__(self, *_):
         return None
 
-    def gains(self, name):
-        revision = self.revisions.get(name, 7)
-        return SimpleNamespace(
-            etag=str(revision), revision=revision, values={"panda_joint1/p": 600.0}
-        )
+    def gains(self, _):
+        return SimpleNamespace(revision=7, values={"panda_joint1/p": 600.0})
 
-    def set_gains(self, name, values, etag):
-        if name == self.refusing:
+    def _set(self, changes, revisions):
+        if self.refuses:
             raise ApiError("The gains have changed.", status=412, code="changed")
-        self.calls.append((name, values["panda_joint1/p"], etag))
-        revision = self.revisions[name] = self.revisions.get(name, 7) + 1
-        if self.meddled:
-            self.revisions[name] += 1
-        return SimpleNamespace(revision=revision, previous={"panda_joint1/p": 600.0})
+        self.calls.append((changes, revisions))
 
-    def save(self, name, controllers):
+    def _save(self, name, controllers):
         self.calls.append((name, controllers))
 
 
@@ -152,7 +139,8 @@ def test_apply_shows_first_and_sets_when_told_so(hashes, capsys, use):
     assert fake.calls == []
 
     shown = say(capsys, "apply", "one", hashes[1], "--yes")
-    assert fake.calls == [(GROUP, 480.0, "7"), ("one", [GROUP])]
+    gains = {GROUP: {"panda_joint1/p": 480.0}}
+    assert fake.calls == [(gains, {GROUP: 7}), ("one", [GROUP])]
     assert "`station gains undo` takes them back." in shown
 
 
@@ -170,25 +158,56 @@ def both(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("both")
-def test_apply_to_two_controllers_sets_both_or_none(capsys, use):
+def test_apply_sets_two_controllers_with_one_change_or_none(capsys, use):
     fake = use(FakeGains())
-    assert "typed 2 times" in say(capsys, "apply", "both", "--yes")
-    assert [call[0] for call in fake.calls] == [GROUP, TRAJECTORY, "both"]
+    say(capsys, "apply", "both", "--yes")
+    changed = {name: {"panda_joint1/p": 500.0} for name in (GROUP, TRAJECTORY)}
+    assert fake.calls[0] == (changed, {GROUP: 7, TRAJECTORY: 7})
 
-    fake = use(FakeGains(refusing=TRAJECTORY))
+    fake = use(FakeGains(refuses=True))
     assert main(["experiments", "apply", "both", "--yes"]) == 1
-    assert fake.calls == [(GROUP, 500.0, "7"), (GROUP, 600.0, "8")]
-    error = capsys.readouterr().err
-    assert f"gains of '{TRAJECTORY}' were not set: The gains have changed." in error
-    assert f"Those of '{GROUP}' had been set, and were put back." in error
+    assert fake.calls == []
+    assert "The gains have changed." in capsys.readouterr().err
 
 
-@pytest.mark.usefixtures("both")
-def test_apply_says_what_it_could_not_put_back(capsys, use):
-    fake = use(FakeGains(refusing=TRAJECTORY, meddled=True))
+class FakeExperiments:
+    """A station whose experiment is half done, and then done."""
 
-    assert main(["experiments", "apply", "both", "--yes"]) == 1
+    def __init__(self):
+        self.experiments = self
+        self.cancelled = []
 
-    assert fake.calls == [(GROUP, 500.0, "7")]
-    error = capsys.readouterr().err
-    assert f"Those of '{GROUP}' WERE SET and could not be put back: somebody" in error
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def wait(self, name, watch):
+        found = SimpleNamespace(
+            name=name, ended=50, trials=100, cost=0.5, left=12.0, state="done"
+        )
+        watch(found)
+        found.reason = "no better trial in 15 generations"
+        return found
+
+    def cancel(self, name):
+        self.cancelled.append(name)
+        return SimpleNamespace(name=name, ended=50)
+
+
+def test_an_experiment_of_the_station_is_watched_to_its_end(capsys, use):
+    use(FakeExperiments())
+
+    assert main(["experiments", "watch", "one"]) == 0
+
+    out, err = capsys.readouterr()
+    assert "one: done. no better trial" in out
+    assert "50 of at most 100 trials, best cost 0.500 of the first, 12 s left" in err
+
+
+def test_an_experiment_of_the_station_is_cancelled(capsys, use):
+    fake = use(FakeExperiments())
+
+    assert "50 are kept" in say(capsys, "cancel", "one")
+    assert fake.cancelled == ["one"]

@@ -1,11 +1,12 @@
 """The verbs of experiments, in this process and with few trials."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 from station.cli.main import main
-from station.experiments.results import Results, file_of
+from station.trials.results import Results, file_of
 
 GROUP = "effort_group_position_controller"
 SCRIPT = f"""
@@ -111,13 +112,32 @@ def test_tune_begins_with_the_gains_of_its_start(run):
     assert set(found["gains"]) == set(first.parameters)
 
 
-def test_identify_prints_what_it_finds(capsys, tmp_path):
-    file = tmp_path / "motion.npz"
-    words = ["identify", "panda_joint7", "--with", "friction/panda_joint7=0.5"]
-    assert main([*words, "--record", str(file), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+class FakeStation:
+    """A station that keeps what it is asked to start."""
 
-    assert found["Coulomb friction"]["value"] == pytest.approx(0.5, abs=0.02)
-    assert main(["identify", "panda_joint7", "--recording", str(file)]) == 0
-    assert "Coulomb friction  0.5" in capsys.readouterr().out
-    assert main(["identify", "panda_joint7", "--recording", str(tmp_path / "no")]) == 1
+    def __init__(self):
+        self.experiments = self
+        self.requests = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def start(self, request):
+        self.requests.append(request)
+        return SimpleNamespace(name="x", model_dump=lambda: {"name": "x"})
+
+
+def test_background_hands_the_experiment_to_the_station(monkeypatch, script):
+    fake = FakeStation()
+    monkeypatch.setattr("station.cli.verbs.experiments.open_client", lambda _: fake)
+    words = ["tune", GROUP, "--background", "--trials", "20", "--script", script]
+    assert main([*words, "--at-most", "effort_peak=1.5x"]) == 0
+
+    (request,) = fake.requests
+    assert (request.kind, request.trials, request.duration) == ("tune", 20, 0.15)
+    assert request.commands[0].joint == "panda_joint1"
+    assert request.bounds[0].is_relative
+    assert main([*words, "--cluster", "tcp://localhost:8786"]) == 2

@@ -22,6 +22,7 @@ from station.hw.franka.arm.franka_kinematics import (
     zero_jacobian,
 )
 from station.hw.franka.arm.self_collision import clearance
+from station.kernel.doubles import zeros
 from tests.conformance.benches import JOINTS, POSE, panda
 from tests.hw.franka.cartesian_motions import PERIOD, Generator
 
@@ -46,11 +47,11 @@ class IdealArm(RobotHW):
     def __init__(self, q=POSE):
         super().__init__()
         self.state = RobotState()
-        self.command = [0.0] * 16
+        self.command = zeros(16)
         poses, models = FrankaPoseCartesianInterface(), FrankaModelInterface()
         poses.register_handle(
             FrankaCartesianPoseHandle(
-                "panda_robot", self.state, lambda: None, self.command, [0.0, 0.0]
+                "panda_robot", self.state, lambda: None, self.command, zeros(2)
             )
         )
         models.register_handle(

@@ -109,7 +109,7 @@ def test_the_axes_can_be_changed_at_run_time(arm):
 
 
 def test_other_axes_are_refused(arm):
-    with pytest.raises(ParameterError, match="'K'; it must be O"):
+    with pytest.raises(ParameterError, match="'K'; it must be one of O, EE"):
         arm.load(CartesianJogController, frame="K")
 
 

@@ -46,7 +46,7 @@ def test_torque_changes_by_at_most_one_newton_metre_per_cycle():
 
 def test_an_arm_needs_an_id_and_seven_joints():
     params = Parameters(ParameterTree({"joint_names": ["a"]}))
-    with pytest.raises(ParameterError, match="must name 7"):
+    with pytest.raises(ParameterError, match="7 different joints"):
         read_arm_joints(params)
     with pytest.raises(ParameterError, match="arm_id"):
         read_arm_id(params)

@@ -5,6 +5,7 @@ import pytest
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.controller_factory import ControllerFactory
 from station.core.control.controller_loader import TableLoader
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import (
     ControllerLoadError,
     ControllerTypeNotFoundError,
@@ -15,6 +16,9 @@ from station.core.parameters import Parameters
 from station.hw.mock import MockRobotHW
 from station.testing.scripted import TYPES
 
+GAIN = DeclaredParameter(
+    name="gain", type=ParameterType.NUMBER, default=1.0, description="pull"
+)
 EFFORT = "hardware_interface::EffortJointInterface"
 
 
@@ -118,3 +122,50 @@ def test_claims_of_a_failed_init_do_not_stick_to_the_next(factory, parameters):
     (claim,) = factory.build("good").info.claimed_resources
 
     assert claim.resources == ("joint2",)
+
+
+class Declaring(MultiInterfaceController):
+    """Pulls.
+
+    The rest of the docstring is not shown.
+    """
+
+    @classmethod
+    def declared_parameters(cls):
+        return (GAIN,)
+
+
+class Careless(MultiInterfaceController):
+    """Cannot say what it reads."""
+
+    @classmethod
+    def declared_parameters(cls):
+        raise RuntimeError("never thought of it")
+
+
+def types_of(parameters, table):
+    factory = ControllerFactory(MockRobotHW(), parameters, [TableLoader(table)])
+    return factory.describe_types()
+
+
+def test_a_type_is_described_by_its_docstring_and_its_parameters(parameters):
+    (found,) = types_of(parameters, {"a/Declaring": Declaring})
+
+    assert (found.type, found.description) == ("a/Declaring", "Pulls.")
+    names = [one.name for one in found.parameters]
+    assert names == ["fallback", "allow_start_jump", "gain"]
+    assert found.error is None
+
+
+@pytest.mark.parametrize(
+    ("target", "cause"),
+    [(Careless, "never thought of it"), ("no_such_module:X", "no_such_module")],
+)
+def test_a_type_that_cannot_be_described_is_listed_with_the_cause(
+    parameters, target, cause
+):
+    broken, sound = types_of(parameters, {"a/Broken": target, "a/Sound": Declaring})
+
+    assert cause in broken.error
+    assert broken.parameters == ()
+    assert sound.error is None

@@ -265,14 +265,68 @@ def test_set_points_are_let_expire_and_unknown_controllers_left_out():
     station.loop.step()
     station.load_controller("spring", "test/Spring", {"joint": "j"})
     port = station.manager.get_controller("spring").set_points
-    station.motion.let_expire(["spring", "unknown"])
+    station.motion.let_go(["spring", "unknown"], "Lost.")
     assert port.take() is None  # nobody has commanded anything yet
     assert not port.has_news()
 
     station.switch_controllers(SwitchRequest(start=("spring",)))
     station.motion.set_command("spring", [0.5])
     station.loop.step()
-    station.motion.let_expire(["spring"])
+    station.motion.let_go(["spring"], "Lost.")
     station.loop.step()
 
     assert port.take_expiry()
+
+
+def test_goals_of_who_loses_control_are_cancelled_with_the_reason(arm):
+    done = arm.motion.submit_goal("arm", {"trajectory": TRAJECTORY})
+    arm.loop.step(600)
+    goal = arm.motion.submit_goal("arm", {"trajectory": TRAJECTORY})
+    arm.loop.step(200)
+
+    arm.motion.let_go(["arm"], "Grace has taken control from Ada by force.")
+    arm.loop.step()
+    held = positions(arm)
+    arm.loop.step(400)
+
+    assert goal.status is GoalStatus.PREEMPTED
+    assert goal.result.message == "Grace has taken control from Ada by force."
+    assert done.status is GoalStatus.SUCCEEDED
+    assert positions(arm) == held
+
+
+def test_a_trajectory_of_who_loses_control_ends(arm):
+    arm.motion.follow_trajectory("arm", TRAJECTORY)
+    arm.loop.step(200)
+
+    arm.motion.let_go(["arm"], "Lost.")
+    arm.loop.step(2)
+    held = positions(arm)
+    arm.loop.step(400)
+
+    assert held != [0.4, -0.4]
+    assert positions(arm) == held
+
+
+@pytest.mark.parametrize("follow", ["goal", "trajectory"])
+def test_control_that_is_lost_during_the_planning_ends_what_was_planned(arm, follow):
+    calls = []
+
+    def admit():
+        calls.append(arm.loop.cycle)
+        if len(calls) == 2:
+            raise ControllerStateError("Grace holds control.", remedy="Wait.")
+
+    motion = arm.motion
+    command = {
+        "goal": lambda: motion.submit_goal(
+            "arm", {"trajectory": TRAJECTORY}, admit=admit
+        ),
+        "trajectory": lambda: motion.follow_trajectory("arm", TRAJECTORY, admit=admit),
+    }[follow]
+    with pytest.raises(ControllerStateError, match="Grace"):
+        command()
+    arm.loop.step(600)
+
+    assert positions(arm) == [0.0, 0.0]
+    assert all(goal.is_final() for goal in arm.motion.goals("arm"))

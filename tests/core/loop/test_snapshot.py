@@ -1,11 +1,10 @@
 """The snapshot ring: every cycle readable, loss detected."""
 
-from station.core.hardware.interfaces.joint_group import Packed
 from station.core.loop.snapshot import Record, SnapshotRing
 
 
 def _snapshot(cycle: int) -> Record:
-    packed = Packed(([float(cycle)], [], []))
+    packed = ([float(cycle)], [], [])
     return cycle, 1, cycle * 0.001, 0.001, "idle", packed, {}
 
 

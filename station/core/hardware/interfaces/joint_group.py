@@ -7,7 +7,7 @@ other group accesses the joints one by one, with the same result.
 
 from array import array
 from collections.abc import Callable, Sequence
-from typing import cast
+from typing import TypeAlias, cast
 
 import numpy as np
 
@@ -64,37 +64,25 @@ class _Column:
                 storage[index] = value
 
 
-class Packed:
-    """The states of several joints at one time, unpacked by whoever reads them.
+Packed: TypeAlias = bytes | tuple[list[float], list[float], list[float]]
+"""Positions, velocities and efforts of several joints at one time, as they are quickest
+to keep: the bytes of doubles one after the other, or three lists."""
 
-    Args:
-        columns: Positions, velocities and efforts as lists, or the bytes of the doubles
-            that they are in, one after the other.
-    """
 
-    __slots__ = ("_columns",)
+def packed_memory(packed: Packed) -> bytes:
+    """Return positions, velocities and efforts as doubles, one after the other."""
+    if isinstance(packed, bytes):
+        return packed
+    return b"".join(array("d", column).tobytes() for column in packed)
 
-    def __init__(self, columns: tuple[list[float], ...] | tuple[bytes, ...]) -> None:
-        self._columns = columns
 
-    def memory(self) -> bytes:
-        """Return positions, velocities and efforts as doubles, one after the other."""
-        return b"".join(
-            column if isinstance(column, bytes) else array("d", column).tobytes()
-            for column in self._columns
-        )
-
-    def unpack(self) -> list[list[float]]:
-        """Return positions, velocities and efforts, shape (n,) each."""
-        columns = [
-            array("d", column).tolist() if isinstance(column, bytes) else column
-            for column in self._columns
-        ]
-        if len(columns) == 3:
-            return columns
-        (together,) = columns
-        size = len(together) // 3
-        return [together[start * size : (start + 1) * size] for start in range(3)]
+def unpack(packed: Packed) -> tuple[list[float], list[float], list[float]]:
+    """Return positions, velocities and efforts, shape (n,) each."""
+    if not isinstance(packed, bytes):
+        return packed
+    together = array("d", packed).tolist()
+    size = len(together) // 3
+    return together[:size], together[size : 2 * size], together[2 * size :]
 
 
 class JointStateGroup:
@@ -107,6 +95,7 @@ class JointStateGroup:
         get_efforts: Return the efforts [Nm or N], shape (n,), a new list.
         positions: The positions themselves, if the robot keeps them side by side in a
             block of doubles; otherwise None. The same for `velocities` and `efforts`.
+        pack: Return the present states, which are unpacked when somebody reads them.
     """
 
     def __init__(self, handles: Sequence[JointStateHandle]) -> None:
@@ -120,13 +109,13 @@ class JointStateGroup:
         self.get_positions = position.read
         self.get_velocities = velocity.read
         self.get_efforts = effort.read
-        self._together = _side_by_side([position.view, velocity.view, effort.view])
+        together = _side_by_side([position.view, velocity.view, effort.view])
+        self.pack: Callable[[], Packed] = (
+            self._pack_columns if together is None else together.tobytes
+        )
 
-    def pack(self) -> Packed:
-        """Return the present states, which are unpacked when somebody reads them."""
-        if self._together is not None:
-            return Packed((self._together.tobytes(),))
-        return Packed((self.get_positions(), self.get_velocities(), self.get_efforts()))
+    def _pack_columns(self) -> Packed:
+        return self.get_positions(), self.get_velocities(), self.get_efforts()
 
 
 def _side_by_side(views: list[Doubles | None]) -> Doubles | None:

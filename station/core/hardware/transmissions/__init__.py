@@ -16,6 +16,7 @@ from station.core.hardware.transmissions.parser import (
     TransmissionInfo,
     TransmissionParser,
 )
+from station.core.hardware.transmissions.propagation import Propagation
 from station.core.hardware.transmissions.raw_joint_data import RawJointData
 from station.core.hardware.transmissions.simple_transmission import SimpleTransmission
 from station.core.hardware.transmissions.transmission import (
@@ -66,6 +67,7 @@ __all__ = [
     "JointToActuatorStateInterface",
     "JointToActuatorVelocityInterface",
     "LoadedTransmission",
+    "Propagation",
     "RawJointData",
     "RobotTransmissions",
     "SimpleTransmission",

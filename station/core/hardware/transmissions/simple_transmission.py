@@ -17,6 +17,7 @@ from station.core.hardware.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
+from station.kernel.transmission_maps import NO_OFFSET, divided, multiplied
 
 
 class SimpleTransmission(Transmission):
@@ -47,24 +48,24 @@ class SimpleTransmission(Transmission):
 
     @override
     def actuator_to_joint_effort(self, effort: list[float]) -> list[float]:
-        return [effort[0] * self.reduction]
+        return [multiplied(effort[0], self.reduction, 0.0)]
 
     @override
     def actuator_to_joint_velocity(self, velocity: list[float]) -> list[float]:
-        return [velocity[0] / self.reduction]
+        return [divided(velocity[0], self.reduction, NO_OFFSET)]
 
     @override
     def actuator_to_joint_position(self, position: list[float]) -> list[float]:
-        return [position[0] / self.reduction + self.joint_offset]
+        return [divided(position[0], self.reduction, self.joint_offset)]
 
     @override
     def joint_to_actuator_effort(self, effort: list[float]) -> list[float]:
-        return [effort[0] / self.reduction]
+        return [divided(effort[0], self.reduction, NO_OFFSET)]
 
     @override
     def joint_to_actuator_velocity(self, velocity: list[float]) -> list[float]:
-        return [velocity[0] * self.reduction]
+        return [multiplied(velocity[0], self.reduction, 0.0)]
 
     @override
     def joint_to_actuator_position(self, position: list[float]) -> list[float]:
-        return [(position[0] - self.joint_offset) * self.reduction]
+        return [multiplied(position[0], self.reduction, self.joint_offset)]

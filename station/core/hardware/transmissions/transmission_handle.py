@@ -82,22 +82,41 @@ class JointData(TransmissionData):
     """Places of the values on the joint side."""
 
 
-class _Map:
-    """One quantity in one direction: gather, map, scatter."""
+class QuantityMap:
+    """One quantity of a transmission in one direction: gather, map, scatter.
+
+    Args:
+        transmission: The transmission.
+        direction: The way that the values take.
+        quantity: The quantity, an attribute of `TransmissionData`.
+        source: Where the values are.
+        target: Where they go.
+
+    Attributes:
+        transmission: As given, and the next four as well.
+    """
 
     def __init__(
         self,
-        function: Callable[[list[float]], list[float]],
+        transmission: Transmission,
+        direction: Direction,
+        quantity: str,
         source: list[Slot | None],
         target: list[Slot | None],
     ) -> None:
-        self._function = function
-        self._source: list[Slot] = [slot for slot in source if slot is not None]
-        self._target: list[Slot] = [slot for slot in target if slot is not None]
+        self.transmission = transmission
+        self.direction = direction
+        self.quantity = quantity
+        self.source: list[Slot] = [slot for slot in source if slot is not None]
+        self.target: list[Slot] = [slot for slot in target if slot is not None]
+        self._function: Callable[[list[float]], list[float]] = getattr(
+            transmission, f"{direction.value}_{quantity}"
+        )
 
-    def run(self) -> None:
-        values = self._function([storage[index] for storage, index in self._source])
-        for number, (storage, index) in enumerate(self._target):
+    def carry(self) -> None:
+        """Carry the values of this cycle over. Control thread."""
+        values = self._function([storage[index] for storage, index in self.source])
+        for number, (storage, index) in enumerate(self.target):
             storage[index] = values[number]
 
 
@@ -106,6 +125,9 @@ class TransmissionHandle(ResourceHandle):
 
     Contract: built at start; `propagate` is called by the control thread every cycle
     and allocates only short lists of floats.
+
+    Attributes:
+        maps: What is carried, one map per quantity.
     """
 
     def __init__(
@@ -149,9 +171,11 @@ class TransmissionHandle(ResourceHandle):
             if direction is Direction.ACTUATOR_TO_JOINT
             else (joint_data, actuator_data)
         )
-        self._maps = [
-            _Map(
-                getattr(transmission, f"{direction.value}_{quantity}"),
+        self.maps = [
+            QuantityMap(
+                transmission,
+                direction,
+                quantity,
                 source.slots(quantity),
                 target.slots(quantity),
             )
@@ -161,8 +185,8 @@ class TransmissionHandle(ResourceHandle):
 
     def propagate(self) -> None:
         """Carry the values of this cycle over. Control thread."""
-        for quantity in self._maps:
-            quantity.run()
+        for quantity in self.maps:
+            quantity.carry()
 
 
 def _check_not_empty(name: str, actuator: ActuatorData, joint: JointData) -> None:

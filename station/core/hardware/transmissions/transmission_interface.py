@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.interfaces.resource_manager import ResourceManager
+from station.core.hardware.transmissions.propagation import Propagation
 from station.core.hardware.transmissions.transmission import Transmission
 from station.core.hardware.transmissions.transmission_handle import (
     SENSORS,
@@ -39,7 +40,7 @@ class TransmissionInterface(ResourceManager[TransmissionHandle]):
 
     def __init__(self) -> None:
         super().__init__()
-        self._propagated: list[TransmissionHandle] = []
+        self._propagation = Propagation()
 
     @override
     def __init_subclass__(cls) -> None:
@@ -50,7 +51,7 @@ class TransmissionInterface(ResourceManager[TransmissionHandle]):
     @override
     def register_handle(self, handle: TransmissionHandle) -> None:
         super().register_handle(handle)
-        self._propagated = self.handles()
+        self._propagation = Propagation(self.handles())
 
     def connect(
         self,
@@ -84,8 +85,7 @@ class TransmissionInterface(ResourceManager[TransmissionHandle]):
 
     def propagate(self) -> None:
         """Carry the values of this cycle through all transmissions. Control thread."""
-        for handle in self._propagated:
-            handle.propagate()
+        self._propagation.carry()
 
 
 class ActuatorToJointStateInterface(TransmissionInterface):

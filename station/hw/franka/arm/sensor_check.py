@@ -11,17 +11,22 @@ class SensorCheck:
 
     Args:
         state: The arm's state.
+
+    Attributes:
+        first_bad: Return the number of the first reading that is not finite; -1 when
+            all are.
     """
 
     def __init__(self, state: RobotState) -> None:
         self._readings = state.readings()
-        self._first_bad = FiniteCheck(self._readings).first_bad
+        self.first_bad = FiniteCheck(self._readings).first_bad
 
-    def blind_sensor(self) -> str | None:
-        """Return the first joint reading that is not finite; None when all are."""
-        index = self._first_bad()
-        if index < 0:
-            return None
+    def describe(self, index: int) -> str:
+        """Return which joint reading is not finite, in words.
+
+        Args:
+            index: What `first_bad` has returned, >= 0.
+        """
         reading, joint = divmod(index, 7)
         value = self._readings[index]
         return f"the {_READINGS[reading]} of joint{joint + 1} reads {value}"

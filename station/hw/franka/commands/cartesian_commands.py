@@ -6,7 +6,6 @@ cartesianLowpassFilter; src/rate_limiting.cpp, limitRate.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite
 
 from station.core.franka import (
     FrankaCartesianPoseHandle,
@@ -28,7 +27,8 @@ from station.hw.franka.commands.rate_limiter import (
     with_margins,
 )
 from station.kernel.command_rates import filtered
-from station.kernel.doubles import doubles
+from station.kernel.doubles import Block, doubles, put
+from station.kernel.finite_check import FiniteCheck
 from station.kernel.pose_rates import PoseRates
 
 # libfranka's margin for the rotation of a pose.
@@ -50,11 +50,11 @@ class CartesianCommands:
 
     def __init__(self, arm: RobotArm, arm_id: str, limits: ArmLimits) -> None:
         self._arm = arm
-        self._pose = list(IDENTITY)
-        self._twist = [0.0] * 6
-        self._pose_elbow = [0.0, 0.0]
+        block = Block({"pose": 16, "pose_elbow": 2, "twist": 6, "twist_elbow": 2})
+        self._pose, self._pose_elbow = block["pose"], block["pose_elbow"]
+        self._twist, self._twist_elbow = block["twist"], block["twist_elbow"]
+        put(self._pose, IDENTITY)
         self._bridge = PoseBridge()
-        self._twist_elbow = [0.0, 0.0]
         self.has_pose = self.has_twist = False
         losses = limits.tolerated_losses
         state = arm.state
@@ -99,22 +99,17 @@ class CartesianCommands:
         self.has_twist = bool(mode & ControlMode.CARTESIAN_VELOCITY)
         if self.has_pose:
             self._arm.refresh_state()
-            self._pose[:] = self._arm.state.O_T_EE_d
-        self._twist[:] = [0.0] * 6
-        self._pose_elbow[:] = self._twist_elbow[:] = [0.0, 0.0]
+            put(self._pose, self._arm.state.O_T_EE_d)
+        for rest in (self._twist, self._pose_elbow, self._twist_elbow):
+            put(rest, [0.0] * len(rest))
         self._bridge.begin(self._pose, self._arm.state.elbow_d)
         self._is_first = True
 
-    def are_finite(self) -> bool:
-        """Return whether all commands that are taken are finite."""
-        if not self.has_pose and not self.has_twist:
-            return True
-        total = 0.0
-        if self.has_pose:
-            total += sum(self._pose) + sum(self._pose_elbow)
-        if self.has_twist:
-            total += sum(self._twist) + sum(self._twist_elbow)
-        return isfinite(total)
+    def checks(self) -> tuple[FiniteCheck, ...]:
+        """Return what looks for commands that are not finite, for what is taken."""
+        pose = (self._pose, self._pose_elbow) if self.has_pose else ()
+        twist = (self._twist, self._twist_elbow) if self.has_twist else ()
+        return tuple(map(FiniteCheck, (*pose, *twist)))
 
     def send(self, settings: CommandSettings, *, is_new: bool) -> None:
         """Filter, limit and send what is taken.
@@ -142,7 +137,7 @@ class CartesianCommands:
             elbow = self._limited_elbow(bent, passes=passes)
             arm.command_cartesian_pose(rates.sent_pose, elbow)
         if self.has_twist:
-            rates.filter_twist(doubles(self._twist))
+            rates.filter_twist(self._twist)
             elbow = self._limited_elbow(self._twist_elbow, passes=False)
             arm.command_cartesian_velocity(rates.sent_twist, elbow)
 

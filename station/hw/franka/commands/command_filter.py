@@ -1,5 +1,7 @@
 """Filter and limit joint commands between FrankaHW and the arm."""
 
+from typing import TYPE_CHECKING
+
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.commands.joint_commands import JointCommands
@@ -10,8 +12,12 @@ from station.hw.franka.commands.rate_limiter import (
     velocity_range_of,
 )
 from station.kernel.command_rates import CommandRates
-from station.kernel.doubles import Doubles
 from station.kernel.joint_memory import JointMemory
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from station.kernel.doubles import Doubles
 
 # A joint approaches its goal with half of the acceleration limit, and near the goal
 # with a velocity in proportion to the distance [1/s]. Where the two meet, the
@@ -36,6 +42,10 @@ class CommandFilter:
         limits: The arm's own limits.
         state: The arm's state.
         commands: The commands after the joint limits.
+
+    Attributes:
+        result: What was filtered last, shape (7,); always the same memory.
+        torques: Filter the torques to send [Nm].
     """
 
     def __init__(
@@ -62,7 +72,8 @@ class CommandFilter:
             approach_gain=_APPROACH_GAIN,
             period=PERIOD,
         )
-        self._result: Doubles = self._kernel.result
+        self.result: Doubles = self._kernel.result
+        self.torques: Callable[[], None] = self._kernel.filter_torques
 
     def begin(self, *, cutoff_frequency: float, rate_limiting: bool) -> None:
         """Forget all previous commands; called when a motion starts.
@@ -84,26 +95,19 @@ class CommandFilter:
         if self._kernel.is_limiting:
             self._kernel.note_goals()
 
-    def torques(self) -> Doubles:
-        """Return the torques to send [Nm], shape (7,); the same memory every time."""
-        self._kernel.filter_torques()
-        return self._result
-
-    def velocities(self) -> Doubles:
-        """Return the velocities to send [rad/s], shape (7,)."""
+    def velocities(self) -> None:
+        """Filter the velocities to send [rad/s]."""
         if self._arm_limits.curves:
             self._note_ranges()
         self._kernel.filter_velocities()
-        return self._result
 
-    def positions(self) -> Doubles:
-        """Return the positions to send [rad], shape (7,)."""
+    def positions(self) -> None:
+        """Filter the positions to send [rad]."""
         passes = self._is_first and not self._arm_limits.filters_first_pose
         self._is_first = False
         if self._arm_limits.curves:
             self._note_ranges()
         self._kernel.filter_positions(passes)
-        return self._result
 
     def _note_ranges(self) -> None:
         """Note the velocities that the present positions allow."""

@@ -1,5 +1,8 @@
 """Send the commands of controllers to the arm, limited and filtered."""
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE
 from station.hw.franka.arm.control_mode import ControlMode
@@ -9,6 +12,10 @@ from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.kernel.arm_codes import MOVE
+from station.kernel.doubles import Doubles
+
+_Send: TypeAlias = tuple[Callable[[], object], Doubles, Callable[[Doubles], None]]
+"""What filters commands, where the result is, and what passes the result on."""
 
 
 class CommandSender:
@@ -37,6 +44,10 @@ class CommandSender:
         self._filter = command_filter
         self._mode = arm.state.doubles(MODE)
         self._settings: CommandSettings | None = None
+        self._searches: tuple[Callable[[], int], ...] = ()
+        self._limits: tuple[Callable[[float], None], ...] = ()
+        self._joint_sends: tuple[_Send, ...] = ()
+        self._is_cartesian = False
         self.refusal: str | None = None
 
     def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
@@ -48,8 +59,14 @@ class CommandSender:
         """
         self._settings = settings
         self.refusal = None
-        self._commands.begin(mode)
-        self._cartesian.begin(mode)
+        commands, cartesian = self._commands, self._cartesian
+        commands.begin(mode)
+        cartesian.begin(mode)
+        checks = (*commands.checks(), *cartesian.checks())
+        self._searches = tuple(check.first_bad for check in checks)
+        self._limits = tuple(limits.enforce_limits for limits in commands.limits())
+        self._joint_sends = self._sends_of_joints()
+        self._is_cartesian = cartesian.has_pose or cartesian.has_twist
         self._filter.begin(
             cutoff_frequency=settings.cutoff_frequency,
             rate_limiting=settings.rate_limiting,
@@ -64,15 +81,16 @@ class CommandSender:
         Args:
             period: Time since the last cycle [s], >= 0.
         """
-        commands, cartesian = self._commands, self._cartesian
-        if not commands.are_finite() or not cartesian.are_finite():
-            self.refusal = "a command is not finite"
-            self._arm.stop_motion()
-            return
-        if commands.has_positions:
+        for first_bad in self._searches:
+            if first_bad() >= 0:
+                self.refusal = "a command is not finite"
+                self._arm.stop_motion()
+                return
+        if self._commands.has_positions:
             self._filter.note_goals()
         if period > 0.0:
-            commands.enforce_limits(period)
+            for enforce in self._limits:
+                enforce(period)
         self.send(is_new=True)
 
     @property
@@ -98,18 +116,27 @@ class CommandSender:
         Args:
             is_new: Controllers have updated since the last send.
         """
-        arm, commands, filtered = self._arm, self._commands, self._filter
         if self._mode[0] != MOVE:
             return
-        if commands.has_positions:
-            arm.command_joint_positions(filtered.positions())
-        if commands.has_velocities:
-            arm.command_joint_velocities(filtered.velocities())
-        if commands.has_efforts:
-            arm.command_joint_torques(filtered.torques())
-        if self._settings and (self._cartesian.has_pose or self._cartesian.has_twist):
+        for filter_commands, result, command in self._joint_sends:
+            filter_commands()
+            command(result)
+        if self._is_cartesian and self._settings:
             try:
                 self._cartesian.send(self._settings, is_new=is_new)
             except InvalidCommandError as error:
                 self.refusal = error.message.rstrip(".")
-                arm.stop_motion()
+                self._arm.stop_motion()
+
+    def _sends_of_joints(self) -> tuple["_Send", ...]:
+        arm, taken, filtered = self._arm, self._commands, self._filter
+        kinds = (
+            (taken.has_positions, filtered.positions, arm.command_joint_positions),
+            (taken.has_velocities, filtered.velocities, arm.command_joint_velocities),
+            (taken.has_efforts, filtered.torques, arm.command_joint_torques),
+        )
+        return tuple(
+            (filter_commands, filtered.result, command)
+            for is_taken, filter_commands, command in kinds
+            if is_taken
+        )

@@ -30,7 +30,7 @@ from station.core.hardware.robot_report import (
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.rate_limiter import RateLimits
-from station.kernel.doubles import Block, put
+from station.kernel.doubles import Block, Doubles, put
 from station.kernel.finite_check import FiniteCheck
 
 _DOF = 7
@@ -82,9 +82,6 @@ class JointCommands:
         self.positions = block["positions"]
         self.velocities = block["velocities"]
         self.efforts = block["efforts"]
-        self._first_bad_position = FiniteCheck(self.positions).first_bad
-        self._first_bad_velocity = FiniteCheck(self.velocities).first_bad
-        self._first_bad_effort = FiniteCheck(self.efforts).first_bad
         self._lower = [-inf] * _DOF
         self._upper = [inf] * _DOF
         self.limit_reports: list[JointLimitsReport] = []
@@ -202,29 +199,24 @@ class JointCommands:
         """Return the lowest and the highest positions that are asked for [rad]."""
         return self._lower, self._upper
 
-    def are_finite(self) -> bool:
-        """Return whether all commands that are taken are finite.
+    def checks(self) -> tuple[FiniteCheck, ...]:
+        """Return what looks for commands that are not finite, for what is taken.
 
-        Call it before limits and filters: these may turn a NaN into a finite number.
+        To be asked before limits and filters: these may turn a NaN into a number.
         """
-        return not (
-            (self.has_positions and self._first_bad_position() >= 0)
-            or (self.has_velocities and self._first_bad_velocity() >= 0)
-            or (self.has_efforts and self._first_bad_effort() >= 0)
+        return tuple(FiniteCheck(commands) for commands, _ in self._taken())
+
+    def limits(self) -> tuple[JointLimitsInterface[JointLimitsHandle], ...]:
+        """Return the limits of the commands that are taken."""
+        return tuple(limits for _, limits in self._taken())
+
+    def _taken(self) -> list[tuple[Doubles, JointLimitsInterface[JointLimitsHandle]]]:
+        kinds = (
+            (self.has_positions, self.positions, self._position_limits),
+            (self.has_velocities, self.velocities, self._velocity_limits),
+            (self.has_efforts, self.efforts, self._effort_limits),
         )
-
-    def enforce_limits(self, period: float) -> None:
-        """Limit the commands that are taken.
-
-        Args:
-            period: Time since the last cycle [s], > 0.
-        """
-        if self.has_positions:
-            self._position_limits.enforce_limits(period)
-        if self.has_velocities:
-            self._velocity_limits.enforce_limits(period)
-        if self.has_efforts:
-            self._effort_limits.enforce_limits(period)
+        return [(commands, limits) for is_taken, commands, limits in kinds if is_taken]
 
 
 def _with_margin(limits: JointLimits) -> JointLimits:

@@ -91,7 +91,8 @@ class FingerJoints:
     def write(self) -> None:
         """Pass on the commands of claimed fingers; an unclaimed finger follows."""
         if not self._claimed:
-            self.hand.advance()
+            if self.hand.is_moving:
+                self.hand.advance()
             return
         kind = next(iter(self._claimed.values()))
         is_position = kind == PositionJointInterface.type_name

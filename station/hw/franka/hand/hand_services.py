@@ -62,6 +62,7 @@ class HandServices(GripperServices):
 
     Attributes:
         owner: The controller that claims the fingers; None without such a controller.
+        is_moving: Whether `advance` may have something to do.
     """
 
     def __init__(self, arm_id: str, motor: HandMotor) -> None:
@@ -73,6 +74,7 @@ class HandServices(GripperServices):
         self._last: GripperCommand | None = None
         self._count = 0
         self.owner: str | None = None
+        self.is_moving = False
 
     @override
     def get_state(self) -> GripperState:
@@ -129,13 +131,13 @@ class HandServices(GripperServices):
     def stop(self) -> None:
         self._end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
         if self.owner is None:
-            self._motion.rest()
+            self._rest()
 
     @override
     def interrupt(self, reason: str) -> None:
         if self._command is not None:
             self._end(GoalStatus.PREEMPTED, reason)
-            self._motion.rest()
+            self._rest()
 
     def give_to(self, owner: str | None) -> None:
         """Give the fingers to a controller, or take them back.
@@ -155,17 +157,22 @@ class HandServices(GripperServices):
 
     def advance(self) -> None:
         """Continue the present motion; once per cycle."""
-        if self._motion.is_over():
-            return
-        outcome = self._motion.advance()
+        motion = self._motion
+        outcome = None if motion.is_over() else motion.advance()
+        self.is_moving = not motion.is_over()
         if outcome is not None:
             if outcome.message is None:
                 self._end(GoalStatus.SUCCEEDED, "")
             else:
                 self._end(GoalStatus.ABORTED, outcome.message)
 
+    def _rest(self) -> None:
+        self._motion.rest()
+        self.is_moving = True
+
     def _begin(self, action: GripperAction, request: dict[str, float]) -> None:
         self._count += 1
+        self.is_moving = True
         self._end(GoalStatus.PREEMPTED, f"A newer command took over: {action.value}.")
         self._command = GripperCommand(
             self._count,

@@ -61,13 +61,8 @@ class ArmDrive:
         """Wait for the arm to settle before torques act."""
         self._settling_time = 0.0
 
-    def before_step(self) -> None:
-        """Take the commands, advance the desired motion, set the motors' controls."""
-        if not self._step.before():
-            self._attend()
-
-    def _attend(self) -> None:
-        """Do the same in a cycle that is not a usual one."""
+    def attend(self) -> None:
+        """Do what `ArmStep.before` does in a cycle that is not a usual one."""
         state, motors = self._state, self._motors
         wants_torques = self._modes.controller is ControllerMode.EXTERNAL_CONTROLLER
         if wants_torques and not motors.torques_act and self._motion.is_at_rest():

@@ -68,7 +68,7 @@ class SimulatedArm(RobotArm):
         frames: Frames and derived state.
         supervisor: Finds and keeps the errors.
         before_step: Takes the commands, advances the desired motion, and sets the
-            motors' controls.
+            motors' controls in a usual cycle; `attend` does in any other.
     """
 
     def __init__(
@@ -135,7 +135,8 @@ class SimulatedArm(RobotArm):
             faults=self._faults,
             period=world.timestep,
         )
-        self.before_step = self._drive.before_step
+        self.before_step = self._step.before
+        self.attend = self._drive.attend
         self._controls = SimulatedArmControls(
             world,
             self._modes,
@@ -155,11 +156,12 @@ class SimulatedArm(RobotArm):
         while world.step_count < self._cycle:
             world.step()
         if self._cycle_of_state < world.step_count:
-            self._cycle_of_state = world.step_count
-            found = self._update_state()
+            self._cycle_of_state = steps = world.step_count
+            found = self._sensors.read(steps * self.cycle_time)
             if (
                 found
                 or world.pushes
+                or world.diverged_because is not None
                 or not self.contact.is_quiet
                 or self.supervisor.is_alert
                 or self._step.has_load
@@ -311,19 +313,10 @@ class SimulatedArm(RobotArm):
         self.contact.reset()
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
-        self._update_state()
+        self._sensors.read(self._cycle_of_state * self.cycle_time)
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
-
-    def _update_state(self) -> int:
-        found = self._sensors.read(self._cycle_of_state * self.cycle_time)
-        if (
-            self._world.diverged_because is not None
-            and self.state.robot_mode is not RobotMode.OTHER
-        ):
-            self._modes.end_motion(RobotMode.OTHER)
-        return found
 
     def _supervise(self, found: int) -> None:
         """Look closer at contacts and readings.
@@ -331,6 +324,9 @@ class SimulatedArm(RobotArm):
         Args:
             found: What `ArmStep.after` has found.
         """
+        has_diverged = self._world.diverged_because is not None
+        if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
+            self._modes.end_motion(RobotMode.OTHER)
         errors = self.contact.update()
         if self.state.robot_mode in _SUPERVISED:
             is_quiet = not found & UNUSUAL

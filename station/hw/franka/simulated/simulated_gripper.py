@@ -48,7 +48,7 @@ class SimulatedGripper:
         self._start_width = width
         self._memory = self._finger.simulator_memory()
         self._motor = FingerMotor(self._memory)
-        self.before_step: Callable[[], None] = self._motor.before
+        self.before_step: Callable[[], bool] = self._motor.before
         self._servo = (0.0, 0.0)
         self.hold(width)
         world.add_actor(self)
@@ -108,6 +108,9 @@ class SimulatedGripper:
         """
         self._set_servo(0.0, self._damping if is_damped else 0.0)
         self._motor.force = 2.0 * force
+
+    def attend(self) -> None:
+        """Do nothing: every cycle of the motor is a usual one."""
 
     def after_reset(self) -> None:
         """Hold the width of the beginning again."""

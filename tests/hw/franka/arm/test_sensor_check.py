@@ -11,7 +11,7 @@ from station.hw.franka.arm.sensor_check import SensorCheck
 def test_finite_readings_are_fine():
     state = RobotState()
     state.doubles("tau_J")[0] = -87.0
-    assert SensorCheck(state).blind_sensor() is None
+    assert SensorCheck(state).first_bad() == -1
 
 
 @pytest.mark.parametrize(
@@ -25,4 +25,5 @@ def test_finite_readings_are_fine():
 def test_sensor_without_a_number_is_named(field, joint, value, text):
     state = RobotState()
     state.doubles(field)[joint - 1] = value
-    assert SensorCheck(state).blind_sensor() == text
+    check = SensorCheck(state)
+    assert check.describe(check.first_bad()) == text

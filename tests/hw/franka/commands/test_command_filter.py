@@ -36,15 +36,18 @@ class Filter:
         put(self.commands.positions, goals)
         self.filter.note_goals()
         put(self.commands.positions, q)
-        return [*self.filter.positions()]
+        self.filter.positions()
+        return [*self.filter.result]
 
     def velocities(self, dq, state) -> list[float]:
         put(self.commands.velocities, dq)
-        return [*self.filter.velocities()]
+        self.filter.velocities()
+        return [*self.filter.result]
 
     def torques(self, tau, state) -> list[float]:
         put(self.commands.efforts, tau)
-        return [*self.filter.torques()]
+        self.filter.torques()
+        return [*self.filter.result]
 
 
 def follow(state: RobotState, q: list[float]) -> None:

@@ -67,7 +67,8 @@ def test_limits_of_the_commanded_kinds_alone_are_enforced(
     commands.begin(mode)
     commands.positions[0] = commands.velocities[0] = 9.0
     commands.efforts[0] = 99.0
-    commands.enforce_limits(0.001)
+    for limits in commands.limits():
+        limits.enforce_limits(0.001)
     given = commands.positions[0], commands.velocities[0], commands.efforts[0]
     assert given == pytest.approx(expected)
 
@@ -86,7 +87,8 @@ def test_only_commanded_kinds_must_be_finite(
 ) -> None:
     commands.begin(mode)
     commands.efforts[6] = nan
-    assert commands.are_finite() is expected
+    found = [check.first_bad() for check in commands.checks()]
+    assert all(index < 0 for index in found) is expected
 
 
 def test_range_of_goals_is_that_of_the_description(commands: JointCommands) -> None:

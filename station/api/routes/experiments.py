@@ -1,0 +1,223 @@
+"""Experiments: many trials of a simulated copy of the station, beside its robot."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path, Query, Request
+
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.core.facade.station import Station
+from station.trials import reports
+from station.trials.analysis import gains_of, ranked
+from station.trials.background_experiments import BackgroundExperiments
+from station.trials.errors import ExperimentError
+from station.trials.metrics import UNITS
+from station.trials.results import Results, file_of, names
+from station.wire import ExperimentRequest, GainsChanges
+from station.wire.experiments import (
+    Experiment,
+    ExperimentApplyRequest,
+    ExperimentName,
+    ExperimentPreview,
+    ExperimentResponses,
+    Experiments,
+    ExperimentTrials,
+    TrialHash,
+)
+
+
+async def get_background(request: Request) -> BackgroundExperiments:
+    """Return what runs the experiments of the station.
+
+    Raises:
+        ExperimentError: This station runs none.
+    """
+    background: BackgroundExperiments | None = request.app.state.experiments
+    if background is None:
+        raise ExperimentError(
+            "This station runs no experiments.",
+            remedy="Run them with the command line: `station tune --help`.",
+        )
+    return background
+
+
+BackgroundDep = Annotated[BackgroundExperiments, Depends(get_background)]
+Name = Annotated[
+    ExperimentName,
+    Path(description="Name of the experiment.", examples=["better"]),
+]
+ChosenTrial = Annotated[
+    TrialHash | None,
+    Query(
+        description="Hash of the trial, or the beginning of it; the best when left "
+        "out.",
+        examples=["3f2a9c0d11e4b765"],
+    ),
+]
+Metric = Annotated[
+    str | None,
+    Query(
+        max_length=100,
+        description="The metric that decides; that of the experiment when left out.",
+        examples=["rms_error"],
+    ),
+]
+Count = Annotated[
+    int, Query(ge=1, le=500, description="How many trials at most.", examples=[5])
+]
+router = APIRouter(
+    prefix="/experiments",
+    tags=["experiments"],
+    dependencies=[Viewer],
+    route_class=JsonRoute,
+)
+
+
+@router.get("", responses=problems(409))
+def list_experiments(background: BackgroundDep) -> Experiments:
+    """List the experiments of this user, by name, and the metrics there are."""
+    found = []
+    for name in names():
+        with Results.open(file_of(name)) as results:
+            found.append(reports.summary_of(results, background.state))
+    return Experiments(experiments=found, metrics=dict(UNITS))
+
+
+@router.post(
+    "",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def start_experiment(
+    request: ExperimentRequest, background: BackgroundDep, station: StationDep
+) -> Experiment:
+    """Start an experiment in a process of its own; one runs at a time.
+
+    Everything asked for is checked before the answer. The robot does not move: the
+    trials run in simulated copies of the station.
+    """
+    name = background.start(request, station.tuning.all_gains())
+    return _experiment(name, background)
+
+
+@router.get("/{name}", responses=problems(404, 409, 422))
+def get_experiment(name: Name, background: BackgroundDep) -> Experiment:
+    """Return how far an experiment is, its first trial and the best so far."""
+    return _experiment(name, background)
+
+
+@router.delete("/{name}", dependencies=[Operator], responses=problems(404, 409, 422))
+def delete_experiment(name: Name, background: BackgroundDep) -> Experiment:
+    """Delete an experiment that does not run; return what it was."""
+    found = _experiment(name, background)
+    background.delete(name)
+    return found
+
+
+@router.post(
+    "/{name}/cancel", dependencies=[Operator], responses=problems(404, 409, 422)
+)
+def cancel_experiment(name: Name, background: BackgroundDep) -> Experiment:
+    """End the experiment that runs; trials that run may end, and all are kept."""
+    background.cancel(name)
+    return _experiment(name, background)
+
+
+@router.get("/{name}/trials", responses=problems(404, 409, 422))
+def list_trials(
+    name: Name,
+    _: BackgroundDep,
+    after: Annotated[
+        int,
+        Query(
+            ge=0, description="Number of the last trial that is known.", examples=[0]
+        ),
+    ] = 0,
+    count: Count = 100,
+) -> ExperimentTrials:
+    """Return the trials that have ended, in the order of ending."""
+    with Results.open(file_of(name)) as results:
+        rows = results.rows_after(after, count)
+        return reports.trials_of(results, rows)
+
+
+@router.get("/{name}/best", responses=problems(404, 409, 422))
+def list_best_trials(
+    name: Name, _: BackgroundDep, metric: Metric = None, count: Count = 5
+) -> ExperimentTrials:
+    """Return the best trials, the best first."""
+    with Results.open(file_of(name)) as results:
+        return reports.trials_of(results, ranked(results, metric)[:count])
+
+
+@router.get("/{name}/responses", responses=problems(404, 409, 422))
+def get_responses(name: Name, _: BackgroundDep) -> ExperimentResponses:
+    """Return the responses that were kept, for an overlay: first and best, or worst."""
+    with Results.open(file_of(name)) as results:
+        return reports.responses_of(results)
+
+
+@router.get("/{name}/preview", responses=problems(404, 409, 422))
+def preview_experiment(
+    name: Name, _: BackgroundDep, station: StationDep, trial: ChosenTrial = None
+) -> ExperimentPreview:
+    """Return which gains would change if those of a trial were put into force."""
+    with Results.open(file_of(name)) as results:
+        chosen = reports.chosen_trial(results, trial)
+        wanted = gains_of(results, chosen)
+    present = {controller: station.gains(controller) for controller in wanted}
+    return ExperimentPreview.model_validate({
+        "experiment": name,
+        "trial": chosen.hash,
+        "differences": [
+            {
+                "controller": controller,
+                "name": gain,
+                "saved": value,
+                "present": present[controller].values.get(gain),
+            }
+            for controller, gains in wanted.items()
+            for gain, value in gains.items()
+            if present[controller].values.get(gain) != value
+        ],
+        "revisions": {c: gains.revision for c, gains in present.items()},
+    })
+
+
+@router.post(
+    "/{name}/apply",
+    dependencies=[Operator],
+    responses=problems(404, 409, 412, 413, 422, 503),
+)
+def apply_experiment(
+    name: Name,
+    _: BackgroundDep,
+    station: StationDep,
+    request: ExperimentApplyRequest | None = None,
+) -> GainsChanges:
+    """Put the gains of a trial into force, those of all controllers in the same cycle.
+
+    They are saved as a gain set named like the experiment. Taking back the last change
+    of gains takes all of it back.
+    """
+    asked = request or ExperimentApplyRequest()
+    with Results.open(file_of(name)) as results:
+        wanted = gains_of(results, reports.chosen_trial(results, asked.trial))
+    changes = _apply(station, wanted, asked)
+    station.gain_sets.save(name, list(wanted))
+    return GainsChanges.model_validate({"changes": changes})
+
+
+def _apply(
+    station: Station,
+    wanted: dict[str, dict[str, float]],
+    asked: ExperimentApplyRequest,
+) -> object:
+    return station.tuning.set_many(wanted, asked.revisions)
+
+
+def _experiment(name: str, background: BackgroundExperiments) -> Experiment:
+    with Results.open(file_of(name)) as results:
+        return reports.experiment_of(results, background.state)

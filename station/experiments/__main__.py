@@ -1,0 +1,142 @@
+"""Run one experiment for a station, in a process of its own at low priority.
+
+The first line of the standard input is what to do, as JSON; the process ends at once
+when that input ends, which is when the station has ended. It tells how far it is in
+lines of JSON. SIGINT ends the experiment; the trials that run may end.
+"""
+
+import json
+import os
+import sys
+import threading
+import time
+from typing import IO
+
+from station.core.errors import StationError
+from station.experiments.experiment import carry_out, prepare
+from station.experiments.pools import NICENESS, make_pool
+from station.experiments.runner import Progress
+from station.experiments.workers import be_polite, kept_world
+from station.trials.analysis import best_of, first_of
+from station.trials.results import Results, file_of
+from station.trials.setup import Setup
+from station.wire.experiments import ExperimentRequest
+
+_PERIOD = 0.5
+"""Shortest time between two lines about the progress [s]."""
+_GONE = 3
+"""Exit code when the station is gone."""
+
+
+class Reporter:
+    """Tells how far the experiment is, and keeps the responses worth looking at.
+
+    Args:
+        results: The experiment.
+        told: Where the lines go.
+    """
+
+    def __init__(self, results: Results, told: IO[str]) -> None:
+        self._results = results
+        self._told = told
+        self._next = 0.0
+        self._recorded: set[str] = set()
+
+    def watch(self, progress: Progress) -> None:
+        """Tell the progress, if the last time was long enough ago."""
+        if time.monotonic() >= self._next:
+            self.tell(progress)
+            self.record()
+            self._next = time.monotonic() + _PERIOD
+
+    def tell(self, progress: Progress) -> None:
+        """Tell the progress."""
+        tell(
+            self._told,
+            progress={
+                "ended": progress.ended,
+                "total": progress.total,
+                "failed": progress.failed,
+                "resumed": progress.resumed,
+                "reason": " ".join(progress.refused),
+            },
+        )
+
+    def record(self) -> None:
+        """Keep the first trial of a search and the best so far cycle by cycle."""
+        wanted = [first_of(self._results), best_of(self._results)]
+        new = [
+            row.result.hash
+            for row in wanted
+            if row is not None and row.result.hash not in self._recorded
+        ]
+        if not new:
+            return
+        world = kept_world(self._results.setup)
+        for name in new:
+            _, trace = world.record(self._results.trial(name))
+            self._recorded.add(name)
+            if trace is not None:
+                self._results.keep_recording(name, trace)
+        # Those that were the best for a while are of no interest any more.
+        self._results.drop_recordings({row.result.hash for row in wanted if row})
+
+
+def main() -> int:
+    """Run the experiment that the standard input describes; return the exit code."""
+    be_polite(NICENESS)
+    # What a library prints must not come between the lines that are told.
+    told = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    order = json.loads(sys.stdin.readline())
+    threading.Thread(target=_end_with_station, daemon=True).start()
+    request = ExperimentRequest.model_validate(order["request"])
+    try:
+        experiment = prepare(Setup(order["setup"]), request, order["gains"])
+        results = Results.create(
+            file_of(request.name), experiment.kind, experiment.setup, experiment.plan
+        )
+    except StationError as error:
+        tell(told, refused=_plain(error))
+        return 1
+    with results:
+        tell(told, begun=request.name)
+        reporter = Reporter(results, told)
+        state, reason = "done", ""
+        try:
+            with make_pool(request.workers) as executor:
+                progress = carry_out(experiment, results, executor, reporter.watch)
+            reporter.record()
+            reporter.tell(progress)
+            state, reason = results.outcome()
+        except KeyboardInterrupt:
+            state = "cancelled"
+        except StationError as error:
+            state, reason = "failed", f"{error.message} {error.remedy}".strip()
+        tell(told, end={"state": state, "reason": reason})
+    return 0
+
+
+def tell(told: IO[str], **facts: object) -> None:
+    """Write one line of JSON."""
+    told.write(f"{json.dumps(facts)}\n")
+    told.flush()
+
+
+def _plain(error: StationError) -> dict[str, object]:
+    return {
+        "code": error.code,
+        "message": error.message,
+        "remedy": error.remedy,
+        "details": json.loads(json.dumps(error.details, default=str)),
+    }
+
+
+def _end_with_station() -> None:
+    while sys.stdin.readline():
+        pass
+    os._exit(_GONE)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,334 @@
+"""What was asked for, made ready to run: one way for the command line and the API."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from concurrent.futures import Executor
+
+from typing_extensions import override
+
+from station.core.errors import StationError, suggest
+from station.experiments.default_script import default_script
+from station.experiments.designs import parse_range, points
+from station.experiments.runner import Progress, Watcher
+from station.experiments.sweep import ROBUSTNESS_RANGES, keep_worst, sweep
+from station.experiments.trial_world import TrialWorld
+from station.experiments.tuning import Search, Tuned, tunable_gains, tune
+from station.trials.analysis import goal_as_plan
+from station.trials.errors import UnknownParameterError
+from station.trials.goal import Bound, Goal
+from station.trials.metrics import check_metric
+from station.trials.parameters import check
+from station.trials.results import Results
+from station.trials.script import Script
+from station.trials.setup import Setup
+from station.trials.trial import Trial
+from station.wire.experiments import ExperimentRequest
+
+Gains = Mapping[str, Mapping[str, float]]
+
+
+class Experiment(ABC):
+    """An experiment that is ready to run.
+
+    Args:
+        request: What was asked for.
+        base: The trial that all others are changed from.
+        gains: Gains of the configuration, by controller and name.
+
+    Attributes:
+        kind: What it is: `sweep`, `robustness` or `tune`.
+        setup: The configuration of all its trials.
+        plan: What it is started with, as plain data; the same plan is the same
+            experiment.
+    """
+
+    def __init__(self, request: ExperimentRequest, base: Trial, gains: Gains) -> None:
+        self.kind = request.kind
+        self.setup = base.setup
+        self._request = request
+        self._base = base
+        self.plan: dict[str, object] = {
+            "base": base.to_json(),
+            "controller": request.controller,
+            "gains_before": {name: dict(values) for name, values in gains.items()},
+            "seed": request.seed,
+            "trials": request.trials,
+        }
+
+    @property
+    def stopped(self) -> str:
+        """Why it ended, if there is something to say; empty if not."""
+        return ""
+
+    @abstractmethod
+    def run(
+        self, results: Results, executor: Executor, watch: Watcher = lambda _: None
+    ) -> Progress:
+        """Run it to its end.
+
+        Args:
+            results: Where the trials are kept.
+            executor: Where they run.
+            watch: Is told after every trial.
+
+        Raises:
+            ExperimentError: It cannot go on; what has ended is kept.
+        """
+
+
+class SweepExperiment(Experiment):
+    """Trials under many values of parameters, evenly spread or by chance."""
+
+    def __init__(self, request: ExperimentRequest, base: Trial, gains: Gains) -> None:
+        super().__init__(request, base, gains)
+        texts = list(request.ranges)
+        is_chance = request.kind == "robustness"
+        if is_chance and not texts:
+            texts = list(ROBUSTNESS_RANGES)
+        method = "random" if is_chance else request.method
+        check_metric(request.metric)
+        self._points = points(
+            [parse_range(text) for text in texts], method, request.trials, request.seed
+        )
+        self._has_seeds = method == "random"
+        self.plan |= {"ranges": texts, "method": method, "trials": len(self._points)}
+
+    @override
+    def run(
+        self, results: Results, executor: Executor, watch: Watcher = lambda _: None
+    ) -> Progress:
+        progress = sweep(
+            *(self._base, self._points, results, executor, watch),
+            has_seeds=self._has_seeds,
+        )
+        if self.kind == "robustness" and not progress.is_interrupted:
+            keep_worst(results, self._request.metric, self._request.keep_worst)
+        return progress
+
+
+class TuneExperiment(Experiment):
+    """A search for better gains.
+
+    Attributes:
+        tuned: What it has found; None before its end.
+    """
+
+    def __init__(
+        self,
+        request: ExperimentRequest,
+        base: Trial,
+        gains: Gains,
+        start: Mapping[str, float],
+    ) -> None:
+        super().__init__(request, base, gains)
+        prefix = f"gains/{request.controller}/"
+        chosen = tunable_gains(_of_joints(start, request.joints), request.gains)
+        self._gains = {f"{prefix}{name}": value for name, value in chosen.items()}
+        self._goal = _goal(request)
+        self._first = Trial(
+            base.setup, base.script, {**base.parameters, **self._gains}, base.seed
+        )
+        self.tuned: Tuned | None = None
+        self.plan |= {
+            "first": self._first.hash,
+            "goal": goal_as_plan(self._goal),
+            "gains": self._gains,
+        }
+        # A search may go on for longer than it was asked at first.
+        del self.plan["trials"]
+
+    @property
+    @override
+    def stopped(self) -> str:
+        return "" if self.tuned is None else self.tuned.stopped
+
+    @override
+    def run(
+        self, results: Results, executor: Executor, watch: Watcher = lambda _: None
+    ) -> Progress:
+        search = Search(self._request.trials, self._request.seed)
+        self.tuned = tune(
+            self._first, self._gains, self._goal, search, results, executor, watch
+        )
+        return self.tuned.progress
+
+
+def carry_out(
+    experiment: Experiment,
+    results: Results,
+    executor: Executor,
+    watch: Watcher = lambda _: None,
+) -> Progress:
+    """Run an experiment to its end, and note in its results how it ended.
+
+    Args:
+        experiment: What to run.
+        results: Where the trials are kept.
+        executor: Where they run.
+        watch: Is told after every trial.
+
+    Raises:
+        StationError: It cannot go on; what has ended is kept.
+        KeyboardInterrupt: It was interrupted before its first trial.
+    """
+    results.set_outcome("running")
+    try:
+        progress = experiment.run(results, executor, watch)
+    except KeyboardInterrupt:
+        results.set_outcome("cancelled")
+        raise
+    except StationError as error:
+        results.set_outcome("failed", f"{error.message} {error.remedy}".strip())
+        raise
+    state = "cancelled" if progress.is_interrupted else "done"
+    results.set_outcome(state, experiment.stopped)
+    return progress
+
+
+def prepare(
+    setup: Setup, request: ExperimentRequest, live: Gains | None = None
+) -> Experiment:
+    """Return an experiment that is ready to run; everything asked for is checked.
+
+    Args:
+        setup: The configuration of the trials.
+        request: What is asked for.
+        live: Gains in force by controller and name, of a running station; those of
+            the configuration when None.
+
+    Raises:
+        StationError: A name, a value or the configuration is not allowed.
+    """
+    for name, value in request.parameters.items():
+        check(name, value)
+    controller = request.controller
+    with TrialWorld(setup) as world:
+        configured = world.all_gains()
+        present = {**world.gains(controller), **(live or {}).get(controller, {})}
+        script = _script(world, request)
+        trial = Trial(setup, script, request.parameters)
+        scaled = world.gains_of(trial).get(controller, {})
+        if request.kind != "tune":
+            parameters = {**_changed(controller, present, configured)}
+            base = trial.with_parameters({**parameters, **request.parameters})
+            world.gains_of(base)
+            return SweepExperiment(request, base, configured)
+        start = {**present, **_rescaled(request, present, scaled)}
+        kept = {
+            name: value
+            for name, value in request.parameters.items()
+            if not name.startswith((f"scale/{controller}/", f"gains/{controller}/"))
+        }
+        base = Trial(setup, script, {**kept, **_changed(controller, start, configured)})
+        return TuneExperiment(request, base, configured, start)
+
+
+def _rescaled(
+    request: ExperimentRequest, present: Mapping[str, float], found: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the gains that the parameters of a search change, from the present ones.
+
+    Args:
+        request: What is asked for.
+        present: The gains before.
+        found: What the parameters make of the configuration's gains.
+    """
+    begin = f"scale/{request.controller}/"
+    factors = {
+        name.removeprefix(begin): factor
+        for name, factor in request.parameters.items()
+        if name.startswith(begin)
+    }
+    scaled = {
+        gain: value * factor
+        for suffix, factor in factors.items()
+        for gain, value in present.items()
+        if gain.endswith(f"/{suffix}")
+    }
+    named = {
+        gain: value
+        for gain, value in found.items()
+        if f"gains/{request.controller}/{gain}" in request.parameters
+    }
+    return {**scaled, **named}
+
+
+def _changed(
+    controller: str, gains: Mapping[str, float], configured: Gains
+) -> dict[str, float]:
+    """Return the parameters for gains that are not those of the configuration."""
+    before = configured.get(controller, {})
+    return {
+        f"gains/{controller}/{name}": value
+        for name, value in gains.items()
+        if before.get(name) != value
+    }
+
+
+def _script(world: TrialWorld, request: ExperimentRequest) -> Script:
+    """Return what the trials do.
+
+    Raises:
+        UnknownParameterError: The controller has no such joint.
+        ExperimentError: Nothing says what the joints shall do.
+        StationError: The controller is not loaded.
+    """
+    world.gains(request.controller)  # refuses a controller that is not loaded
+    if request.commands is not None:
+        return Script(
+            controller=request.controller,
+            duration=request.duration,
+            commands=tuple(request.commands),
+            begin=dict(request.begin),
+            settling_band=request.settling_band,
+        )
+    script = default_script(world, request.controller)
+    if request.joints is None:
+        return script.model_copy(update={"begin": dict(request.begin)})
+    known = [motion.joint for motion in script.motions]
+    for joint in request.joints:
+        if joint not in known:
+            raise UnknownParameterError(
+                f"Controller '{request.controller}' has no joint '{joint}'.",
+                remedy=suggest(joint, known),
+                details={"joint": joint},
+            )
+    commands = tuple(m for m in script.motions if m.joint in request.joints)
+    return script.model_copy(
+        update={"commands": commands, "begin": dict(request.begin)}
+    )
+
+
+def _of_joints(
+    gains: Mapping[str, float], joints: list[str] | None
+) -> Mapping[str, float]:
+    """Return the gains of some joints; all when None.
+
+    Raises:
+        UnknownParameterError: A joint has no gains.
+    """
+    if joints is None:
+        return gains
+    known = list(dict.fromkeys(name.rpartition("/")[0] for name in gains))
+    for joint in joints:
+        if joint not in known:
+            raise UnknownParameterError(
+                f"The controller has no gains of '{joint}'.",
+                remedy=suggest(joint, known),
+                details={"joint": joint},
+            )
+    return {
+        name: value
+        for name, value in gains.items()
+        if name.rpartition("/")[0] in joints
+    }
+
+
+def _goal(request: ExperimentRequest) -> Goal:
+    if request.bounds is None:
+        return Goal(request.weights)
+    bounds = tuple(
+        Bound(each.metric, each.limit, is_relative=each.is_relative)
+        for each in request.bounds
+    )
+    return Goal(request.weights, bounds)

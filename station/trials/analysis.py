@@ -1,0 +1,255 @@
+"""What the trials of an experiment say together: the best, a summary, a comparison."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from station.trials.errors import ExperimentError
+from station.trials.goal import Bound, Goal
+from station.trials.metrics import LARGER_IS_BETTER, UNITS, check_metric
+from station.trials.parameters import gains_under, sort_out
+from station.trials.results import Results, Row
+from station.trials.trial import Trial
+
+_PERMUTATIONS = 9999
+_SEED = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Distribution:
+    """A metric over the trials that are done.
+
+    Attributes:
+        metric: Its name.
+        median: Median.
+        p5: 5th percentile.
+        p95: 95th percentile.
+        worst: The worst value.
+        worst_hash: The trial of the worst value.
+        count: How many trials have the metric.
+    """
+
+    metric: str
+    median: float
+    p5: float
+    p95: float
+    worst: float
+    worst_hash: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A metric in two experiments.
+
+    Attributes:
+        metric: Its name.
+        means: Its mean in each.
+        counts: How many trials have it in each.
+        p_value: Probability that means differ so much by chance when both experiments
+            are alike: a permutation test of 9999 permutations, two-sided.
+    """
+
+    metric: str
+    means: tuple[float, float]
+    counts: tuple[int, int]
+    p_value: float
+
+
+def goal_of(results: Results) -> Goal | None:
+    """Return the goal of a search; None for other experiments."""
+    plan = results.plan.get("goal")
+    if not isinstance(plan, dict):
+        return None
+    bounds = [
+        Bound(name, limit, is_relative=rel) for name, limit, rel in plan["bounds"]
+    ]
+    return Goal(dict(plan["weights"]), tuple(bounds))
+
+
+def goal_as_plan(goal: Goal) -> dict[str, object]:
+    """Return a goal as plain data, for the plan of an experiment."""
+    bounds = [[b.metric, b.limit, b.is_relative] for b in goal.bounds]
+    return {"weights": dict(goal.weights), "bounds": bounds}
+
+
+def ranked(results: Results, metric: str | None = None) -> list[Row]:
+    """Return the trials that are done, the best first.
+
+    Args:
+        results: The experiment.
+        metric: What decides; when None, the goal of a search, or else `rms_error`.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+        ExperimentError: No trial is done, or none has the metric.
+    """
+    rows = results.rows()
+    goal = goal_of(results) if metric is None else None
+    if goal is not None and rows:
+        first = _first(results, rows)
+        return sorted(
+            (row for row in rows if row.result.state == "done"),
+            key=lambda row: goal.cost(row.result, first),
+        )
+    name = metric or "rms_error"
+    check_metric(name)
+    known = [r for r in rows if r.result.state == "done" and name in r.result.metrics]
+    if not known:
+        raise ExperimentError(
+            f"No trial of '{results.path.stem}' is done and has the metric '{name}'.",
+            remedy="`station experiments show` says what the trials have.",
+        )
+    return sorted(
+        known, key=lambda r: r.result.metrics[name], reverse=name in LARGER_IS_BETTER
+    )
+
+
+def _first(results: Results, rows: Sequence[Row]) -> Mapping[str, float]:
+    """Return the metrics of the trial at which a search began.
+
+    Raises:
+        ExperimentError: It has not ended.
+    """
+    for row in rows:
+        if row.result.hash == results.plan.get("first"):
+            return row.result.metrics
+    raise ExperimentError(f"The first trial of '{results.path.stem}' has not ended.")
+
+
+def first_of(results: Results) -> Row | None:
+    """Return the trial at which a search began; None if there is none."""
+    first = results.plan.get("first")
+    return next((row for row in results.rows() if row.result.hash == first), None)
+
+
+def best_of(results: Results, metric: str | None = None) -> Row | None:
+    """Return the best trial, as `ranked` has it; None while there is none.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+    """
+    if metric is not None:
+        check_metric(metric)
+    try:
+        return next(iter(ranked(results, metric)), None)
+    except ExperimentError:
+        return None  # no trial has ended that could be ranked
+
+
+def cost_of(results: Results, row: Row) -> float | None:
+    """Return the cost of a trial of a search; None in other experiments."""
+    goal = goal_of(results)
+    if goal is None:
+        return None
+    return goal.cost(row.result, _first(results, results.rows()))
+
+
+def gains_of(results: Results, trial: Trial) -> dict[str, dict[str, float]]:
+    """Return the gains that a trial says something of, by controller and name.
+
+    Raises:
+        ExperimentError: It says nothing of gains, or scales some whose values before
+            the experiment does not know.
+        UnknownParameterError: It scales gains that there are not.
+    """
+    wanted = sort_out(trial.parameters)
+    found = {name: dict(values) for name, values in wanted.gains.items()}
+    if wanted.scales:
+        before = results.plan.get("gains_before")
+        if not isinstance(before, dict):
+            raise ExperimentError(
+                f"Trial {trial.hash} scales gains, and the experiment "
+                f"'{results.path.stem}' does not say what they were before."
+            )
+        all_gains = gains_under(wanted, before)
+        for controller, factors in wanted.scales.items():
+            for gain, value in all_gains[controller].items():
+                if gain.rpartition("/")[2] in factors:
+                    found.setdefault(controller, {})[gain] = value
+    if not found:
+        raise ExperimentError(f"Trial {trial.hash} changes no gains.")
+    return found
+
+
+def summary(results: Results) -> list[Distribution]:
+    """Return the distribution of each metric over the trials that are done."""
+    rows = [row for row in results.rows() if row.result.state == "done"]
+    found = []
+    for metric in UNITS:
+        known = [
+            (row.result.metrics[metric], row.result.hash)
+            for row in rows
+            if metric in row.result.metrics
+        ]
+        if not known:
+            continue
+        p5, median, p95 = np.percentile([value for value, _ in known], [5, 50, 95])
+        worst = min(known) if metric in LARGER_IS_BETTER else max(known)
+        found.append(
+            Distribution(
+                *(metric, float(median), float(p5), float(p95)), *worst, len(known)
+            )
+        )
+    return found
+
+
+def compare(
+    one: Results, other: Results, metrics: Sequence[str] = ()
+) -> list[Comparison]:
+    """Return the means of two experiments with the significance of their difference.
+
+    Args:
+        one: An experiment.
+        other: Another one.
+        metrics: Which metrics; all that both have when empty.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+        ExperimentError: Nothing can be compared.
+    """
+    found = []
+    for metric in metrics or UNITS:
+        check_metric(metric)
+        columns = [_column(results, metric) for results in (one, other)]
+        if min(map(len, columns)) < 2:
+            continue
+        found.append(
+            Comparison(
+                metric,
+                (float(columns[0].mean()), float(columns[1].mean())),
+                (len(columns[0]), len(columns[1])),
+                _permutation_test(*columns),
+            )
+        )
+    if not found:
+        raise ExperimentError(
+            f"'{one.path.stem}' and '{other.path.stem}' have no metric in common with "
+            "two trials in each."
+        )
+    return found
+
+
+Column = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+
+
+def _column(results: Results, metric: str) -> Column:
+    return np.array([
+        row.result.metrics[metric]
+        for row in results.rows()
+        if row.result.state == "done" and metric in row.result.metrics
+    ])
+
+
+def _permutation_test(one: Column, other: Column) -> float:
+    random = np.random.default_rng(_SEED)
+    together = np.concatenate([one, other])
+    seen = abs(one.mean() - other.mean())
+    as_far = 0
+    for _ in range(_PERMUTATIONS):
+        random.shuffle(together)
+        difference = together[: len(one)].mean() - together[len(one) :].mean()
+        # Rounding must not make equal differences different.
+        as_far += abs(difference) >= seen - 1e-12 * abs(seen)
+    return (1.0 + as_far) / (1.0 + _PERMUTATIONS)

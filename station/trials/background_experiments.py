@@ -1,0 +1,228 @@
+"""Runs experiments for a station in a process of their own, one at a time."""
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from station.trials.errors import ExperimentRunningError, TooManyExperimentsError
+from station.trials.experiment_process import ExperimentProcess
+from station.trials.results import Results, default_folder, file_of, names
+from station.trials.setup import Setup
+from station.wire.experiments import ExperimentRequest
+
+MOST_TRIALS = 10_000
+"""Most trials of an experiment that a station runs beside its robot."""
+MOST_EXPERIMENTS = 500
+"""So many experiments are kept before a station begins no other one."""
+RUNNING = "running"
+_COMMAND = (sys.executable, "-m", "station.experiments")
+
+
+@dataclass(frozen=True, slots=True)
+class RunState:
+    """How far the experiment is that runs, or that ran last.
+
+    Attributes:
+        name: Its name.
+        state: `running`, `done`, `cancelled` or `failed`.
+        reason: Why it ended; empty when there is nothing to say.
+        ended: How many trials have ended.
+        total: How many it has at most.
+        failed: How many trials of this run have failed.
+        resumed: How many trials had ended before this run.
+        seconds: Time since it began [s].
+    """
+
+    name: str
+    state: str
+    reason: str = ""
+    ended: int = 0
+    total: int = 0
+    failed: int = 0
+    resumed: int = 0
+    seconds: float = 0.0
+
+
+class BackgroundExperiments:
+    """Starts, follows and cancels the experiments of a station. Any thread.
+
+    The process that runs one has a low priority, and ends when the station does, even
+    when that is killed; so do its workers. What has ended is kept.
+
+    Args:
+        setup: The configuration of the station.
+        workers: How many processes run trials unless a request says otherwise, >= 1.
+        command: The program that runs an experiment.
+
+    Attributes:
+        tell: Is called whenever the state changes, in a thread of its own.
+    """
+
+    def __init__(
+        self, setup: Setup, workers: int = 1, command: Sequence[str] = _COMMAND
+    ) -> None:
+        self.tell: Callable[[RunState], None] = lambda _: None
+        self._setup = setup
+        self._workers = workers
+        self._command = list(command)
+        self._starting = threading.Lock()
+        self._process: ExperimentProcess | None = None
+        self._state: RunState | None = None
+        self._is_cancelled = False
+        self._began = 0.0
+
+    @property
+    def state(self) -> RunState | None:
+        """How far the experiment is that runs, or that ran last; None before any."""
+        state = self._state
+        if state is None or state.state != RUNNING:
+            return state
+        return replace(state, seconds=time.monotonic() - self._began)
+
+    def start(
+        self, request: ExperimentRequest, gains: Mapping[str, Mapping[str, float]]
+    ) -> str:
+        """Start an experiment; return its name once all that was asked is checked.
+
+        Args:
+            request: What is asked for.
+            gains: The gains in force, by controller and name.
+
+        Raises:
+            ExperimentRunningError: Another one runs.
+            TooManyExperimentsError: It would have too many trials, or too many
+                experiments are kept.
+            StationError: A name or value is not allowed; nothing was started.
+        """
+        if request.trials > MOST_TRIALS:
+            raise TooManyExperimentsError(
+                f"The experiment would have {request.trials} trials; a station runs "
+                f"{MOST_TRIALS} at most.",
+                remedy="Run it with the command line, which may use a cluster.",
+            )
+        if not self._starting.acquire(blocking=False):
+            raise ExperimentRunningError(
+                "Another experiment is being started; a station runs one at a time.",
+                remedy="Wait for its end, or cancel it.",
+            )
+        try:
+            return self._start(request, gains)
+        finally:
+            self._starting.release()
+
+    def _start(
+        self, request: ExperimentRequest, gains: Mapping[str, Mapping[str, float]]
+    ) -> str:
+        name = request.name or time.strftime(f"{request.kind}-%Y%m%d-%H%M%S")
+        self._check_free(name)
+        workers = request.workers or self._workers
+        request = request.model_copy(update={"name": name, "workers": workers})
+        live = {name: dict(values) for name, values in gains.items()}
+        process = ExperimentProcess(
+            self._command,
+            {
+                "request": request.model_dump(mode="json"),
+                "setup": self._setup.text,
+                "gains": live if request.is_live else {},
+            },
+        )
+        self._process, self._is_cancelled = process, False
+        self._began = time.monotonic()
+        state = RunState(name, RUNNING, total=request.trials)
+        self._change(state)
+        threading.Thread(
+            target=self._follow, args=(process, state), name="experiment", daemon=True
+        ).start()
+        return name
+
+    def cancel(self, name: str) -> None:
+        """End the experiment that runs; trials that run may end.
+
+        Raises:
+            ExperimentNotFoundError: There is none of that name.
+            ExperimentRunningError: That one does not run.
+        """
+        process = self._process
+        if process is None or not self._runs(name):
+            Results.open(file_of(name)).close()
+            raise ExperimentRunningError(
+                f"The experiment '{name}' does not run.", details={"experiment": name}
+            )
+        self._is_cancelled = True
+        process.interrupt()
+
+    def delete(self, name: str) -> None:
+        """Delete the file of an experiment.
+
+        Raises:
+            ExperimentNotFoundError: There is none of that name.
+            ExperimentRunningError: It runs.
+        """
+        if self._runs(name):
+            raise ExperimentRunningError(
+                f"The experiment '{name}' runs.", remedy="Cancel it first."
+            )
+        Results.open(file_of(name)).close()
+        file_of(name).unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """End the process, if one runs; what has ended is kept."""
+        if self._process is not None:
+            self._process.end()
+
+    def _runs(self, name: str) -> bool:
+        state = self._state
+        return state is not None and (state.name, state.state) == (name, RUNNING)
+
+    def _check_free(self, name: str) -> None:
+        """Refuse to start when one runs, or when too many are kept.
+
+        Raises:
+            ExperimentRunningError: Another one runs.
+            TooManyExperimentsError: Too many are kept.
+        """
+        state = self._state
+        if state is not None and state.state == RUNNING:
+            raise ExperimentRunningError(
+                f"The experiment '{state.name}' runs; a station runs one at a time.",
+                remedy="Wait for its end, or cancel it.",
+                details={"experiment": state.name},
+            )
+        kept = names()
+        if len(kept) >= MOST_EXPERIMENTS and name not in kept:
+            raise TooManyExperimentsError(
+                f"{len(kept)} experiments are kept in {default_folder()}; allowed are "
+                f"{MOST_EXPERIMENTS}.",
+                remedy="Delete some.",
+            )
+
+    def _follow(self, process: ExperimentProcess, state: RunState) -> None:
+        """Read what the process tells until it ends. Its own thread."""
+        end = None
+        for told in process.lines():
+            if "end" in told:
+                end = told["end"]
+            elif "progress" in told:
+                state = replace(state, **told["progress"])
+                self._change(state)
+        how = process.how_it_ended()
+        if end is None:
+            end = {
+                "state": "cancelled" if self._is_cancelled else "failed",
+                "reason": f"Its process ended early: {how} All trials that had ended "
+                "are kept; start it again under the same name to go on.",
+            }
+        seconds = time.monotonic() - self._began
+        self._change(replace(state, **end, seconds=seconds))
+
+    def _change(self, state: RunState) -> None:
+        self._state = state
+        self.tell(state)
+
+
+def spare_processors() -> int:
+    """Return how many processors a station may lend: all but one, one at least."""
+    return max(1, len(os.sched_getaffinity(0)) - 1)

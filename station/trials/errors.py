@@ -1,0 +1,57 @@
+"""The exceptions that experiments raise on purpose.
+
+```
+StationError
+└── ExperimentError            an experiment cannot be carried out
+    ├── UnknownParameterError  a trial names a parameter that there is not (KeyError)
+    ├── ImpossibleRangeError   a value or range is not allowed (ValueError)
+    ├── WorkerMismatchError    a worker has another version or configuration
+    ├── ExperimentNotFoundError   there is no experiment of that name (KeyError)
+    ├── ExperimentRunningError    not possible while it runs, or while it does not
+    └── TooManyExperimentsError   more trials or experiments than a station takes
+```
+"""
+
+from station.core.errors import StationError
+
+
+class ExperimentError(StationError):
+    """An experiment cannot be carried out."""
+
+    code = "experiment"
+
+
+class UnknownParameterError(ExperimentError, KeyError):
+    """A trial or a range names a parameter that there is not."""
+
+    code = "unknown_parameter"
+
+
+class ImpossibleRangeError(ExperimentError, ValueError):
+    """A value or a range of values is not allowed."""
+
+    code = "impossible_range"
+
+
+class WorkerMismatchError(ExperimentError):
+    """A worker has another version or another configuration than the caller."""
+
+    code = "worker_mismatch"
+
+
+class ExperimentNotFoundError(ExperimentError, KeyError):
+    """There is no experiment of that name."""
+
+    code = "experiment_not_found"
+
+
+class ExperimentRunningError(ExperimentError, RuntimeError):
+    """Something is not possible while an experiment runs, or while it does not."""
+
+    code = "experiment_running"
+
+
+class TooManyExperimentsError(ExperimentError, ValueError):
+    """There would be more trials or experiments than a station takes."""
+
+    code = "too_many_experiments"

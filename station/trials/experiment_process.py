@@ -1,0 +1,141 @@
+"""A process that runs one experiment: what it is told, and what it tells."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from station.core.errors import StationError
+from station.trials.errors import ExperimentError
+
+_BEGIN_TIMEOUT = 60.0
+"""Longest wait until a process has checked what it is to do [s]."""
+_END_TIMEOUT = 1.0
+"""Longest wait for a process that has been told to end [s]."""
+
+
+class ExperimentProcess:
+    """A process that has checked an experiment and begun to run it.
+
+    It reads from a pipe what to do, and ends at once when that pipe closes, as it does
+    when this process is killed.
+
+    Args:
+        command: The program and its arguments.
+        order: What to do.
+
+    Raises:
+        StationError: The process refuses it, and why.
+        ExperimentError: It cannot be started, or ended before it began.
+    """
+
+    def __init__(self, command: Sequence[str], order: Mapping[str, object]) -> None:
+        in_read, in_write = os.pipe()
+        out_read, out_write = os.pipe()
+        self._orders = os.fdopen(in_write, "w", encoding="utf-8")
+        self._told = os.fdopen(out_read, encoding="utf-8")
+        try:
+            self._process = subprocess.Popen(
+                command,
+                stdin=in_read,
+                stdout=out_write,
+                # Ctrl-C at the station's terminal is not meant for the experiment.
+                start_new_session=True,
+            )
+        except OSError as error:
+            self._orders.close()
+            self._told.close()
+            raise ExperimentError(
+                f"No process for the experiment can be started: {error}."
+            ) from error
+        finally:
+            os.close(in_read)
+            os.close(out_write)
+        try:
+            self._begin(order)
+        except BaseException:
+            self.end()
+            self._told.close()
+            raise
+
+    def _begin(self, order: Mapping[str, object]) -> None:
+        """Hand over what to do, and wait until it is checked.
+
+        Raises:
+            StationError: The process refuses it.
+            ExperimentError: It ended before it began.
+        """
+        guard = threading.Timer(_BEGIN_TIMEOUT, self._process.kill)
+        guard.daemon = True
+        guard.start()
+        try:
+            self._orders.write(f"{json.dumps(order)}\n")
+            self._orders.flush()
+            line = self._told.readline()
+        except BrokenPipeError:
+            line = ""
+        finally:
+            guard.cancel()
+        if not line:
+            raise ExperimentError(
+                "The process of the experiment ended before it began: "
+                f"{self.how_it_ended()}",
+                remedy="The station's log says more. A simulation needs the extra "
+                "`sim`, a search the extra `experiments`.",
+            )
+        _check(json.loads(line))
+
+    def lines(self) -> Iterator[dict[str, Any]]:
+        """Return what the process tells, as it does, until it ends."""
+        with self._told:
+            for line in self._told:
+                if line.endswith("\n"):  # that of a killed process may be cut off
+                    yield json.loads(line)
+
+    def interrupt(self) -> None:
+        """Tell it to end its experiment; trials that run may end."""
+        self._process.send_signal(signal.SIGINT)
+
+    def end(self) -> None:
+        """End it and its workers now; what has ended is kept."""
+        with contextlib.suppress(BrokenPipeError):  # it may have ended already
+            self._orders.close()
+        try:
+            self._process.wait(_END_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait(_END_TIMEOUT)
+
+    def how_it_ended(self) -> str:
+        """Return a sentence on the end of a process that has closed its output.
+
+        A process that lives on all the same is killed.
+        """
+        self.end()
+        code = self._process.returncode
+        if code < 0:
+            return f"it was killed by {signal.Signals(-code).name}."
+        return f"exit code {code}."
+
+
+def _check(begun: Mapping[str, Any]) -> None:
+    """Raise the error that a process tells of, if it does.
+
+    Raises:
+        StationError: The process refuses what it is to do.
+    """
+    refused = begun.get("refused")
+    if refused is None:
+        return
+    kinds: list[type[StationError]] = [StationError]
+    for kind in kinds:
+        kinds.extend(kind.__subclasses__())
+    known = {kind.code: kind for kind in reversed(kinds)}
+    found = known.get(refused["code"], ExperimentError)
+    raise found(
+        refused["message"], remedy=refused["remedy"], details=refused["details"]
+    )

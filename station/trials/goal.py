@@ -1,0 +1,120 @@
+"""What makes a trial better than another one."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from station.core.errors import suggest
+from station.trials.errors import ExperimentError, ImpossibleRangeError
+from station.trials.metrics import LARGER_IS_BETTER, check_metric
+from station.trials.trial import TrialResult
+
+_FAILED = 1e6
+"""Cost of a trial that failed."""
+_VIOLATED = 1e3
+"""Cost of a trial that violates a constraint, before the excess is added."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A hard constraint: a metric is at most a number, or a multiple of the first.
+
+    Args:
+        metric: The metric.
+        limit: The number, finite.
+        is_relative: Whether `limit` is a multiple of the metric of the first trial.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+        ImpossibleRangeError: The limit is not finite.
+    """
+
+    metric: str
+    limit: float
+    is_relative: bool = False
+
+    def __post_init__(self) -> None:
+        check_metric(self.metric)
+        if not math.isfinite(self.limit):
+            raise ImpossibleRangeError(
+                f"The bound of '{self.metric}' is {self.limit}; allowed are finite "
+                "numbers."
+            )
+
+    def excess(self, metrics: Mapping[str, float], first: Mapping[str, float]) -> float:
+        """Return by which share the bound is exceeded; 0 when it is kept."""
+        limit = self.limit * first[self.metric] if self.is_relative else self.limit
+        over = metrics.get(self.metric, math.inf) - limit
+        return max(0.0, over / max(abs(limit), 1e-9))
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What a better trial is.
+
+    Args:
+        weights: Weight of each metric in the cost, > 0. Metrics count relative to those
+            of the first trial, so that the cost of the first trial is 1.
+        bounds: What must hold besides.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+        ImpossibleRangeError: A weight is not positive, or there is none.
+    """
+
+    weights: Mapping[str, float] = field(default_factory=lambda: {"rms_error": 1.0})
+    bounds: Sequence[Bound] = (
+        Bound("effort_rms", 1.0, is_relative=True),
+        Bound("effort_peak", 1.0, is_relative=True),
+        Bound("violations", 0.0),
+    )
+
+    def __post_init__(self) -> None:
+        for name, weight in self.weights.items():
+            check_metric(name)
+            if not 0.0 < weight < math.inf:
+                raise ImpossibleRangeError(
+                    f"The weight of '{name}' is {weight:g}; allowed are numbers > 0."
+                )
+        if not self.weights:
+            raise ImpossibleRangeError("A goal needs one weight at least.")
+
+    def cost(self, result: TrialResult, first: Mapping[str, float]) -> float:
+        """Return the cost of a trial: 1 for the first one, lower is better.
+
+        Args:
+            result: What came out of it.
+            first: The metrics of the first trial.
+
+        Raises:
+            ExperimentError: The first trial lacks a metric of the goal.
+        """
+        wanted = {*self.weights, *(b.metric for b in self.bounds if b.is_relative)}
+        missing = sorted(wanted - set(first))
+        if missing:
+            raise ExperimentError(
+                f"The first trial has no metric '{missing[0]}'.",
+                remedy=suggest(missing[0], first),
+            )
+        if result.state == "failed":
+            return _FAILED
+        excess = sum(bound.excess(result.metrics, first) for bound in self.bounds)
+        if excess > 0.0:
+            return _VIOLATED + excess
+        total = sum(self.weights.values())
+        shares = (
+            weight * self._share(name, result.metrics, first)
+            for name, weight in self.weights.items()
+        )
+        return sum(shares) / total
+
+    @staticmethod
+    def _share(
+        name: str, metrics: Mapping[str, float], first: Mapping[str, float]
+    ) -> float:
+        if name not in metrics:
+            return _VIOLATED  # e.g. a step that never settles
+        value, before = metrics[name], first[name]
+        if name in LARGER_IS_BETTER:
+            value, before = before, value
+        return value / max(abs(before), 1e-12)

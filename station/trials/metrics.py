@@ -1,0 +1,156 @@
+"""Numbers that say how good a trial was."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from station.core.errors import suggest
+from station.core.hardware.robot_report import JointLimitsReport
+from station.trials.errors import UnknownParameterError
+from station.trials.script import Script
+from station.trials.trace import Array, Trace
+from station.wire.excitations import Step
+
+UNITS: Mapping[str, str] = {
+    "rms_error": "rad or m",
+    "largest_error": "rad or m",
+    "steady_error": "rad or m",
+    "rise_time": "s",
+    "overshoot": "share of the step",
+    "settling_time": "s",
+    "effort_peak": "Nm or N",
+    "effort_rms": "Nm or N",
+    "jerk_rms": "rad/s^3 or m/s^3",
+    "energy": "J",
+    "limit_margin": "rad or m",
+    "reflexes": "",
+    "violations": "cycles",
+}
+"""Unit of each metric. Smaller is better, but for `limit_margin`."""
+LARGER_IS_BETTER = frozenset({"limit_margin"})
+_STEADY = 0.1
+"""Share of a trial at its end in which the steady error is taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """What is counted beside the trace.
+
+    Attributes:
+        reflexes: How often an arm fell into its reflex.
+        violations: Commands that the gate refused.
+    """
+
+    reflexes: int = 0
+    violations: int = 0
+
+
+def check_metric(name: str) -> None:
+    """Refuse a metric that there is not.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+    """
+    if name not in UNITS:
+        raise UnknownParameterError(
+            f"There is no metric '{name}'.", remedy=suggest(name, UNITS)
+        )
+
+
+def measure(
+    trace: Trace,
+    script: Script,
+    limits: Sequence[JointLimitsReport] = (),
+    counts: Counts | None = None,
+) -> dict[str, float]:
+    """Return the metrics of a trial that are finite.
+
+    RMS and peak are over all joints of the controller, RMS over all cycles, too.
+    `steady_error` is the mean over the last tenth. Rise (10 to 90 %), overshoot and
+    settling are those of the only step of a script that has one and no other motion;
+    a step that does not rise or settle has no such time.
+
+    Args:
+        trace: What happened.
+        script: What was asked for.
+        limits: Limits of the robot's joints; `violations` counts cycles beyond them.
+        counts: What is counted besides.
+    """
+    counts = counts or Counts()
+    error = trace.error[np.isfinite(trace.error).all(axis=1)]
+    found = {
+        "effort_peak": _largest(trace.effort),
+        "effort_rms": _rms(trace.effort),
+        "jerk_rms": _rms(np.diff(trace.velocity, 2, axis=0)) / trace.period**2,
+        "energy": float(np.abs(trace.effort * trace.velocity).sum() * trace.period),
+        "limit_margin": _limit_margin(trace, limits),
+        "reflexes": float(counts.reflexes),
+        "violations": float(counts.violations + _beyond_limits(trace, limits)),
+    }
+    if len(error):
+        last = error[-max(1, round(_STEADY * len(error))) :]
+        found["rms_error"] = _rms(error)
+        found["largest_error"] = _largest(error)
+        found["steady_error"] = float(np.abs(last).mean())
+    if len(script.motions) == 1 and isinstance(script.motions[0], Step):
+        found |= _step_response(trace, script.motions[0], script.settling_band)
+    return {k: found[k] for k in UNITS if k in found and np.isfinite(found[k])}
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max()) if values.size else 0.0
+
+
+def _limit_margin(trace: Trace, limits: Sequence[JointLimitsReport]) -> float:
+    """Return the shortest way to a position limit [rad or m]; inf without limits."""
+    margin = np.inf
+    for report in limits:
+        if report.joint not in trace.joints:
+            continue
+        position = trace.position[:, trace.joints.index(report.joint)]
+        low, high = report.limits.min_position, report.limits.max_position
+        if low is not None and high is not None and len(position):
+            margin = min(
+                margin, float(np.minimum(position - low, high - position).min())
+            )
+    return margin
+
+
+def _beyond_limits(trace: Trace, limits: Sequence[JointLimitsReport]) -> int:
+    """Return in how many cycles a joint was faster or stronger than its limit."""
+    beyond = np.zeros(len(trace.time), bool)
+    for report in limits:
+        if report.joint not in trace.joints:
+            continue
+        column = trace.joints.index(report.joint)
+        for values, bound in (
+            (trace.velocity, report.limits.max_velocity),
+            (trace.effort, report.limits.max_effort),
+        ):
+            if bound is not None:
+                beyond |= np.abs(values[:, column]) > bound
+    return int(beyond.sum())
+
+
+def _step_response(trace: Trace, step: Step, band: float) -> dict[str, float]:
+    if step.joint not in trace.joints or step.amplitude == 0.0:
+        return {}
+    begin = int(np.searchsorted(trace.time, step.at))
+    if begin >= len(trace.time):
+        return {}
+    position = trace.position[:, trace.joints.index(step.joint)]
+    time = trace.time[begin:] - trace.time[begin]
+    way = (position[begin:] - position[begin]) / step.amplitude
+    found = {"overshoot": max(0.0, float(way.max()) - 1.0)}
+    tenth, nine_tenths = np.argmax(way >= 0.1), np.argmax(way >= 0.9)
+    if way.max() >= 0.9:
+        found["rise_time"] = float(time[nine_tenths] - time[tenth])
+    outside = np.flatnonzero(np.abs(way - 1.0) > band)
+    if outside[-1] < len(way) - 1:
+        found["settling_time"] = float(time[outside[-1] + 1])
+    return found

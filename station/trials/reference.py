@@ -1,0 +1,251 @@
+"""Gives a controller what a script asks of its joints, cycle by cycle."""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from typing_extensions import override
+
+from station.core.errors import InvalidCommandError, suggest
+from station.core.facade.station import Station
+from station.core.ports.set_point import SetPointElement
+from station.trials.errors import ExperimentError, UnknownParameterError
+from station.trials.excitations import Array, offsets
+from station.trials.script import Script
+from station.wire.excitations import Motion, Recorded, Relay, Step
+
+NEVER = 2**62
+"""A cycle that does not come."""
+_POINT_CYCLES = 20
+"""Cycles between two points of a trajectory."""
+_DIFFERENCE = 1e-4
+"""Half of the interval in which rates of a trajectory are computed [s]."""
+_REPEAT = 20
+"""Cycles after which a set-point is sent again: streaming controllers brake without."""
+_POSITION_UNITS = {"rad", "m"}
+
+
+class Reference(ABC):
+    """What a controller is asked to do in a trial."""
+
+    @abstractmethod
+    def command(self, cycle: int) -> None:
+        """Give the controller what is due before a cycle.
+
+        Args:
+            cycle: Number of the cycle in the trial, from 0, increasing.
+
+        Raises:
+            StationError: The controller refuses it.
+        """
+
+    @abstractmethod
+    def quiet_from(self, cycle: int) -> int:
+        """Return the first cycle after `cycle` in which something may be due."""
+
+
+class _Hold(Reference):
+    """Asks for nothing: the controller holds."""
+
+    @override
+    def command(self, cycle: int) -> None:
+        """Ask for nothing."""
+
+    @override
+    def quiet_from(self, cycle: int) -> int:
+        return NEVER
+
+
+class _SetPoints(Reference):
+    """A set-point whenever it changes; in every cycle while a relay acts."""
+
+    def __init__(self, facade: Station, script: Script) -> None:
+        self._facade = facade
+        self._controller = script.controller
+        elements = facade.motion.set_point(script.controller).elements
+        names = [element.name for element in elements]
+        begin = [_begin(facade, script.controller, element) for element in elements]
+        period = facade.loop.period
+        times: Array = _ticks(max(1, round(script.duration / period)), period)
+        values: Array = np.tile(np.array(begin), (len(times), 1))
+        self._relays: list[_RelaySwitch] = []
+        for motion in script.motions:
+            column = _column(motion, names)
+            values[:, column] += offsets(motion, times, script.duration)
+            if isinstance(motion, Relay):
+                self._relays.append(_RelaySwitch(facade, motion, column))
+        self._values = values
+        changes = np.flatnonzero(np.any(np.diff(values, axis=0) != 0.0, axis=1)) + 1
+        self._changes = np.concatenate(([0], changes))
+
+    @override
+    def command(self, cycle: int) -> None:
+        index = int(np.searchsorted(self._changes, cycle))
+        is_due = index < len(self._changes) and self._changes[index] == cycle
+        if not (is_due or self._relays or cycle % _REPEAT == 0):
+            return
+        values = self._values[cycle].tolist()
+        for relay in self._relays:
+            values[relay.column] += relay.offset(cycle)
+        self._facade.motion.set_command(self._controller, values)
+
+    @override
+    def quiet_from(self, cycle: int) -> int:
+        if self._relays:
+            return cycle + 1
+        index = int(np.searchsorted(self._changes, cycle, side="right"))
+        change = int(self._changes[index]) if index < len(self._changes) else NEVER
+        return min(change, cycle + _REPEAT - cycle % _REPEAT)
+
+
+class _RelaySwitch:
+    """Changes sides when the measured joint has crossed the middle."""
+
+    def __init__(self, facade: Station, relay: Relay, column: int) -> None:
+        self._facade, self._relay = facade, relay
+        self._joint = _measured(facade, relay.joint)
+        # Of a velocity or an effort, the middle is where the joint began.
+        self._middle = facade.latest().position[self._joint]
+        self._first = round(relay.at / facade.loop.period)
+        self._side = 1.0
+        self.column = column
+
+    def offset(self, cycle: int) -> float:
+        """Return the offset for a cycle."""
+        if cycle < self._first:
+            return 0.0
+        way = self._facade.latest().position[self._joint] - self._middle
+        if way * self._side > self._relay.hysteresis:
+            self._side = -self._side
+        return self._side * self._relay.amplitude
+
+
+class _Trajectory(Reference):
+    """One trajectory through the motions of the whole script."""
+
+    def __init__(self, facade: Station, script: Script) -> None:
+        self._facade = facade
+        self._controller = script.controller
+        names = list(facade.manager.get_controller(script.controller).joint_names)
+        begin = np.array(facade.motion.query_state(script.controller).position)
+        count = max(1, int(script.duration / (_POINT_CYCLES * facade.loop.period)))
+        times: Array = _ticks(count + 1, script.duration / count)[1:]
+        around: list[Array] = [
+            np.tile(begin, (len(times), 1)) for _ in range(3)
+        ]  # before, at and after each point
+        for motion in script.motions:
+            if isinstance(motion, Step | Recorded | Relay):
+                raise ExperimentError(
+                    f"Controller '{script.controller}' follows trajectories, which "
+                    f"have no jumps; the script has a {motion.kind}.",
+                    remedy="Use waypoints, sine, chirp or multisine, or a group "
+                    "controller that takes set-points.",
+                )
+            column = _column(motion, names)
+            for values, shift in zip(around, (-1, 0, 1), strict=True):
+                at = times + shift * _DIFFERENCE
+                values[:, column] += offsets(motion, at, script.duration)
+        self._request = {
+            "joint_names": names,
+            "points": _points(times, *around),
+        }
+
+    @override
+    def command(self, cycle: int) -> None:
+        if cycle == 0:
+            self._facade.motion.follow_trajectory(self._controller, self._request)
+
+    @override
+    def quiet_from(self, cycle: int) -> int:
+        return NEVER
+
+
+def make_reference(facade: Station, script: Script) -> Reference:
+    """Return what gives a script to its controller, which runs.
+
+    Raises:
+        ExperimentError: The controller cannot do what the script asks for.
+        UnknownParameterError: The controller has no such joint.
+        InvalidCommandError: It takes neither set-points nor trajectories.
+    """
+    if not script.motions:
+        return _Hold()
+    controller = facade.manager.get_controller(script.controller)
+    if controller.trajectories is not None:
+        return _Trajectory(facade, script)
+    if controller.set_points is None:
+        raise InvalidCommandError(
+            f"Controller '{script.controller}' takes neither set-points nor "
+            "trajectories.",
+            remedy="Choose another controller, or a script of pushes alone.",
+        )
+    return _SetPoints(facade, script)
+
+
+def _ticks(count: int, period: float) -> Array:
+    """Return the first times of a clock that begins at 0 [s], shape (count,)."""
+    return np.array([tick * period for tick in range(count)])
+
+
+def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
+    """Return the value of a set-point at which nothing moves.
+
+    Raises:
+        ExperimentError: There is none that is known.
+    """
+    if element.unit not in _POSITION_UNITS:
+        return 0.0  # no velocity, no effort
+    names = facade.joint_names
+    if element.name in names:
+        return facade.latest().position[names.index(element.name)]
+    raise ExperimentError(
+        f"The set-point of '{controller}' has '{element.name}', which is the position "
+        "of no joint; a script cannot move it.",
+        remedy="Choose a controller of joints.",
+    )
+
+
+def _column(motion: Motion, names: list[str]) -> int:
+    """Return which element of a set-point a motion moves.
+
+    Raises:
+        UnknownParameterError: There is none of that name.
+    """
+    if motion.joint not in names:
+        raise UnknownParameterError(
+            f"The controller has no joint '{motion.joint}'.",
+            remedy=suggest(motion.joint, names),
+            details={"joint": motion.joint},
+        )
+    return names.index(motion.joint)
+
+
+def _measured(facade: Station, joint: str) -> int:
+    """Return the index of a measured joint.
+
+    Raises:
+        UnknownParameterError: The robot does not measure it.
+    """
+    if joint not in facade.joint_names:
+        raise UnknownParameterError(
+            f"The robot measures no joint '{joint}', which a relay needs.",
+            remedy=suggest(joint, facade.joint_names),
+        )
+    return facade.joint_names.index(joint)
+
+
+def _points(
+    times: Array, before: Array, here: Array, after: Array
+) -> list[dict[str, object]]:
+    """Return the points of a trajectory that ends at rest."""
+    velocities = (after - before) / (2.0 * _DIFFERENCE)
+    accelerations = (after - 2.0 * here + before) / _DIFFERENCE**2
+    velocities[-1] = accelerations[-1] = 0.0
+    return [
+        {
+            "positions": q.tolist(),
+            "velocities": dq.tolist(),
+            "accelerations": ddq.tolist(),
+            "time_from_start": float(time),
+        }
+        for time, q, dq, ddq in zip(times, here, velocities, accelerations, strict=True)
+    ]

@@ -1,0 +1,353 @@
+"""The results of an experiment in one SQLite file, a row as each trial ends."""
+
+import json
+import os
+import re
+import sqlite3
+import time
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from station.core.errors import show, suggest
+from station.trials.errors import ExperimentError, ExperimentNotFoundError
+from station.trials.setup import Setup, canonical
+from station.trials.trace import Trace
+from station.trials.trial import State, Trial, TrialResult
+
+_SUFFIX = ".sqlite"
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
+_REMEDY = "Choose another --name, or another folder with XDG_DATA_HOME."
+_FORMAT = 1
+"""Version of the tables."""
+_TABLES = """
+CREATE TABLE about (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE trials (
+    number INTEGER PRIMARY KEY,
+    hash TEXT NOT NULL UNIQUE,
+    trial TEXT NOT NULL,
+    state TEXT NOT NULL,
+    reason TEXT,
+    metrics TEXT NOT NULL,
+    seconds REAL NOT NULL,
+    worker TEXT NOT NULL,
+    ended REAL NOT NULL
+);
+CREATE TABLE recordings (hash TEXT PRIMARY KEY, trace BLOB NOT NULL) WITHOUT ROWID;
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A trial that has ended.
+
+    Attributes:
+        number: Its number in the order of ending, from 1.
+        parameters: Its parameters.
+        seed: Its seed.
+        result: What came out.
+    """
+
+    number: int
+    parameters: Mapping[str, float]
+    seed: int
+    result: TrialResult
+
+
+def default_folder() -> Path:
+    """Return where the experiments of this user are kept."""
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "control-station" / "experiments"
+
+
+def names(folder: Path | None = None) -> list[str]:
+    """Return the names of all experiments in a folder, the user's own when None."""
+    found = (folder or default_folder()).glob(f"*{_SUFFIX}")
+    return sorted(path.stem for path in found if _NAME.fullmatch(path.stem))
+
+
+def file_of(name: str, folder: Path | None = None) -> Path:
+    """Return the file of an experiment.
+
+    Raises:
+        ExperimentNotFoundError: No experiment can have that name.
+    """
+    if not _NAME.fullmatch(name):
+        raise ExperimentNotFoundError(
+            f"{show(name)} is no name of an experiment.",
+            remedy="Use letters, digits, '_', '.' and '-', 100 at most.",
+        )
+    return (folder or default_folder()) / f"{name}{_SUFFIX}"
+
+
+class Results:
+    """The file of one experiment; one process writes it, any may read it.
+
+    Every row is a transaction of its own: a process that is killed loses the trials
+    that have not ended, and nothing else.
+
+    Use `create` or `open`.
+
+    Attributes:
+        path: The file.
+        kind: What the experiment is: `sweep`, `robustness`, `tune` …
+        setup: The configuration that all trials share.
+        plan: What else the experiment was started with, as plain data.
+    """
+
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        self.path = path
+        self._connection = connection
+        about = dict(connection.execute("SELECT key, value FROM about"))
+        self.kind = about["kind"]
+        self.setup = Setup(about["setup"])
+        self.plan: dict[str, object] = json.loads(about["plan"])
+
+    @classmethod
+    def create(
+        cls, path: Path, kind: str, setup: Setup, plan: Mapping[str, object]
+    ) -> Self:
+        """Make the file, or go on with one of the same experiment.
+
+        Args:
+            path: The file.
+            kind: What the experiment is.
+            setup: The configuration that all trials share.
+            plan: What else it is started with, as plain data.
+
+        Raises:
+            ExperimentError: The file holds another experiment, or cannot be written.
+        """
+        if path.exists():
+            found = cls.open(path)
+            if (found.kind, found.setup, canonical(found.plan)) == (
+                *(kind, setup),
+                canonical(plan),
+            ):
+                return found
+            found.close()
+            raise ExperimentError(
+                f"The experiment '{path.stem}' exists, and is another one: "
+                f"{found.kind} of setup {found.setup.digest}.",
+                remedy="Choose another --name, or delete its file to begin anew: "
+                f"{path}.",
+            )
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # Under another name first: nobody finds a file without its tables.
+            part = path.with_suffix(f".{os.getpid()}.part")
+            part.unlink(missing_ok=True)
+            with closing(sqlite3.connect(part)) as connection, connection:
+                connection.executescript(_TABLES)
+                connection.executemany(
+                    "INSERT INTO about VALUES (?, ?)",
+                    [
+                        ("format", str(_FORMAT)),
+                        ("kind", kind),
+                        ("setup", setup.text),
+                        ("plan", canonical(plan)),
+                        ("created", str(time.time())),
+                    ],
+                )
+            part.replace(path)
+        except (OSError, sqlite3.Error) as error:
+            raise ExperimentError(_unusable(path, error), remedy=_REMEDY) from error
+        return cls.open(path)
+
+    @classmethod
+    def open(cls, path: Path) -> Self:
+        """Open the file of an experiment.
+
+        Raises:
+            ExperimentNotFoundError: There is no such file.
+            ExperimentError: It is no file of an experiment.
+        """
+        if not path.exists():
+            raise ExperimentNotFoundError(
+                f"There is no experiment '{path.stem}'.",
+                remedy=suggest(path.stem, names(path.parent)),
+            )
+        connection = sqlite3.connect(path, timeout=30.0)
+        try:
+            return cls(path, connection)
+        except (sqlite3.Error, KeyError, ValueError) as error:
+            connection.close()
+            raise ExperimentError(_unusable(path, error), remedy=_REMEDY) from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def add(self, trial: Trial, result: TrialResult) -> bool:
+        """Keep what came out of a trial; return whether it was not there before.
+
+        Raises:
+            ExperimentError: The file cannot be written; what it has stays whole.
+        """
+        with self._writing():
+            done = self._connection.execute(
+                "INSERT OR IGNORE INTO trials (hash, trial, state, reason, metrics, "
+                "seconds, worker, ended) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+                (
+                    *(result.hash, trial.to_json(), result.state, result.reason),
+                    canonical(dict(result.metrics)),
+                    *(result.seconds, result.worker, time.time()),
+                ),
+            )
+        return done.rowcount == 1
+
+    def set_outcome(self, state: str, reason: str = "") -> None:
+        """Note how the experiment goes.
+
+        Args:
+            state: `running`, `done`, `cancelled` or `failed`.
+            reason: Why it ended; empty when there is nothing to say.
+
+        Raises:
+            ExperimentError: The file cannot be written.
+        """
+        with self._writing():
+            self._connection.execute(
+                "INSERT OR REPLACE INTO about VALUES ('outcome', ?)",
+                (canonical({"state": state, "reason": reason}),),
+            )
+
+    def outcome(self) -> tuple[str, str]:
+        """Return the state that was noted last, and its reason; both may be empty."""
+        found = dict(self._connection.execute("SELECT key, value FROM about"))
+        noted = json.loads(found.get("outcome", "{}"))
+        return noted.get("state", ""), noted.get("reason", "")
+
+    def created(self) -> float:
+        """Return when the file was made [s since 1970]."""
+        query = "SELECT value FROM about WHERE key = 'created'"
+        (text,) = self._connection.execute(query).fetchone()
+        return float(text)
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Make what is written one transaction.
+
+        Raises:
+            ExperimentError: The file cannot be written.
+        """
+        try:
+            with self._connection:
+                yield
+        except sqlite3.Error as error:
+            raise ExperimentError(
+                f"Nothing more can be kept in {self.path}: {error}.",
+                remedy="What has ended is kept. Make room on the disk, then repeat the "
+                "command with the same name to go on.",
+            ) from error
+
+    def rows(self) -> list[Row]:
+        """Return all trials that have ended, in the order of ending."""
+        return list(self._rows("", ()))
+
+    def rows_after(self, number: int, count: int) -> list[Row]:
+        """Return the trials after a number, at most so many, in the order of ending."""
+        where = "WHERE number > ?"
+        return list(islice(self._rows(where, (number,)), count))
+
+    def find(self, trial_hash: str) -> TrialResult | None:
+        """Return what came out of a trial; None when it has not ended."""
+        found = next(self._rows("WHERE hash = ?", (trial_hash,)), None)
+        return None if found is None else found.result
+
+    def trial(self, trial_hash: str) -> Trial:
+        """Return a trial by its hash or the beginning of it.
+
+        Raises:
+            ExperimentNotFoundError: No trial, or more than one, begins so.
+        """
+        found = self._connection.execute(
+            "SELECT trial FROM trials WHERE substr(hash, 1, ?) = ? LIMIT 2",
+            (len(trial_hash), trial_hash),
+        ).fetchall()
+        if len(found) != 1:
+            several = "more than one trial" if found else "no trial"
+            raise ExperimentNotFoundError(
+                f"The experiment '{self.path.stem}' has {several} '{trial_hash}'.",
+                remedy="`station experiments show` lists the hashes.",
+            )
+        return Trial.from_json(self.setup, found[0][0])
+
+    def count(self, state: State | None = None) -> int:
+        """Return how many trials have ended, in a certain state when one is given."""
+        query = "SELECT COUNT(*) FROM trials WHERE ? IS NULL OR state = ?"
+        (count,) = self._connection.execute(query, (state, state)).fetchone()
+        return int(count)
+
+    def keep_recording(self, trial_hash: str, trace: Trace) -> None:
+        """Keep every cycle of a trial.
+
+        Raises:
+            ExperimentError: The file cannot be written; what it has stays whole.
+        """
+        with self._writing():
+            self._connection.execute(
+                "INSERT OR REPLACE INTO recordings VALUES (?, ?)",
+                (trial_hash, trace.to_bytes()),
+            )
+
+    def drop_recordings(self, keep: Collection[str]) -> None:
+        """Delete the recordings of all other trials than those.
+
+        Raises:
+            ExperimentError: The file cannot be written.
+        """
+        with self._writing():
+            marks = ", ".join("?" * len(keep))
+            self._connection.execute(
+                f"DELETE FROM recordings WHERE hash NOT IN ({marks})",
+                tuple(keep),
+            )
+
+    def recordings(self) -> dict[str, Trace]:
+        """Return the recordings by the hashes of their trials."""
+        found = self._connection.execute("SELECT hash, trace FROM recordings")
+        return {name: Trace.from_bytes(data) for name, data in found}
+
+    def _rows(self, where: str, values: Sequence[str | int]) -> Iterator[Row]:
+        query = (
+            "SELECT number, hash, trial, state, reason, metrics, seconds, worker "
+            f"FROM trials {where} ORDER BY number"
+        )
+        for (
+            number,
+            name,
+            text,
+            state,
+            reason,
+            metrics,
+            seconds,
+            worker,
+        ) in self._connection.execute(query, values):
+            data = json.loads(text)
+            known: State = "done" if state == "done" else "failed"
+            yield Row(
+                number,
+                data["parameters"],
+                data["seed"],
+                TrialResult(name, known, reason, json.loads(metrics), seconds, worker),
+            )
+
+
+def _unusable(path: Path, why: object) -> str:
+    return f"The file of the experiment {path} cannot be used: {why}."

@@ -1,0 +1,19 @@
+"""The verb `identify`, in this process."""
+
+import json
+
+import pytest
+
+from station.cli.main import main
+
+
+def test_identify_prints_what_it_finds(capsys, tmp_path):
+    file = tmp_path / "motion.npz"
+    words = ["identify", "panda_joint7", "--with", "friction/panda_joint7=0.5"]
+    assert main([*words, "--record", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+
+    assert found["Coulomb friction"]["value"] == pytest.approx(0.5, abs=0.02)
+    assert main(["identify", "panda_joint7", "--recording", str(file)]) == 0
+    assert "Coulomb friction  0.5" in capsys.readouterr().out
+    assert main(["identify", "panda_joint7", "--recording", str(tmp_path / "no")]) == 1

@@ -1,0 +1,56 @@
+"""A process that plays the part of an experiment, as its first argument says.
+
+`quick` begins, tells progress and ends; `refuse` refuses; `die` is killed after it has
+begun; `wait` ends when it is interrupted; `silent` ends without a word.
+"""
+
+import json
+import os
+import signal
+import sys
+
+from station.trials.results import Results, file_of
+from station.trials.setup import Setup
+
+
+def tell(**facts):
+    """Write one line."""
+    sys.stdout.write(f"{json.dumps(facts)}\n")
+    sys.stdout.flush()
+
+
+def main(what):
+    """Play the part."""
+    order = json.loads(sys.stdin.readline())
+    request = order["request"]
+    name = request["name"]
+    if what == "silent":
+        sys.exit(7)
+    if what == "refuse":
+        refused = {
+            "code": "impossible_range",
+            "message": "Parameter 'load' cannot be -1.",
+            "remedy": "Choose more.",
+            "details": {"parameter": "load"},
+        }
+        tell(refused=refused)
+        sys.exit(1)
+    plan = {"trials": request["trials"], "controller": request["controller"]}
+    Results.create(file_of(name), request["kind"], Setup(order["setup"]), plan).close()
+    tell(begun=name)
+    told = {"ended": 1, "total": 2, "failed": 0, "resumed": 0, "reason": ""}
+    tell(progress=told)
+    if what == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if what == "wait":
+        try:
+            signal.pause()
+        except KeyboardInterrupt:
+            tell(end={"state": "cancelled", "reason": ""})
+        return
+    tell(progress={**told, "ended": 2})
+    tell(end={"state": "done", "reason": "no better trial in 15 generations"})
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,120 @@
+"""One file per experiment, whole after anything."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from station.trials.errors import ExperimentError, ExperimentNotFoundError
+from station.trials.results import Results, default_folder, file_of, names
+from station.trials.trial import TrialResult
+
+
+def result_of(trial, **metrics):
+    return TrialResult(trial.hash, "done", None, metrics, 0.1, "here:1")
+
+
+@pytest.fixture
+def results(tmp_path, panda):
+    with Results.create(tmp_path / "one.sqlite", "sweep", panda, {"seed": 1}) as opened:
+        yield opened
+
+
+def test_rows_are_there_as_soon_as_they_are_added(results, step):
+    heavy = step.with_parameters({"load": 1.0}, seed=2)
+    results.add(step, result_of(step, rms_error=0.1))
+    results.add(heavy, result_of(heavy, rms_error=0.2))
+
+    with Results.open(results.path) as other:
+        rows = other.rows()
+        assert [row.number for row in rows] == [1, 2]
+        assert (rows[1].parameters, rows[1].seed) == ({"load": 1.0}, 2)
+        assert rows[1].result == result_of(heavy, rms_error=0.2)
+        assert other.trial(heavy.hash[:6]).hash == heavy.hash
+        assert other.find("no such hash") is None
+
+
+def test_trial_counts_once(results, step):
+    assert results.add(step, result_of(step, rms_error=0.1))
+
+    assert not results.add(step, result_of(step, rms_error=0.5))
+    assert [row.result.metrics for row in results.rows()] == [{"rms_error": 0.1}]
+
+
+def test_recording_comes_back(results, world, step):
+    trace = world.record(step)[1]
+
+    results.keep_recording(step.hash, trace)
+
+    assert results.recordings()[step.hash].to_bytes() == trace.to_bytes()
+
+
+def test_same_experiment_goes_on_and_another_is_refused(results, panda, step):
+    results.add(step, result_of(step))
+
+    with Results.create(results.path, "sweep", panda, {"seed": 1}) as again:
+        assert again.count() == 1
+    with pytest.raises(ExperimentError, match="'one' exists, and is another one"):
+        Results.create(results.path, "sweep", panda, {"seed": 2})
+
+
+def test_names_and_missing_experiments(results, tmp_path):
+    assert names(tmp_path) == ["one"]
+    assert file_of("one", tmp_path) == results.path
+    assert default_folder().name == "experiments"
+    with pytest.raises(ExperimentNotFoundError, match="no experiment 'ono'") as caught:
+        Results.open(file_of("ono", tmp_path))
+    assert "one" in caught.value.remedy
+    with pytest.raises(ExperimentNotFoundError, match="is no name of an experiment"):
+        file_of("../one", tmp_path)
+    with pytest.raises(ExperimentNotFoundError, match="has no trial 'abc'"):
+        results.trial("abc")
+
+
+def test_file_of_something_else_is_refused(tmp_path):
+    (tmp_path / "two.sqlite").write_text("no database")
+
+    with pytest.raises(ExperimentError, match="cannot be used"):
+        Results.open(tmp_path / "two.sqlite")
+
+
+@pytest.mark.slow
+def test_file_is_whole_after_kill_9(tmp_path):
+    program = textwrap.dedent(
+        """
+        import sys
+        from pathlib import Path
+        from station.trials.results import Results
+        from station.trials.script import Script
+        from station.trials.setup import Setup
+        from station.trials.trial import Trial, TrialResult
+
+        setup = Setup.load()
+        script = Script(controller="arm", duration=1.0)
+        with Results.create(Path(sys.argv[1]), "sweep", setup, {}) as results:
+            for number in range(10**6):
+                trial = Trial(setup, script, {"load": number * 1e-5})
+                metrics = {"energy": float(number)}
+                result = TrialResult(trial.hash, "done", None, metrics, 0, "")
+                results.add(trial, result)
+                if number == 20:
+                    print("begun", flush=True)
+        """
+    )
+    path = tmp_path / "killed.sqlite"
+    command = [sys.executable, "-c", program, path]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    with process:
+        assert process.stdout.readline() == "begun\n"
+        os.kill(process.pid, signal.SIGKILL)
+
+    with Results.open(path) as results:
+        rows = results.rows()
+        assert [row.result.metrics["energy"] for row in rows] == list(range(len(rows)))
+        assert len(rows) > 20
+    with sqlite3.connect(path) as connection:
+        assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
