@@ -3,7 +3,7 @@
 from station.ui.layers.collision_layer import CollisionLayer
 
 
-def test_a_layer_that_is_removed_leaves_nothing_in_the_scene(draw, node, panda):
+def test_a_layer_that_is_removed_leaves_nothing_in_the_scene(draw, node):
     layer = draw(CollisionLayer)
     paths = [one.name for one in layer.nodes]
     assert all(node(path) is not None for path in paths)
