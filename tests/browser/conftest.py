@@ -2,6 +2,7 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -74,6 +75,15 @@ def _announced(process):
         token=known["token"],
         viewer_token=known["viewer_token"],
     )
+
+
+@pytest.fixture
+def free_ports():
+    """Two ports at which nobody listens."""
+    with socket.socket() as first, socket.socket() as second:
+        first.bind(("127.0.0.1", 0))
+        second.bind(("127.0.0.1", 0))
+        return first.getsockname()[1], second.getsockname()[1]
 
 
 @pytest.fixture

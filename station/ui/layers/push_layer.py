@@ -27,7 +27,7 @@ PUSH_TIME = 0.25
 """How long one request pushes [s]."""
 PUSH_PERIOD = 0.1
 """Time between two requests [s]."""
-ALIVE_FOR = 0.7
+ALIVE_FOR = 1.5
 """How long a page counts as living after it said so [s]."""
 STIFFNESS = 80.0
 """Force for each metre between the link and the pointer [N/m]."""

@@ -1,0 +1,341 @@
+"""How old the pose on the screen is, and what three browsers cost the control loop.
+
+Run `python benchmarks/bench_dashboard.py [--seconds 20] [--browsers 3]` on a machine
+that does nothing else; it needs Chromium and the packages of the tests. It starts
+`station run` with its dashboard, measures without browsers, then with some that are
+niced, so that drawing in software on the same cores does not decide it. At the end it
+kills the station, starts it again, and measures how long the open page takes to return.
+
+The age of a pose: joint 1 turns steadily, so its angle says when the station had it. A
+page notes each message to its 3D view when the picture with it is due (the next
+animation frame). The station's time is laid over the wall clock by the fastest of
+many stream frames: the age leaves out what that one needed on its way, under 1 ms.
+"""
+
+import argparse
+import base64
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import zstandard
+from measuring import print_table, print_title
+from numpy.typing import NDArray
+from playwright.sync_api import Page, sync_playwright
+
+from station.client import StationClient
+from station.wire import LoopReport
+
+CONTROLLER = "effort_group_position_controller"
+JOINT = "panda_joint1"
+NODE = "/robot/panda_link0/panda_link1"
+SPEED = 0.4
+"""Speed of the joint while poses are timed [rad/s]."""
+SWEEP = 1.2
+"""The joint turns between plus and minus this [rad]."""
+NICENESS = 10
+_CLOCK = os.sysconf("SC_CLK_TCK")
+_PATIENCE = 120.0
+_NOTE_MESSAGES = """
+(() => {
+  const Real = window.WebSocket;
+  window.__noted = [];
+  window.__noting = false;
+  window.WebSocket = class extends Real {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", (event) => {
+        if (!window.__noting || !(event.data instanceof ArrayBuffer)) return;
+        const data = event.data.slice(0);
+        requestAnimationFrame(() => window.__noted.push([Date.now() / 1000, data]));
+      });
+    }
+  };
+})();
+"""
+_TAKE_NOTES = """
+() => window.__noted.splice(0).map(([at, data]) => {
+  let text = "";
+  for (const byte of new Uint8Array(data)) text += String.fromCharCode(byte);
+  return [at, btoa(text)];
+})
+"""
+
+
+class RunningStation:
+    """A station with its dashboard on ports that stay the same."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        ports = [_free_port(), _free_port()]
+        self._ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
+        self._process: subprocess.Popen[bytes] | None = None
+        self.access: dict[str, str] = {}
+
+    def start(self) -> None:
+        """Start, and wait until station and dashboard answer.
+
+        Raises:
+            RuntimeError: The station does not start.
+        """
+        output = self._folder / "stdout"
+        with output.open("wb") as stdout:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "station", "run", "--json", *self._ports],
+                env={**os.environ, "XDG_RUNTIME_DIR": str(self._folder)},
+                stdout=stdout,
+            )
+        os.setpriority(os.PRIO_PROCESS, self._process.pid, 0)
+        deadline = time.monotonic() + _PATIENCE
+        while len(lines := output.read_text().splitlines()) < 2:
+            if self._process.poll() is not None or time.monotonic() > deadline:
+                raise RuntimeError("the station did not start; see its messages")
+            time.sleep(0.02)
+        self.access = json.loads(Path(json.loads(lines[0])["runtime_file"]).read_text())
+
+    def stop(self, number: signal.Signals = signal.SIGINT) -> None:
+        """End the station by a signal."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.send_signal(number)
+            self._process.wait(10.0)
+
+    def dashboard_cpu(self) -> float:
+        """Return the CPU time that the dashboard has used [s].
+
+        Raises:
+            RuntimeError: There is no dashboard.
+        """
+        for path in Path(self._folder / "station").glob("*.dashboard"):
+            stat = Path(f"/proc/{path.stem}/stat").read_text().rpartition(")")[2]
+            user, system = stat.split()[11:13]
+            return (int(user) + int(system)) / _CLOCK
+        raise RuntimeError("the dashboard has ended")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured with some browsers."""
+
+    loop: LoopReport
+    cpu: float
+    ages: list[NDArray[np.float64]]
+    rates: list[float]
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--browsers", type=int, default=3)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        station = RunningStation(Path(folder))
+        station.start()
+        try:
+            _report(station, options.seconds, options.browsers)
+        finally:
+            station.stop()
+
+
+def _report(station: RunningStation, seconds: float, count: int) -> None:
+    with StationClient(station.access["url"], station.access["token"]) as client:
+        client.switch_controllers(start=[CONTROLLER])
+        alone = measure(station, client, [], seconds)
+        os.setpriority(os.PRIO_PROCESS, 0, NICENESS)  # the browsers inherit it
+        with browsers(station.access, count) as pages:
+            watched = measure(station, client, pages, seconds)
+            come_back = reconnect_time(station, pages[0])
+    print_title(f"The dashboard for {seconds:g} s, without and with {count} browsers")
+    late = [one.loop.lateness for one in (alone, watched)]
+    print_table(
+        ("what", "none", f"{count} browsers", "allowed"),
+        [
+            ["lateness p50 [us]", *(one.p50 * 1e6 for one in late), ""],
+            ["lateness p99 [us]", *(one.p99 * 1e6 for one in late), "1.5 x none"],
+            ["CPU of the dashboard [cores]", alone.cpu, watched.cpu, "0.5"],
+            ["page is back after the station [s]", "", come_back, "3"],
+        ],
+    )
+    sys.stdout.write("\nThe pose on the screen\n")
+    print_table(
+        ("browser", "poses per second", "age p50 [ms]", "p95", "max"),
+        [
+            [i, rate, *(np.percentile(age, q) * 1e3 for q in (50, 95, 100))]
+            for i, (rate, age) in enumerate(
+                zip(watched.rates, watched.ages, strict=True), start=1
+            )
+        ],
+    )
+    sys.stdout.write("allowed: 100 ms at 30 poses per second\n")
+
+
+@contextmanager
+def browsers(access: dict[str, str], count: int) -> Iterator[list[Page]]:
+    """Open the dashboard in browsers of their own sessions, drawn and ready.
+
+    Raises:
+        FileNotFoundError: There is no Chromium.
+    """
+    path = shutil.which("chromium") or shutil.which("google-chrome")
+    if path is None:
+        raise FileNotFoundError("there is no Chromium")
+    with sync_playwright() as playwright:
+        flags = ["--no-sandbox", "--disable-gpu"]
+        chromium = playwright.chromium.launch(executable_path=path, args=flags)
+        pages = []
+        for _ in range(count):
+            page = chromium.new_context(viewport={"width": 1280, "height": 800})
+            page.add_init_script(_NOTE_MESSAGES)
+            pages.append(page.new_page())
+            pages[-1].goto(f"{access['ui_url']}/login?token={access['token']}")
+        for page in pages:
+            page.wait_for_selector("#progress", state="hidden", timeout=_PATIENCE * 1e3)
+        yield pages
+        chromium.close()
+
+
+def measure(
+    station: RunningStation,
+    client: StationClient,
+    pages: Sequence[Page],
+    seconds: float,
+) -> Measured:
+    """Measure for a while, while the joint turns to and fro."""
+    _note(pages, is_on=True)
+    client.reset_loop_statistics()
+    cpu, began = station.dashboard_cpu(), time.monotonic()
+    stamps, angles = _turn_and_watch(client, seconds)
+    took = time.monotonic() - began
+    cpu = (station.dashboard_cpu() - cpu) / took
+    loop = client.loop()
+    _note(pages, is_on=False)
+    ages, rates = [], []
+    for page in pages:
+        seen = _seen_poses(_scene(page).evaluate(_TAKE_NOTES))
+        ages.append(_ages(seen, stamps, angles))
+        rates.append(len(seen) / took)
+    return Measured(loop, cpu, ages, rates)
+
+
+def _turn_and_watch(
+    client: StationClient, seconds: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Turn the joint to and fro; return wall times [s] and its angles then [rad]."""
+    rest = list(client.last_command(CONTROLLER).last or _here(client))
+    stamps, angles, offset = [], [], np.inf
+    began = time.monotonic()
+    with client.stream("joint_states", rate=100.0, reconnect=False) as stream:
+        for frame in stream:
+            offset = min(offset, time.time() - frame.stamp)
+            place = frame.data["name"].index(JOINT)
+            stamps.append(frame.stamp)
+            angles.append(frame.data["position"][place])
+            passed = time.monotonic() - began
+            if passed > seconds:
+                break
+            if len(stamps) % 4 == 0:
+                client.command(CONTROLLER, [_wanted(passed), *rest[1:]])
+    return np.array(stamps) + offset, np.array(angles)
+
+
+def _wanted(passed: float) -> float:
+    """Return the set-point of a joint that turns steadily to and fro [rad]."""
+    way = (SPEED * passed) % (4.0 * SWEEP)
+    return (
+        way
+        if way < SWEEP
+        else 2.0 * SWEEP - way
+        if way < 3.0 * SWEEP
+        else way - 4.0 * SWEEP
+    )
+
+
+def _here(client: StationClient) -> list[float]:
+    joints = client.joint_states()
+    return [value or 0.0 for value in joints.position[:7]]
+
+
+def _seen_poses(notes: Sequence[tuple[float, str]]) -> NDArray[np.float64]:
+    """Return when the joint was drawn at which angle, shape (n, 2) [s, rad]."""
+    found = []
+    for at, text in notes:
+        for message in _messages(base64.b64decode(text)):
+            if (
+                message.get("type") == "SetOrientationMessage"
+                and message.get("name") == NODE
+            ):
+                w, _, _, z = message["wxyz"]
+                found.append((at, 2.0 * np.arctan2(z, w)))
+    return np.array(found).reshape(-1, 2)
+
+
+def _messages(frame: bytes) -> list[dict[str, Any]]:
+    """Return the messages in a frame of Viser; see its `_message_producer`."""
+    size = int.from_bytes(frame[8:16], "little")
+    packed = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + size])
+    return list(msgspec.msgpack.decode(packed)["messages"])
+
+
+def _ages(
+    seen: NDArray[np.float64], times: NDArray[np.float64], angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return how old each pose was when it was drawn [s].
+
+    Of the moments at which the joint had that angle, the last one before the picture
+    counts. Near its turning points an angle says little and is left out.
+    """
+    ages = []
+    for at, angle in seen:
+        if abs(angle) > 0.9 * SWEEP:
+            continue
+        below = angles[:-1] - angle
+        crossings = np.flatnonzero(
+            (below * (angles[1:] - angle) <= 0.0) & (times[1:] <= at)
+        )
+        if len(crossings):
+            last = crossings[-1]
+            part = below[last] / ((angles[last] - angles[last + 1]) or 1.0)
+            ages.append(at - (times[last] + part * (times[last + 1] - times[last])))
+    return np.array(ages or [np.nan])
+
+
+def _scene(page: Page) -> Any:  # noqa: ANN401 - Playwright's frame
+    return page.query_selector("#view").content_frame()
+
+
+def _note(pages: Sequence[Page], *, is_on: bool) -> None:
+    for page in pages:
+        _scene(page).evaluate(f"() => {{ window.__noting = {str(is_on).lower()}; }}")
+
+
+def reconnect_time(station: RunningStation, page: Page) -> float:
+    """Kill and start the station; return how long the page takes after that [s]."""
+    station.stop(signal.SIGKILL)
+    page.wait_for_selector('#bar:not([data-link="live"])', timeout=_PATIENCE * 1e3)
+    station.start()
+    answered = time.monotonic()
+    page.wait_for_selector('#bar[data-link="live"]', timeout=_PATIENCE * 1e3)
+    return time.monotonic() - answered
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,191 @@
+"""What becomes of a motion and of a login when a session, dashboard or station ends."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from station.client import StationClient
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    WorkspacePage,
+    position,
+    wait_until,
+    without_scene,
+)
+
+pytestmark = [pytest.mark.slow, pytest.mark.alone]
+
+_LIVE = '#bar[data-link="live"]'
+_NOT_LIVE = '#bar:not([data-link="live"])'
+
+
+class _Place:
+    """A station whose ports and runtime directory stay when it is started anew."""
+
+    def __init__(self, home, ports):
+        self.home = home
+        self.ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
+        self.processes = []
+
+    def run(self, *command):
+        self.processes.append(
+            subprocess.Popen(
+                [sys.executable, "-m", "station", *command, "--json"],
+                stdout=subprocess.PIPE,
+                text=True,
+                env={**os.environ, "XDG_RUNTIME_DIR": str(self.home)},
+            )
+        )
+        return self.processes[-1]
+
+    def start(self):
+        """Start the station; wait until station and dashboard answer."""
+        self.station = self.run("run", *self.ports)
+        told = json.loads(self.station.stdout.readline())
+        while "ui_ready" not in told:
+            told |= json.loads(self.station.stdout.readline())
+        known = json.loads(Path(told["runtime_file"]).read_text())
+        self.api, self.ui, self.token = told["api_url"], told["ui_url"], known["token"]
+
+    def client(self):
+        return StationClient(self.api, self.token)
+
+    def dashboard_pid(self):
+        (path,) = (self.home / "station").glob("*.dashboard")
+        return int(path.stem)
+
+    def end(self):
+        for process in self.processes:
+            if process.poll() is None:
+                process.terminate()
+                process.wait(10)
+            process.stdout.close()
+
+
+@pytest.fixture
+def place(tmp_path, free_ports):
+    place = _Place(tmp_path, free_ports)
+    place.start()
+    yield place
+    place.end()
+
+
+@pytest.fixture
+def log_in(browser, place):
+    """Open the workspace in a browser of its own."""
+    contexts = []
+
+    def open_page(token=None):
+        context = browser.new_context(viewport={"width": 1280, "height": 800})
+        contexts.append(context)
+        without_scene(context)
+        page = context.new_page()
+        page.goto(f"{place.ui}/login?token={token or place.token}")
+        return WorkspacePage(page)
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+def _hold_joint7(workspace, client):
+    """Press the button that moves joint 7 up; return once the joint moves."""
+    client.switch_controllers(start=[CONTROLLER])
+    workspace.page.wait_for_function(
+        "() => !document.querySelector('.joints input').disabled"
+    )
+    workspace.button("joints", "Move joint7 up while held").hover()
+    workspace.page.mouse.down()
+    before = position(client, "panda_joint7")
+    assert wait_until(lambda: position(client, "panda_joint7") > before + 0.05)
+
+
+def _stands_still(client):
+    """Say whether joint 7 rests within half a second, far from its limit."""
+    time.sleep(0.5)
+    before = position(client, "panda_joint7")
+    time.sleep(0.5)
+    return abs(position(client, "panda_joint7") - before) < 2e-3 and before < 2.5
+
+
+def test_a_session_that_ends_in_mid_jog_stops_the_jog(place, log_in):
+    with place.client() as client:
+        made = client.tokens.create("jogger", "operator")
+        workspace = log_in(made.token)
+        _hold_joint7(workspace, client)
+        client.tokens.revoke("jogger")
+        assert wait_until(lambda: _stands_still(client))
+        workspace.page.wait_for_url("**/login*")
+
+
+def test_logging_out_in_one_tab_stops_the_jog_of_another(place, log_in):
+    with place.client() as client:
+        workspace = log_in()
+        _hold_joint7(workspace, client)
+        other = workspace.page.context.new_page()
+        other.goto(place.ui)
+        other.locator("#logout").click()
+        other.wait_for_url("**/login*")
+        assert wait_until(lambda: _stands_still(client))
+        workspace.page.wait_for_url("**/login*")
+
+
+def test_a_killed_dashboard_ends_the_jog_and_comes_back_with_its_session(place, log_in):
+    with place.client() as client:
+        workspace = log_in()
+        page = workspace.page
+        _hold_joint7(workspace, client)
+        os.kill(place.dashboard_pid(), signal.SIGKILL)
+        assert wait_until(lambda: _stands_still(client))
+        page.wait_for_selector(_NOT_LIVE)
+        port = place.ports[3]
+        again = place.run("ui", "--connect", place.api, "--port", port)
+        assert json.loads(again.stdout.readline())["ui_url"] == place.ui
+        page.wait_for_selector(_LIVE, timeout=20_000)
+        assert page.url == f"{place.ui}/"
+        # What was held before is not held any more.
+        assert wait_until(lambda: _stands_still(client))
+
+
+def test_a_page_comes_back_by_itself_when_its_station_does(place, log_in):
+    page = log_in().page
+    place.station.kill()
+    place.station.wait(10)
+    page.wait_for_selector(_NOT_LIVE)
+    place.start()
+    page.wait_for_selector(_LIVE, timeout=3000)
+    with place.client() as client:
+        client.switch_controllers(start=[CONTROLLER])
+        page.wait_for_function(
+            "() => !document.querySelector('.joints input').disabled"
+        )
+        here = position(client, "panda_joint1")
+        # Fields follow the robot first: nothing is commanded by the return itself.
+        time.sleep(0.5)
+        assert position(client, "panda_joint1") == pytest.approx(here, abs=2e-3)
+
+
+def test_a_login_survives_an_orderly_restart_of_everything(place, log_in):
+    page = log_in().page
+    place.station.terminate()
+    place.station.wait(10)
+    page.wait_for_selector(_NOT_LIVE)
+    place.start()
+    page.wait_for_selector(_LIVE, timeout=10_000)
+    assert page.url == f"{place.ui}/"
+
+
+def test_two_people_type_into_forms_of_their_own(log_in):
+    ada, grace = log_in(), log_in()
+    for workspace, text in ((ada, "from ada"), (grace, "from grace")):
+        workspace.button("controllers", "Load …").click()
+        workspace.dock("controllers").get_by_label("Search controller types").fill(text)
+    for workspace, text in ((ada, "from ada"), (grace, "from grace")):
+        field = workspace.dock("controllers").get_by_label("Search controller types")
+        assert field.input_value() == text
