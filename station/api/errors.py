@@ -59,6 +59,9 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ParameterNotFoundError: 404,
     errors.GainSetNotFoundError: 404,
     errors.GainSetError: 500,
+    errors.WaypointPathNotFoundError: 404,
+    errors.WaypointPathError: 500,
+    errors.PathRefusedError: 409,
     errors.NothingToUndoError: 409,
     errors.RecordingNotFoundError: 404,
     errors.RecordingRefusedError: 409,
@@ -98,6 +101,7 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "waypoint_path_not_found": "GET /api/v1/waypoint-paths lists the paths.",
     "token_not_found": "GET /api/v1/tokens lists the named tokens.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "

@@ -107,6 +107,11 @@ class NamedTokens:
         self._forget_ended()
         return list(self._tokens.values())
 
+    def by_digest(self) -> dict[str, NamedToken]:
+        """Return the tokens that are valid by their SHA-256. Any thread."""
+        found = list(self._tokens.values())
+        return {token.digest: token for token in found if not token.has_ended()}
+
     def find(self, secret: str) -> NamedToken | None:
         """Return the valid token that somebody shows; None when there is none."""
         # Comparing hashes of secrets takes no time that tells anything of a secret.

@@ -24,6 +24,7 @@ TAGS = {
     "gains": "Run-time parameters of controllers, and named sets of them.",
     "set-points": "Set-points of running controllers, and the states that follow.",
     "goals": "Trajectories and gripper goals: progress, result, cancelling.",
+    "waypoint-paths": "Waypoint paths: captured, edited, kept, and played.",
     "parameters": "The tree of parameters that controllers are loaded with (rosparam).",
     "robot": "The whole robot: joints, interfaces, claims, limits, transmissions.",
     "loop": "The control loop: rate, lateness, time per phase.",

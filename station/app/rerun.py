@@ -134,7 +134,7 @@ class _Rerun:
         self._plans: dict[float, list[Arguments]] = {}
         for one in self._inputs:
             if one["kind"] in _PLAN and one.get("planned_at") is not None:
-                self._plans.setdefault(one["planned_at"], []).append(one)
+                self._plans.setdefault(float(str(one["planned_at"])), []).append(one)
         # A switch runs cycles while it waits; they have their inputs, too.
         station.manager.pump = self._advance
 

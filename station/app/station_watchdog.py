@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from station.api.auth import Authenticator
 from station.app.watchdog.settings import WatchdogSettings
@@ -12,6 +13,9 @@ from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.heartbeat import Heartbeat, Phase
 from station.local.private_files import runtime_directory
+
+if TYPE_CHECKING:
+    from station.api.named_tokens import NamedToken, NamedTokens
 
 FINISH_TIMEOUT = 0.2
 """Longest wait for the watchdog to end [s]."""
@@ -40,6 +44,8 @@ class StationWatchdog:
         self._process = WatchdogProcess() if config.watchdog.enabled else None
         self._settings: WatchdogSettings | None = None
         self._may_start_at = 0.0
+        self._named: NamedTokens | None = None
+        self._told: dict[str, NamedToken] = {}
         self.heartbeat = self._process.heartbeat if self._process else Heartbeat()
 
     @property
@@ -52,6 +58,7 @@ class StationWatchdog:
         if self._process is None:
             return
         limits = self._config.watchdog
+        self._named = authenticator.named
         self._settings = WatchdogSettings(
             pid=os.getpid(),
             operator_token=authenticator.operator_token,
@@ -87,6 +94,7 @@ class StationWatchdog:
         if self._process is None:
             return
         self._process.tell(_status(station))
+        self._tell_tokens(self._process)
         now = station.loop.clock.now()
         if now < self._may_start_at:
             return
@@ -95,8 +103,23 @@ class StationWatchdog:
             station.watchdog_failure = None
             return
         self._may_start_at = now + RESTART_PERIOD
+        self._told = {}
         station.watchdog_failure = f"The watchdog ended (exit code {code})."
         self._warn(f"{station.watchdog_failure} It is started again.")
+
+    def _tell_tokens(self, process: WatchdogProcess) -> None:
+        """Tell which named tokens are new, and which have ended."""
+        valid = {} if self._named is None else self._named.by_digest()
+        for digest in self._told.keys() - valid.keys():
+            process.tell_token({"digest": digest, "role": "", "expires": None})
+        for digest in valid.keys() - self._told.keys():
+            token = valid[digest]
+            process.tell_token({
+                "digest": digest,
+                "role": token.role,
+                "expires": token.expires,
+            })
+        self._told = valid
 
     def expect_end(self) -> None:
         """Tell the watchdog that the station ends in order from now on."""

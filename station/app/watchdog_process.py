@@ -91,6 +91,15 @@ class WatchdogProcess:
             self._last_line = line
             self._write(line)
 
+    def tell_token(self, token: Mapping[str, object]) -> None:
+        """Hand on a named token that the watchdog accepts, or one that has ended.
+
+        Args:
+            token: `digest`, its SHA-256 in hexadecimal; `role`, empty for a token that
+                has ended; `expires`, wall time when it ends [s since 1970], or None.
+        """
+        self._write(_line({"token": token}))
+
     def start_again_if_ended(self) -> int | None:
         """Start the process again when it has ended.
 

@@ -268,6 +268,24 @@ class GainSetError(StationError, OSError):
     code = "gain_set_file"
 
 
+class WaypointPathNotFoundError(StationError, KeyError):
+    """There is no waypoint path of that name."""
+
+    code = "waypoint_path_not_found"
+
+
+class WaypointPathError(StationError, OSError):
+    """A waypoint path cannot be read from disk or written to it."""
+
+    code = "waypoint_path_unusable"
+
+
+class PathRefusedError(StationError, RuntimeError):
+    """A waypoint path cannot be played, paused or resumed as things are."""
+
+    code = "path_refused"
+
+
 class NothingToUndoError(StationError):
     """No change of gains is left to be taken back."""
 

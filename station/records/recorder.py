@@ -9,10 +9,9 @@ import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from station.core.errors import (
     ControllerNotFoundError,
@@ -26,10 +25,8 @@ from station.records.cycle_sources import sources_of
 from station.records.incident_watch import IncidentWatch
 from station.records.mcap_file import DiskFile, McapFile
 from station.records.record_store import FAILED, RecordingInfo, RecordStore
+from station.records.recorded_inputs import RecordedInputs
 from station.records.recording import GAINS, INPUTS, Recording
-
-if TYPE_CHECKING:
-    from station.core.facade.input_log import Input
 
 WAKE = 0.01
 """How often the thread looks at the ring [s]."""
@@ -37,8 +34,6 @@ FLUSH = 0.1
 """How often an unfinished chunk is written to the disk [s]."""
 BEFORE, AFTER = 10.0, 2.0
 """How much of an incident is kept [s station time]."""
-MOST_INPUTS = 100_000
-"""Inputs of a station's life that a recording can have."""
 
 
 class Recorder:
@@ -85,6 +80,7 @@ class Recorder:
         self._packer = RowPacker(station.joint_names, self._elements)
         # What the ring still has of the time before belongs to the station's life, too.
         self._cycle = 0
+        self._first = 0
         # A second more, because the thread may come late.
         rows = round((BEFORE + AFTER + 1.0) / loop.period)
         self._rows: deque[bytes] = deque(maxlen=rows)
@@ -92,12 +88,9 @@ class Recorder:
         self._causes: list[str] = []
         self._incident_end = 0.0
         self._recording: Recording | None = None
-        self._inputs: list[str] = []
-        self._pending: list[Input] = []
-        self._in_force: dict[str, Input] = {}
+        self._inputs = RecordedInputs(station.inputs, self._write_input)
         self._events: deque[tuple[float, str, str, str, str]] = deque(maxlen=10_000)
         self._gains = ""
-        self._is_whole = station.inputs.is_complete
         self._lock = threading.Lock()
         self._end = threading.Event()
         self._thread: threading.Thread | None = None
@@ -157,7 +150,8 @@ class Recorder:
             self._drain()
             recording = self._begin(self.store, name, note)
             recording.open_sources()
-            self._cycle = max(self._cycle, self._station.loop.cycle)
+            # Cycles that ran meanwhile are not of the recording, but their inputs are.
+            self._first = self._station.loop.cycle + 1
             self._gains = ""
             self._recording = recording
             self._note(recording.info)
@@ -242,17 +236,18 @@ class Recorder:
 
     def _drain(self) -> None:
         records, lost = self._station.snapshots.records_since(self._cycle)
-        self._take_inputs()
+        self._inputs.take(self._cycle)
         recording = self._recording
         if lost:
-            self._lose("what was asked while cycles were lost")
+            self._inputs.lose("what was asked while cycles were lost", self._cycle)
         for record in records:
             packed = self._packer.pack(record)
             self._rows.append(packed)
             row = self._packer.unpack(packed)
-            if recording is not None:
+            if recording is not None and row.cycle >= self._first:
                 recording.add_row(row)
-            self._note_period(row.cycle, row.period)
+            periods = round(row.period / self._station.loop.period)
+            self._inputs.note_periods(row.cycle, periods)
             self._note_causes(self._watch.look(row), row.time)
         if records:
             self._cycle = records[-1][0]
@@ -274,65 +269,9 @@ class Recorder:
             self._incident_end = time_of_cycle + AFTER
         self._causes += [one for one in causes if one not in self._causes]
 
-    def _note_period(self, cycle: int, period: float) -> None:
-        """Note a cycle that a re-run must begin late, or cannot repeat."""
-        periods = round(period / self._station.loop.period)
-        if periods == 1:
-            return
-        if periods:
-            self._add_input({"after": cycle - 1, "kind": "late", "periods": periods})
-        else:
-            what = "a cycle while time stood still"
-            self._add_input({"after": cycle - 1, "kind": "operation", "what": what})
-
-    def _add_input(self, values: dict[str, object]) -> None:
-        text = json.dumps(values)
-        if len(self._inputs) >= MOST_INPUTS:
-            self._lose(f"more than {MOST_INPUTS} inputs")
-        else:
-            self._inputs.append(text)
+    def _write_input(self, text: str) -> None:
         if self._recording is not None:
             self._recording.add_text(INPUTS, text, self._station.loop.time)
-
-    def _lose(self, what: str) -> None:
-        """Note once that not everything is known that was asked of the station."""
-        if not self._is_whole:
-            return
-        self._is_whole = False
-        if self._recording is not None:
-            lost = {"after": self._cycle, "kind": "operation", "what": what}
-            text = json.dumps(lost)
-            self._recording.add_text(INPUTS, text, self._station.loop.time)
-
-    def _take_inputs(self) -> None:
-        """Write down what was asked of the station, once its cycle is known."""
-        self._note_expiries(list(self._in_force))
-        self._pending += self._station.inputs.take()
-        left = []
-        for one in self._pending:
-            after = one.after()
-            if after is None:
-                left.append(one)
-                continue
-            plain = _plain(one.arguments)
-            self._add_input({"after": after, "kind": one.kind, **plain})
-            if one.kind == "set_point":
-                name = str(one.arguments["name"])
-                self._note_expiries([name])
-                self._in_force[name] = one
-        if not self._station.inputs.is_complete:
-            self._lose("inputs that came faster than they could be kept")
-        # Set-points that newer ones have replaced are never picked up.
-        self._pending = left[-100:]
-
-    def _note_expiries(self, names: Iterable[str]) -> None:
-        """Note which of these controllers' set-points in force have expired."""
-        for name in names:
-            one = self._in_force.get(name)
-            until = None if one is None else one.until()
-            if until is not None:
-                del self._in_force[name]
-                self._add_input({"after": until, "kind": "expire", "name": name})
 
     def _add_texts(self, recording: Recording) -> None:
         gains = json.dumps(self._station.tuning.all_gains())
@@ -372,8 +311,8 @@ class Recorder:
         sources = [] if causes else sources_of(self._station)
         recording = Recording(info, store, file, self._encoder, sources)
         recording.add_facts(self._station, self._texts)
-        whole = {"kind": "begin", "is_whole": self._is_whole}
-        for text in (json.dumps(whole), *self._inputs):
+        whole = {"kind": "begin", "is_whole": self._inputs.is_whole}
+        for text in (json.dumps(whole), *self._inputs.texts):
             recording.add_text(INPUTS, text, self._station.loop.time)
         return recording
 
@@ -416,9 +355,3 @@ class Recorder:
             return list(self._station.manager.get_controller(name).joint_names)
         except ControllerNotFoundError:
             return []  # unloaded since; its elements are numbered
-
-
-def _plain(arguments: Mapping[str, object]) -> dict[str, object]:
-    """Return arguments as JSON has them; what is no JSON is its text."""
-    plain: dict[str, object] = json.loads(json.dumps(arguments, default=str))
-    return plain

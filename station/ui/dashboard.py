@@ -12,8 +12,16 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from station.client import AsyncStationClient
+from station.client import ApiError, AsyncStationClient
 from station.ui.gateway_state import BarState, bar_state
+from station.ui.layers.push_layer import Pusher, Pushing
+from station.ui.layers.scene_facts import (
+    PlacedRobot,
+    SceneFacts,
+    commanded_positions,
+    commanding,
+)
+from station.ui.layers.trail_layer import Trails
 from station.ui.markup import warning
 from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.panels.controllers_panel import ControllersPanel
@@ -27,8 +35,11 @@ from station.ui.reporter import Reporter
 from station.ui.robot_model import RobotModel, RobotModelError
 from station.ui.scene import RobotScene, prepare_room
 from station.ui.scene_objects import SceneObjects
+from station.ui.scene_views import SceneViews
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
+from station.ui.view_routes import ShownViews
+from station.wire import ExternalForce
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -38,10 +49,21 @@ if TYPE_CHECKING:
 _logger = logging.getLogger(__name__)
 
 SCENE_PERIOD = 1.0 / 50.0
+VIEWS_PERIOD = 1.0 / 15.0
 PANEL_PERIOD = 0.1
 _ENDING_TIME = 0.5
 _PANEL_WIDTH = 430.0
 _BRAND = (34, 110, 196)
+
+
+async def _push_nothing(key: str, arm_id: str, push: ExternalForce) -> None:
+    """Refuse to push, as a dashboard without sessions does.
+
+    Raises:
+        ApiError: Always.
+    """
+    detail = f"Session '{key}' cannot push {push.link} of {arm_id}."
+    raise ApiError(detail, status=403, code="forbidden")
 
 
 class Dashboard:
@@ -53,6 +75,11 @@ class Dashboard:
         robot: The robot with its visual meshes; None shows no robot.
         not_drawn: Why no robot is shown; empty if no robot was requested.
         beside: Further robots of the same station.
+        session_key: Returns the key of the session of a browser.
+        push: Pushes a link for a session.
+
+    Attributes:
+        views: What each session sees in the 3D view.
     """
 
     def __init__(
@@ -62,6 +89,8 @@ class Dashboard:
         robot: RobotModel | None,
         not_drawn: str = "",
         beside: Sequence[RobotModel] = (),
+        session_key: Callable[[viser.ClientHandle], str] = lambda _: "",
+        push: Pusher = _push_nothing,
     ) -> None:
         self._server = server
         self._client = client
@@ -74,15 +103,11 @@ class Dashboard:
         if robot is None:
             prepare_room(server)
         else:
-            try:
-                self._scene = RobotScene(server, robot, beside=beside)
-                self._beside = [
-                    RobotScene(server, other, root=f"/robot_{i}", has_camera=False)
-                    for i, other in enumerate(beside, start=2)
-                ]
-            except RobotModelError as error:
-                _logger.warning("%s", error)
-                not_drawn = str(error)
+            not_drawn = self._draw(robot, beside) or not_drawn
+        placed = _placed(() if self._scene is None else (robot, *beside))
+        pushing = Pushing(push, self._reporter.refused)
+        self.views = SceneViews(placed, session_key, pushing)
+        self._trails = Trails(placed)
         _set_theme(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)
         if not_drawn:
@@ -114,8 +139,23 @@ class Dashboard:
         self._running: Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
 
+    def _draw(self, robot: RobotModel, beside: Sequence[RobotModel]) -> str:
+        """Draw the robots; return why that cannot be done, or an empty text."""
+        try:
+            self._scene = RobotScene(self._server, robot, beside=beside)
+            self._beside = [
+                RobotScene(self._server, other, root=f"/robot_{i}", has_camera=False)
+                for i, other in enumerate(beside, start=2)
+            ]
+        except RobotModelError as error:
+            _logger.warning("%s", error)
+            return str(error)
+        return ""
+
     def start(self) -> None:
         """Start to follow the station."""
+        self._server.on_client_connect(self._on_connect)
+        self._server.on_client_disconnect(self._on_disconnect)
         loop = self._server.get_event_loop()
         self._running = asyncio.run_coroutine_threadsafe(self._run(), loop)
 
@@ -142,6 +182,11 @@ class Dashboard:
         """Return what is known of the station; callable by any thread."""
         return self._link.view()
 
+    def shown_views(self) -> ShownViews:
+        """Return `views` as another thread than Viser's reaches them."""
+        loop = self._server.get_event_loop()
+        return ShownViews(self.views, loop.call_soon_threadsafe)
+
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
 
@@ -155,6 +200,13 @@ class Dashboard:
             if isinstance(panel, CommandingPanel):
                 panel.let_go()
 
+    # Viser calls coroutines in its event loop, where the views belong.
+    async def _on_connect(self, client: viser.ClientHandle) -> None:
+        self.views.joined(client)
+
+    async def _on_disconnect(self, client: viser.ClientHandle) -> None:
+        self.views.left(client)
+
     async def _run(self) -> None:
         self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
@@ -164,6 +216,7 @@ class Dashboard:
             tasks.create_task(self._target.run())
             tasks.create_task(self._tune.run())
             tasks.create_task(self._repeat(self._show_robot, SCENE_PERIOD))
+            tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
 
     def _show_robot(self) -> None:
@@ -173,12 +226,29 @@ class Dashboard:
         for scene in self._beside:
             scene.show(self._link.positions)
 
+    def _refresh_views(self) -> None:
+        self._link.wants_contacts = "forces" in self.views.wanted()
+        view = self._link.view()
+        positions = view.positions
+        self.views.refresh(
+            SceneFacts(
+                positions=positions,
+                commanded=commanded_positions(view),
+                limits=view.limits,
+                arms=self._link.arms,
+                contacts=self._link.contacts,
+                trails=self._trails.note(positions) if positions else (),
+            )
+        )
+
     def _refresh_panels(self) -> None:
         view = self._link.view()
         watched: set[str] = set()
         for panel in self._panels:
             panel.refresh(view)
             watched |= panel.watched()
+        if "command" in self.views.wanted():
+            watched |= commanding(view)
         self._link.watch(watched)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
@@ -192,6 +262,15 @@ class Dashboard:
                     _logger.exception("update %d of the screen failed", self._failures)
                 self._reporter.say("The dashboard failed", repr(error), None)
             await asyncio.sleep(period)
+
+
+def _placed(robots: Sequence[RobotModel | None]) -> list[PlacedRobot]:
+    """Return the robots with the scene nodes that `Dashboard` draws them at."""
+    return [
+        PlacedRobot(model, "/robot" if i == 1 else f"/robot_{i}")
+        for i, model in enumerate(robots, start=1)
+        if model is not None
+    ]
 
 
 def _set_theme(server: viser.ViserServer) -> None:

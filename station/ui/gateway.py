@@ -25,6 +25,7 @@ from station.client import ApiError
 from station.ui.forwarded_routes import PREFIX
 from station.ui.gateway_guard import GatewayGuard, session_cookie
 from station.ui.sessions import Role, Session, Sessions
+from station.ui.view_routes import ShownViews, ViewRoutes
 from station.ui.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.web.failed_logins import FailedLogins
 
@@ -68,6 +69,7 @@ class GatewayParts:
         relay: The way to Viser.
         api: The way to the station for the pages' own requests.
         workspace: What the docks of the page are made of.
+        views: What the sessions see in the 3D view.
         origins: Which Host and Origin headers are answered.
         sessions: The logged-in browsers.
         failed_logins: Who has sent wrong tokens.
@@ -80,6 +82,7 @@ class GatewayParts:
     relay: "ViserRelay"
     api: "ApiRelay"
     workspace: WorkspaceParts
+    views: ShownViews
     origins: "OriginPolicy"
     sessions: Sessions
     failed_logins: FailedLogins = field(default_factory=FailedLogins)
@@ -89,6 +92,7 @@ def build_gateway(parts: GatewayParts) -> Starlette:
     """Return the gateway as an ASGI application."""
     gateway = _Gateway(parts)
     workspace = WorkspaceRoutes(parts.workspace, parts.sessions, gateway.find_session)
+    views = ViewRoutes(parts.views, gateway.find_session)
     return Starlette(
         routes=[
             Route("/", gateway.page),
@@ -102,6 +106,7 @@ def build_gateway(parts: GatewayParts) -> Starlette:
             Route("/arm", gateway.arm, methods=["POST"]),
             Route("/static/{name:path}", _static),
             *workspace.routes(),
+            *views.routes(),
             WebSocketRoute(PREFIX + "/streams/{topic:path}", gateway.stream),
             Route(PREFIX + "/{path:path}", gateway.api, methods=_METHODS),
             Route("/ui/", gateway.viser_page),
@@ -231,6 +236,7 @@ class _Gateway:
         access = self._parts.workspace.access
         await self._parts.relay.socket(
             socket,
+            session.key,
             lambda: access.role_at_viser(session),
             lambda: sessions.wait_for_end(session),
         )

@@ -7,7 +7,7 @@ get a new pose, which takes an eighth of the time that all link poses would take
 import math
 from collections.abc import Mapping
 
-from station.core.description.urdf import Joint, JointType, Pose
+from station.core.description.urdf import Joint, JointType, Pose, Urdf
 
 
 def is_drawn_moving(joint: Joint) -> bool:
@@ -48,3 +48,37 @@ def pose_at(joint: Joint, q: float) -> Pose:
         x, y, z = (q * part for part in joint.axis)
         return joint.origin.compose(Pose((x, y, z)))
     return joint.origin
+
+
+def link_poses(urdf: Urdf, positions: Mapping[str, float]) -> dict[str, Pose]:
+    """Return the pose of every link in the root link.
+
+    Args:
+        urdf: The robot.
+        positions: Joint positions by name [rad] or [m]; a joint without a position is
+            drawn at zero, as at the start.
+    """
+    poses = {urdf.root: Pose()}
+    waiting = [urdf.root]
+    while waiting:
+        parent = waiting.pop()
+        for joint in urdf.joints_below(parent):
+            q = position_among(joint, positions) or 0.0
+            poses[joint.child] = poses[parent].compose(pose_at(joint, q))
+            waiting.append(joint.child)
+    return poses
+
+
+def link_path(urdf: Urdf, link: str, root: str) -> str:
+    """Return the scene node of a link, below those of the links that carry it.
+
+    Args:
+        urdf: The robot.
+        link: The link.
+        root: Scene node of the robot's root link.
+    """
+    path = []
+    while (joint := urdf.joint_above(link)) is not None:
+        path.append(link)
+        link = joint.parent
+    return "/".join([root, *reversed(path)])

@@ -19,7 +19,8 @@ from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.origins import OriginPolicy
 from station.ui.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.session_access import SessionAccess
-from station.ui.sessions import Role, Session, Sessions
+from station.ui.session_pusher import SessionPusher
+from station.ui.sessions import Role, Session, Sessions, SessionStore
 from station.ui.station_follower import StationAccess, StationFollower
 from station.ui.stop_button import StopButton
 from station.ui.viser_door import open_viser
@@ -71,6 +72,8 @@ class DashboardConfig:
             on this machine, or of the system.
         viewer_token: The viewer's token, for viewers whose session outlives a station;
             empty when it is not known.
+        sessions: Keeps who is logged in beyond the life of this process; None: nobody
+            is when the dashboard is started anew.
         follower: Tells which station takes the place of one that has crashed, and when
             to end; None stays with the station at `url` until a signal comes.
     """
@@ -87,6 +90,7 @@ class DashboardConfig:
     watchdog_url: str = ""
     ca: str | None = None
     viewer_token: str = ""
+    sessions: SessionStore | None = None
     follower: StationFollower | None = None
 
 
@@ -137,12 +141,10 @@ async def _serve(
     api = _client(config)
     relay = ViserRelay(guarded.port, guarded.secret)
     shown = _client(config)
-    dashboard = Dashboard(
-        guarded.server, shown, next(iter(robots), None), not_drawn, robots[1:]
-    )
     button = StopButton(api, config.token, config.watchdog_url)
     # The dashboard's own client belongs to Viser's event loop.
     viser_loop = guarded.server.get_event_loop()
+    logged_in = Sessions(store=config.sessions)
 
     def lease_changed(lease: str | None) -> None:
         viser_loop.call_soon_threadsafe(dashboard.act_under, lease)
@@ -154,14 +156,26 @@ async def _serve(
         lease_changed,
         ca=config.ca,
     )
+    pusher = SessionPusher(sessions, logged_in)
+    dashboard = Dashboard(
+        guarded.server,
+        shown,
+        next(iter(robots), None),
+        not_drawn,
+        robots[1:],
+        guarded.session_key,
+        pusher,
+    )
     forwarded = ApiRelay(sessions, api.tls)
-    gateway = _gateway(config, api, button, dashboard, relay, forwarded, sessions)
-    server = _Server(gateway)
+    server = _Server(
+        _gateway(config, button, dashboard, relay, forwarded, sessions, logged_in)
+    )
 
     def move_to(access: StationAccess) -> None:
         api.talk_to(access.url, access.token)
         button.move_to(access.token, access.watchdog_url)
         sessions.move_to(access)
+        logged_in.move_to(access.url)
         viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
 
     dashboard.start()
@@ -177,6 +191,7 @@ async def _serve(
         await relay.close()
         await forwarded.close()
         await sessions.close()
+        await pusher.close()
         await api.close()
 
 
@@ -223,15 +238,15 @@ async def _wait_for_end(
 
 def _gateway(
     config: DashboardConfig,
-    api: AsyncStationClient,
     button: StopButton,
     dashboard: Dashboard,
     relay: ViserRelay,
     forwarded: ApiRelay,
     access: SessionAccess,
+    logged_in: Sessions,
 ) -> Starlette:
     async def role_of(token: str) -> Role | None:
-        return await ask_role(api.url, token, config.ca)
+        return await ask_role(access.url, token, config.ca)
 
     async def release(session: Session, *, arm: bool) -> StopState:
         async with access.client_of(session) as client:
@@ -246,8 +261,9 @@ def _gateway(
             relay=relay,
             api=forwarded,
             workspace=WorkspaceParts(dashboard.view, access),
+            views=dashboard.shown_views(),
             origins=OriginPolicy(config.host, config.host_names),
-            sessions=Sessions(),
+            sessions=logged_in,
         )
     )
 

@@ -6,17 +6,20 @@ yourdfpy loads and places the visual meshes.
 
 import io
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
+import numpy as np
 import yourdfpy
+from numpy.typing import NDArray
 
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.description.urdf import Urdf, Vector3
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
-from station.ui.joint_frames import is_drawn_moving
+from station.ui.joint_frames import is_drawn_moving, link_poses
+from station.ui.link_surfaces import Surface, bounds_of, link_surfaces
 
 _BASE_LINK = "station_base"
 # The exceptions of the libraries that read URDFs and meshes.
@@ -45,10 +48,14 @@ class RobotModel:
     Attributes:
         urdf: Links and joints; the root link is fixed to the link `station_base`.
         drawing: The same robot with its visual meshes in a scene graph.
+        surfaces: Collision geometry by link.
+        arm_id: Prefix of a Panda's joints, by which the station calls the arm.
     """
 
     urdf: Urdf
     drawing: yourdfpy.URDF
+    surfaces: Mapping[str, Surface] = field(default_factory=dict)
+    arm_id: str = ""
 
     def joint_limits(self) -> dict[str, tuple[float, float]]:
         """Return the position limits of the joints that are not mimic joints.
@@ -68,6 +75,23 @@ class RobotModel:
                 high = joint.limit.upper
             limits[joint.name] = (low, high)
         return limits
+
+    def bounds(self, positions: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the smallest box around the robot's collision geometry.
+
+        Args:
+            positions: Joint positions by name [rad] or [m]; zero where there is none.
+
+        Returns:
+            Lowest and highest corner [m], shape (2, 3); around the frames of the links
+            when the robot has no collision geometry.
+        """
+        poses = link_poses(self.urdf, positions)
+        corners = bounds_of(self.surfaces, poses)
+        if corners is None:
+            origins = np.array([pose.xyz for pose in poses.values()])
+            corners = np.stack([origins.min(axis=0), origins.max(axis=0)])
+        return corners
 
     def base_position(self) -> Vector3:
         """Return the position of the robot's root link, x, y, z [m]."""
@@ -94,7 +118,12 @@ def load_robot(
         files = load_robot_files(reference).with_prefix("panda_", f"{arm_id}_")
         urdf = parse_urdf(files.xml, source=str(files.urdf_path))
         xml = _with_base(files.xml, urdf.root, base)
-        return RobotModel(parse_urdf(xml), _load_drawing(files, xml))
+        return RobotModel(
+            parse_urdf(xml),
+            _load_drawing(files, xml),
+            link_surfaces(urdf, files.resolve_mesh),
+            arm_id,
+        )
     except RobotDescriptionError as exc:
         raise RobotModelError(
             f"The robot '{reference}' cannot be drawn: {exc.message} {exc.remedy}"

@@ -1,32 +1,24 @@
 """Draw a robot once, then move the drawn robot by its joint frames."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 from trimesh.scene.transforms import SceneGraph
 
-from station.core.description.urdf import Joint
-from station.ui.joint_frames import is_drawn_moving, pose_at, position_among
+from station.ui.joint_frames import is_drawn_moving
+from station.ui.moving_frames import MovingFrame, MovingFrames
 from station.ui.robot_model import LIBRARY_FAILURES, RobotModel, RobotModelError
 from station.ui.vertex_colors import color_by_vertices
 
 _STAND = "_stand"
-_SMALLEST_STEP = 1e-4
 _FIELD_OF_VIEW = 0.7  # [rad], vertical
 # Direction from the robot to the camera: to the right, in front and above.
 _FROM = np.array([0.76, -0.58, 0.293])
 # Distance of the camera over the distance at which a sphere around the robot fits.
 _ROOM_AROUND = 1.1
 _LEAST_STAND = 0.05  # [m]
-
-
-@dataclass(frozen=True, slots=True)
-class _MovingFrame:
-    joint: Joint
-    handle: viser.FrameHandle
 
 
 class RobotScene:
@@ -61,13 +53,12 @@ class RobotScene:
         self._root = root
         self._beside = tuple(beside)
         self._has_camera = has_camera
-        self._shown: dict[str, float] = {}
         # The camera needs the meshes until the first pose is known; they are large.
         self._robot: RobotModel | None = robot
         if has_camera:
             prepare_room(server)
         try:
-            self._moving = _draw(server, robot, root)
+            self._moving = MovingFrames(server, _draw(server, robot, root))
             self._look_at({})
         except LIBRARY_FAILURES as exc:
             raise RobotModelError(
@@ -88,19 +79,7 @@ class RobotScene:
             self._look_at(positions)
             self._robot = None
             self._beside = ()
-        with self._server.atomic():
-            for frame in self._moving:
-                q = position_among(frame.joint, positions)
-                name = frame.joint.name
-                if q is None or abs(q - self._shown.get(name, 9e9)) < _SMALLEST_STEP:
-                    continue
-                self._shown[name] = q
-                pose = pose_at(frame.joint, q)
-                # Viser sends every assignment, so the constant part is not assigned.
-                if frame.joint.type.is_rotation:
-                    frame.handle.wxyz = pose.quaternion
-                else:
-                    frame.handle.position = pose.xyz
+        self._moving.show(positions)
 
     def _look_at(self, positions: Mapping[str, float]) -> None:
         """Let the camera see the whole robot, and put a stand under its base."""
@@ -193,9 +172,7 @@ def _backdrop() -> NDArray[np.uint8]:
     return np.repeat(column[:, None, :], 2, axis=1).astype(np.uint8)
 
 
-def _draw(
-    server: viser.ViserServer, robot: RobotModel, root: str
-) -> list[_MovingFrame]:
+def _draw(server: viser.ViserServer, robot: RobotModel, root: str) -> list[MovingFrame]:
     scene = robot.drawing.scene
     graph = scene.graph
     server.scene.add_frame(root, show_axes=False)
@@ -208,7 +185,7 @@ def _draw(
             position=joint.origin.xyz,
         )
         if is_drawn_moving(joint):
-            moving.append(_MovingFrame(joint, handle))
+            moving.append(MovingFrame(joint, handle))
     for name, mesh in scene.geometry.items():
         color_by_vertices(mesh)  # before the copy, which asks for these colours
         drawn = mesh.copy()

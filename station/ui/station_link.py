@@ -7,15 +7,17 @@ succeeds; meanwhile the age of the data grows, and the panels show the data as o
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Collection
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
 
 from pydantic import ValidationError
 
 from station.client import ApiError, AsyncStationClient
+from station.ui.layers.scene_facts import ARM_FIELDS, ArmFacts, arm_facts
 from station.ui.plot_history import PlotHistory
 from station.ui.station_view import StationView
 from station.wire import (
     CommandElement,
+    Contact,
     ControllerSample,
     ControllerState,
     ControllerType,
@@ -28,6 +30,8 @@ from station.wire import (
 
 JOINT_RATE = 60.0
 """Joint states per second for the 3D view [Hz]."""
+ARM_RATE = 10.0
+"""States of a Franka arm per second for its frames and forces [Hz]."""
 SAMPLE_RATE = 30.0
 """Controller samples per second for the plots [Hz]."""
 _STATUS_PERIOD = 0.5
@@ -42,6 +46,12 @@ class StationLink:
     Args:
         client: The station; owned by the caller.
         now: Monotonic clock [s].
+
+    Attributes:
+        client: As given.
+        now: As given.
+        histories: The last samples of the watched controllers.
+        wants_contacts: Whether somebody looks at `contacts`.
     """
 
     def __init__(
@@ -58,11 +68,15 @@ class StationLink:
         self._positions: dict[str, float] = {}
         self._objects: tuple[SceneObject, ...] = ()
         self._scene_of = ""
+        self._contacts: tuple[Contact, ...] = ()
+        self.wants_contacts = False
         self._elements: dict[str, tuple[CommandElement, ...]] = {}
         self._samples: dict[str, ControllerSample] = {}
         self._limits: dict[str, tuple[float, float]] = {}
         self._limits_of = ""  # the boot_id of the station that they come from
         self._followers: dict[str, asyncio.Task[None]] = {}
+        self._arm_followers: dict[str, asyncio.Task[None]] = {}
+        self._arms: dict[str, ArmFacts] = {}
 
     @property
     def positions(self) -> dict[str, float]:
@@ -73,6 +87,16 @@ class StationLink:
     def objects(self) -> tuple[SceneObject, ...]:
         """The objects around a simulated robot with their last known poses."""
         return self._objects
+
+    @property
+    def arms(self) -> dict[str, ArmFacts]:
+        """What the Franka arms say of their tools, by arm_id; not to be changed."""
+        return self._arms
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Where bodies of a simulated world touch; empty while nobody wants to know."""
+        return self._contacts
 
     def view(self) -> StationView:
         """Return a frozen view of the newest data."""
@@ -96,12 +120,14 @@ class StationLink:
                 tasks.create_task(self._follow_joints())
                 tasks.create_task(self._repeat(self.refresh_status, _STATUS_PERIOD))
                 tasks.create_task(self._repeat(self.refresh_scene, _SCENE_PERIOD))
+                tasks.create_task(self._repeat(self.refresh_contacts, _SCENE_PERIOD))
                 tasks.create_task(
                     self._repeat(self.refresh_controllers, _CONTROLLERS_PERIOD)
                 )
         finally:
-            followers = list(self._followers.values())
+            followers = [*self._followers.values(), *self._arm_followers.values()]
             self.watch(())
+            self._follow_arms(())
             await asyncio.gather(*followers, return_exceptions=True)
 
     def watch(self, names: Collection[str]) -> None:
@@ -116,6 +142,16 @@ class StationLink:
                 self.histories.setdefault(name, PlotHistory())
                 self._followers[name] = asyncio.create_task(self._follow_sample(name))
 
+    def _follow_arms(self, names: Collection[str]) -> None:
+        """Follow exactly these Franka arms."""
+        for name in [name for name in self._arm_followers if name not in names]:
+            self._arm_followers.pop(name).cancel()
+            self._arms.pop(name, None)
+        for name in names:
+            if name not in self._arm_followers:
+                task = asyncio.create_task(self._follow_arm(name))
+                self._arm_followers[name] = task
+
     async def refresh_status(self) -> None:
         """Request the status; after a restart of the station, request everything."""
         status = await self.client.status()
@@ -125,6 +161,7 @@ class StationLink:
             self._types = tuple(await self.client.controller_types())
         self._status = status
         self._heard()
+        self._follow_arms([arm.arm_id for arm in status.robots])
         if self._limits_of != status.boot_id:
             self._limits = _position_limits(await self.client.hardware())
             self._limits_of = status.boot_id
@@ -136,6 +173,14 @@ class StationLink:
             return
         self._objects = tuple(await self.client.scene())
         self._scene_of = boot_id
+
+    async def refresh_contacts(self) -> None:
+        """Request what touches what, while somebody wants to know."""
+        simulated = self._status is not None and self._status.simulation is not None
+        if self.wants_contacts and simulated:
+            self._contacts = tuple(await self.client.contacts())
+        else:
+            self._contacts = ()
 
     async def refresh_controllers(self) -> None:
         """Request the controllers, and the set-points that running controllers take."""
@@ -193,7 +238,14 @@ class StationLink:
                 self._samples[name] = sample
                 self.histories[name].append(sample)
 
-    async def _frames(self, topic: str, rate: float) -> AsyncIterator[StreamFrame]:
+    async def _follow_arm(self, name: str) -> None:
+        topic = f"robot_state/{name}"
+        async for frame in self._frames(topic, ARM_RATE, ARM_FIELDS):
+            self._arms[name] = arm_facts(frame.data)
+
+    async def _frames(
+        self, topic: str, rate: float, fields: Sequence[str] = ()
+    ) -> AsyncIterator[StreamFrame]:
         """Yield a stream's frames; open the stream again when it ends or is refused.
 
         The client does not reconnect by itself, because the station may be another one
@@ -201,7 +253,9 @@ class StationLink:
         """
         while True:
             with contextlib.suppress(ApiError):  # Polling says what is wrong.
-                stream = self.client.stream(topic, rate=rate, reconnect=False)
+                stream = self.client.stream(
+                    topic, rate=rate, fields=fields, reconnect=False
+                )
                 async for frame in stream:
                     yield frame
             await asyncio.sleep(_RETRY)

@@ -23,6 +23,8 @@ from websockets.asyncio.server import serve as Serve  # noqa: N812 - it is a cla
 from websockets.http11 import Request, Response
 
 SECRET_HEADER = "X-Station-Gateway"
+SESSION_HEADER = "X-Station-Session"
+"""Carries the key of the session whose browser opens a connection."""
 
 _ProcessRequest = Callable[[ServerConnection, Request], Response | None]
 
@@ -40,6 +42,15 @@ class GuardedViser:
     server: viser.ViserServer
     port: int
     secret: str
+
+    def session_key(self, client: viser.ClientHandle) -> str:
+        """Return the key of the session of a browser; empty when it is unknown."""
+        # Viser tells no request headers, but it keeps the connections that have them.
+        live = self.server._websock_server._live_connections  # noqa: SLF001
+        connection = live.get(client.client_id)
+        if connection is None or connection.request is None:
+            return ""
+        return connection.request.headers.get(SESSION_HEADER, "")
 
     def stop(self) -> None:
         """Stop the server and its threads."""

@@ -18,6 +18,7 @@ _OPERATOR_MESSAGES = frozenset({
     "TransformControlsUpdateMessage",
     "TransformControlsDragStartMessage",
     "TransformControlsDragEndMessage",
+    "SceneNodeDragMessage",
 })
 
 

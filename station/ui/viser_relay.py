@@ -11,7 +11,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
-from station.ui.viser_door import SECRET_HEADER
+from station.ui.viser_door import SECRET_HEADER, SESSION_HEADER
 from station.ui.viser_frames import may_pass
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ class ViserRelay:
     async def socket(
         self,
         browser: WebSocket,
+        key: str,
         role: Callable[[], "Role"],
         wait_for_end: Callable[[], Awaitable[None]],
     ) -> None:
@@ -66,6 +67,7 @@ class ViserRelay:
 
         Args:
             browser: The browser's WebSocket, not accepted yet.
+            key: Key of the browser's session.
             role: Returns the role that decides which of its frames pass.
             wait_for_end: Returns when the browser's session has ended.
         """
@@ -73,7 +75,7 @@ class ViserRelay:
         try:
             upstream = await connect(
                 f"ws://{self._address}/",
-                additional_headers=self._headers,
+                additional_headers={**self._headers, SESSION_HEADER: key},
                 subprotocols=offered or None,
                 compression=None,
                 max_size=_MAX_FRAME_BYTES,

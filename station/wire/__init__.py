@@ -15,7 +15,6 @@ from station.wire.access import (
 )
 from station.wire.base import (
     ControllerName,
-    Measured,
     RequestModel,
     ResponseModel,
 )
@@ -33,7 +32,6 @@ from station.wire.controllers import (
     Controllers,
     ControllerSample,
     ControllerState,
-    ControllerStateName,
     Gains,
     GainsChange,
     GainsPatch,
@@ -48,13 +46,11 @@ from station.wire.controllers import (
 from station.wire.events import (
     Event,
     EventKindName,
-    EventLogState,
     Events,
     SeverityName,
 )
 from station.wire.experiments import ExperimentRequest
 from station.wire.gain_sets import (
-    GainDifference,
     GainsChanges,
     GainSet,
     GainSetRequest,
@@ -66,22 +62,17 @@ from station.wire.goals import (
     GoalRequest,
     GoalResult,
     Goals,
-    GoalStatusName,
     TrajectoryRequest,
 )
 from station.wire.gripper import (
     GraspEpsilon,
     Gripper,
-    GripperActionName,
-    GripperActivityName,
     GripperCommand,
-    GripperCommandStatus,
     GripperGraspRequest,
     GripperMoveRequest,
 )
 from station.wire.hardware import (
     Clamp,
-    ClampReasonName,
     Hardware,
     HardwareInterface,
     HardwareLimits,
@@ -95,7 +86,6 @@ from station.wire.recordings import (
     Recording,
     RecordingRequest,
     Recordings,
-    RecordingStateName,
     Trajectory,
 )
 from station.wire.robots import (
@@ -126,7 +116,7 @@ from station.wire.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
-from station.wire.scene import ObjectKind, Scene, SceneObject
+from station.wire.scene import Contact, ObjectKind, Scene, SceneObject
 from station.wire.simulation import (
     ResetRequest,
     Simulation,
@@ -146,7 +136,6 @@ from station.wire.station import (
     Status,
     StopRequest,
     StopState,
-    StopStateName,
     StreamTicket,
 )
 from station.wire.streams import (
@@ -159,9 +148,20 @@ from station.wire.streams import (
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
     CommandCounts,
-    CommandError,
     StreamFormat,
     StreamFrame,
+)
+from station.wire.waypoint_paths import (
+    CaptureRequest,
+    Playback,
+    PlaybackPatch,
+    PlaybackState,
+    PlayRequest,
+    Waypoint,
+    WaypointPath,
+    WaypointPathRequest,
+    WaypointPaths,
+    WaypointRequest,
 )
 
 __all__ = [
@@ -181,24 +181,23 @@ __all__ = [
     "ArmRecord",
     "ArmReport",
     "Arms",
+    "CaptureRequest",
     "CartesianImpedance",
     "ClaimedResources",
     "Clamp",
-    "ClampReasonName",
     "CommandAccepted",
     "CommandCounts",
     "CommandElement",
-    "CommandError",
     "CommandInfo",
     "CommandRequest",
     "CommandViolations",
+    "Contact",
     "ControlPatch",
     "ControlRequest",
     "ControlState",
     "ControllerName",
     "ControllerSample",
     "ControllerState",
-    "ControllerStateName",
     "ControllerType",
     "ControllerTypes",
     "Controllers",
@@ -207,7 +206,6 @@ __all__ = [
     "EndEffectorFrame",
     "Event",
     "EventKindName",
-    "EventLogState",
     "Events",
     "ExperimentRequest",
     "ExternalForce",
@@ -218,7 +216,6 @@ __all__ = [
     "FrameName",
     "FrankaState",
     "FullCollisionBehavior",
-    "GainDifference",
     "GainSet",
     "GainSetRequest",
     "GainSets",
@@ -229,14 +226,10 @@ __all__ = [
     "Goal",
     "GoalRequest",
     "GoalResult",
-    "GoalStatusName",
     "Goals",
     "GraspEpsilon",
     "Gripper",
-    "GripperActionName",
-    "GripperActivityName",
     "GripperCommand",
-    "GripperCommandStatus",
     "GripperGraspRequest",
     "GripperMoveRequest",
     "GuidingRequest",
@@ -253,17 +246,19 @@ __all__ = [
     "LoadRequest",
     "LoginRequest",
     "LoopReport",
-    "Measured",
     "NewToken",
     "ObjectKind",
     "Parameter",
     "ParameterRequest",
     "Percentiles",
+    "PlayRequest",
+    "Playback",
+    "PlaybackPatch",
+    "PlaybackState",
     "Problem",
     "Ready",
     "Recording",
     "RecordingRequest",
-    "RecordingStateName",
     "Recordings",
     "Recoveries",
     "Recovery",
@@ -289,7 +284,6 @@ __all__ = [
     "StiffnessFrame",
     "StopRequest",
     "StopState",
-    "StopStateName",
     "StreamFormat",
     "StreamFrame",
     "StreamTicket",
@@ -302,4 +296,9 @@ __all__ = [
     "TrajectoryRequest",
     "Tunable",
     "UserStopRequest",
+    "Waypoint",
+    "WaypointPath",
+    "WaypointPathRequest",
+    "WaypointPaths",
+    "WaypointRequest",
 ]

@@ -48,11 +48,41 @@ class SceneObject(ResponseModel):
     file: str = ""
 
 
+class Contact(ResponseModel):
+    """A point at which two bodies of a simulated world touch.
+
+    Attributes:
+        bodies: Names of the two links or things; `world` is the floor.
+        position: The point, in the world [m], shape (3,).
+        force: On the second body in the last step, axes of the world [N], shape (3,);
+            the first one feels the opposite.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "bodies": ["world", "cube"],
+                    "position": [0.5, 0.02, 0.0],
+                    "force": [0.0, 0.0, 0.25],
+                }
+            ]
+        }
+    )
+
+    bodies: Items[str] = Field(min_length=2, max_length=2)
+    position: Measurements = Field(min_length=3, max_length=3)
+    force: Measurements = Field(min_length=3, max_length=3)
+
+
 class Scene(ResponseModel):
-    """All things in the world besides robots.
+    """All things in the world besides robots, and what touches what.
 
     Attributes:
         objects: The things; empty where there are none, and around a real robot.
+        contacts: The contacts, 64 at most; empty around a real robot, which has no
+            sensors for them.
     """
 
     objects: Items[SceneObject]
+    contacts: Items[Contact] = Field(default_factory=list)

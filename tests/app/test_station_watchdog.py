@@ -1,5 +1,6 @@
 """What a station tells its watchdog, and what it makes of the watchdog's end."""
 
+import asyncio
 import os
 
 import pytest
@@ -23,6 +24,7 @@ class FakeProcess:
 
     def __init__(self):
         self.settings, self.statuses, self.codes = [], [], []
+        self.tokens = []
 
     def start(self, settings):
         self.settings.append(settings)
@@ -31,6 +33,9 @@ class FakeProcess:
 
     def tell(self, status):
         self.statuses.append(status)
+
+    def tell_token(self, token):
+        self.tokens.append((token["role"], token["expires"]))
 
     def start_again_if_ended(self):
         return self.codes.pop(0) if self.codes else None
@@ -137,3 +142,22 @@ def test_a_station_can_run_without_a_watchdog(warnings):
     watchdog.finish()
 
     assert (watchdog.url, warnings) == ("", [])
+
+
+def test_named_tokens_are_told_when_they_begin_and_end_and_after_a_restart(watchdog):
+    station = make_station()
+    authenticator = Authenticator("operator-token")
+    watchdog.start(authenticator)
+    asyncio.run(authenticator.named.create("ada", "viewer", None))
+    told = watchdog._process.tokens
+
+    watchdog.look(station)
+    watchdog.look(station)
+    assert told == [("viewer", None)]
+    watchdog._process.codes = [1]
+    watchdog.look(station)
+    watchdog.look(station)
+    assert told == [("viewer", None)] * 2
+    asyncio.run(authenticator.named.revoke("ada"))
+    watchdog.look(station)
+    assert told[2:] == [("", None)]

@@ -48,7 +48,11 @@ def running_station(tmp_path_factory):
         [*command, "--json"],
         stdout=subprocess.PIPE,
         text=True,
-        env={**os.environ, "XDG_RUNTIME_DIR": str(home)},
+        env={
+            **os.environ,
+            "XDG_RUNTIME_DIR": str(home),
+            "XDG_DATA_HOME": str(home / "data"),
+        },
     ) as process:
         try:
             yield _announced(process)

@@ -219,3 +219,22 @@ def test_begin_and_end_are_told(station, recorder):
         ("walk", "stopped"),
     ]
     assert told[1].cycles == 5
+
+
+def test_late_cycles_while_a_recording_begins_are_inputs_but_not_rows(station, store):
+    def open_late(path):
+        station.loop.delay_next_cycle(4)
+        station.loop.step(2)
+        return DiskFile(path)
+
+    recorder = Recorder(station, store, open_file=open_late)
+    station.loop.step(3)
+    identifier = recorder.start("late").identifier
+    station.loop.step(2)
+    recorder.stop()
+    recorder.close()
+
+    path = store.file(identifier)
+    assert read_trajectory(path).cycle.tolist() == [6, 7]
+    late = [one for one in read_inputs(path) if one["kind"] == "late"]
+    assert late == [{"after": 3, "kind": "late", "periods": 5}]

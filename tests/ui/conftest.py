@@ -29,6 +29,15 @@ def bench(shared_bench):
     return shared_bench
 
 
+@pytest.fixture
+def client(shared_bench):
+    """The bench's browser, over whose robot the dashboard itself lays nothing."""
+    server, views = shared_bench.guarded.server, shared_bench.dashboard.views
+    server.get_event_loop().call_soon_threadsafe(views.choose, "", ())
+    assert shared_bench.wait(lambda: not views.wanted())
+    return next(iter(server.get_clients().values()))
+
+
 def _is_empty(bench):
     """Say whether every tab shows that nothing is loaded and all may move."""
     view = bench.link.view()

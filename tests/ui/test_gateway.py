@@ -12,10 +12,12 @@ from station.client import ApiError, StationUnreachableError
 from station.ui.gateway import GatewayParts, build_gateway
 from station.ui.gateway_state import BarState
 from station.ui.origins import OriginPolicy
+from station.ui.scene_views import SceneViews
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Sessions
 from station.ui.station_follower import StationAccess
 from station.ui.station_view import StationView
+from station.ui.view_routes import ShownViews
 from station.ui.workspace_routes import WorkspaceParts
 from station.web.failed_logins import FailedLogins
 from station.wire import StopState
@@ -31,7 +33,7 @@ class _Relay:
     async def page(self):
         return PlainTextResponse("viser")
 
-    async def socket(self, browser, role_now, wait_for_end):
+    async def socket(self, browser, _key, role_now, wait_for_end):
         role = role_now()
         await browser.accept()
         await browser.send_text(role.value)
@@ -93,6 +95,7 @@ def gateway():
             relay=_Relay(),
             api=_Api(),
             workspace=WorkspaceParts(StationView, ACCESS),
+            views=ShownViews(SceneViews((), lambda _: "", None), lambda call: call()),
             origins=OriginPolicy("127.0.0.1"),
             sessions=Sessions(),
             failed_logins=FailedLogins(sleep=station.sleep),

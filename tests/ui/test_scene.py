@@ -14,7 +14,7 @@ def scene(shared_bench):
 
 
 def _handle(scene, name):
-    return next(m.handle for m in scene._moving if m.joint.name == name)
+    return scene._moving.frame_of(name)
 
 
 def test_a_joint_turns_its_frame(scene):

@@ -76,3 +76,68 @@ def test_waiting_ends_when_the_session_is_closed_dropped_or_expired(monkeypatch)
     asyncio.run(wait(lambda session: sessions.close(session.identifier)))
     asyncio.run(wait(lambda _: sessions.open(Role.VIEWER)))
     asyncio.run(wait(lambda _: setattr(time, "now", time.now + 2 * SESSION_LIFETIME)))
+
+
+class _Store:
+    """Keeps sessions in memory."""
+
+    def __init__(self):
+        self.kept = []
+        self.station = "first"
+
+    def load(self):
+        return self.kept
+
+    def save(self, sessions):
+        self.kept = list(sessions)
+
+    def move_to(self, station):
+        self.station = station
+
+
+def test_sessions_outlive_a_dashboard():
+    time, store = _Time(), _Store()
+    before = Sessions(time, store=store)
+    opened = before.open(Role.OPERATOR, "named token")
+    closed = before.open(Role.VIEWER)
+    before.close(closed.identifier)
+    after = Sessions(time, store=store)
+    found = after.find(opened.identifier)
+    assert (found.role, found.token) == (Role.OPERATOR, "named token")
+    assert after.find(closed.identifier) is None
+
+
+def test_a_session_that_expired_while_no_dashboard_ran_is_forgotten():
+    time, store = _Time(), _Store()
+    opened = Sessions(time, store=store).open(Role.OPERATOR)
+    time.now = SESSION_LIFETIME + 1.0
+    assert Sessions(time, store=store).find(opened.identifier) is None
+
+
+def test_it_is_kept_now_and_then_that_a_session_is_used():
+    time, store = _Time(), _Store()
+    sessions = Sessions(time, store=store)
+    opened = sessions.open(Role.OPERATOR)
+    time.now = 30.0
+    sessions.find(opened.identifier)
+    assert store.kept[0].used_at == 0.0
+    time.now = 90.0
+    sessions.find(opened.identifier)
+    assert store.kept[0].used_at == 90.0
+
+
+def test_sessions_go_on_at_the_station_that_takes_over():
+    store = _Store()
+    Sessions(store=store).move_to("second")
+    assert store.station == "second"
+
+
+def test_a_session_is_found_by_its_key_without_being_renewed():
+    time = _Time()
+    sessions = Sessions(time)
+    opened = sessions.open(Role.OPERATOR)
+    time.now = SESSION_LIFETIME - 1.0
+    assert sessions.named(opened.key) is opened
+    assert sessions.named("guess") is None
+    time.now = SESSION_LIFETIME + 1.0
+    assert sessions.find(opened.identifier) is None

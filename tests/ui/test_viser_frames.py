@@ -21,6 +21,8 @@ VALUE = {"type": "GuiUpdateMessage", "uuid": "a", "updates": {"value": 1.0}}
         ({"type": "GuiButtonHoldMessage", "uuid": "a"}, Role.VIEWER, False),
         ({"type": "TransformControlsUpdateMessage"}, Role.OPERATOR, True),
         ({"type": "TransformControlsUpdateMessage"}, Role.VIEWER, False),
+        ({"type": "SceneNodeDragMessage"}, Role.OPERATOR, True),
+        ({"type": "SceneNodeDragMessage"}, Role.VIEWER, False),
         ({"type": "ShareUrlRequest"}, Role.OPERATOR, False),
         ({"type": "FileTransferStartUpload"}, Role.OPERATOR, False),
         ({**VALUE, "updates": {"update_cb": []}}, Role.OPERATOR, False),

@@ -31,7 +31,7 @@ def relayed(shared_bench):
 
 def _as(relay, role):
     async def endpoint(socket):
-        await relay.socket(socket, lambda: role, asyncio.Event().wait)
+        await relay.socket(socket, role.value, lambda: role, asyncio.Event().wait)
 
     return endpoint
 
@@ -94,7 +94,7 @@ def test_the_socket_is_closed_when_its_session_ends(shared_bench):
     async def watch(socket):
         opened.append(sessions.open(Role.OPERATOR))
         end = partial(sessions.wait_for_end, opened[0])
-        await relay.socket(socket, lambda: Role.OPERATOR, end)
+        await relay.socket(socket, "key", lambda: Role.OPERATOR, end)
 
     async def log_out(_):
         sessions.close(opened[0].identifier)

@@ -26,6 +26,7 @@ from station.api.routes import (
     stop,
     streams,
     tokens,
+    waypoint_paths,
 )
 
 PREFIX = "/api/v1"
@@ -40,6 +41,7 @@ for _module in (
     gain_sets,
     set_points,
     goals,
+    waypoint_paths,
     joint_states,
     parameters,
     hardware,

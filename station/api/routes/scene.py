@@ -11,5 +11,8 @@ router = APIRouter(tags=["simulation"], dependencies=[Viewer])
 
 @router.get("/scene", responses=problems(503))
 def scene(station: StationDep) -> Scene:
-    """Return the things in the world besides robots, where they are now."""
-    return Scene.model_validate({"objects": station.scene()})
+    """Return the things in the world besides robots, and what touches what."""
+    return Scene.model_validate({
+        "objects": station.scene(),
+        "contacts": station.contacts(),
+    })

@@ -25,7 +25,7 @@ from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import RobotState
-from station.core.hardware.robot_report import SceneObjectReport
+from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 from station.core.loop.snapshot import Snapshot
 from station.events import EventLog
 from station.wire import Event, FrankaState, LoopReport, Scene
@@ -258,21 +258,24 @@ class LoopTopic(ReportTopic):
 
 
 class SceneTopic(ReportTopic):
-    """The things around a simulated robot."""
+    """The things around a simulated robot, and what touches what."""
 
     name = "scene"
     default_rate = 10.0
-    fields = ("objects",)
-    sample_fields = ("stamp", "objects")
+    fields = ("objects", "contacts")
+    sample_fields = ("stamp", "objects", "contacts")
 
     @override
     def report(self) -> Data:
-        return _scene_sample(self._station.scene())
+        return _scene_sample((self._station.scene(), self._station.contacts()))
 
     @override
     def every_cycle(self) -> CycleSamples:
         world = self._station.loop.hw.simulated_world()
-        read = list if world is None else world.scene
+
+        def read() -> _SceneReport:
+            return ((), ()) if world is None else (world.scene(), world.contacts())
+
         return TapSamples(self._station, read, _scene_sample)
 
 
@@ -316,8 +319,13 @@ class EventsTopic(Topic):
         raise LookupError("The topic 'events' has no samples of cycles.")
 
 
-def _scene_sample(objects: Sequence[SceneObjectReport]) -> Data:
-    return Scene.model_validate({"objects": objects}).model_dump()
+_SceneReport = tuple[Sequence[SceneObjectReport], Sequence[ContactReport]]
+
+
+def _scene_sample(report: _SceneReport) -> Data:
+    objects, contacts = report
+    found = {"objects": objects, "contacts": contacts}
+    return Scene.model_validate(found).model_dump()
 
 
 def _arm_sample(state: RobotState) -> Data:

@@ -2,8 +2,8 @@
 
 The arguments are inherited file descriptors: the shared page, the listening socket, and
 the file that the station writes its stacks to. Standard input brings lines of JSON with
-settings, which come first, or a status of the station. The end of the input means that
-the station has ended.
+settings, which come first, a status of the station, or a named token. The end of the
+input means that the station has ended.
 """
 
 import fcntl
@@ -57,7 +57,7 @@ def main(page: int, listener: int, stacks: int) -> int:
     # Somebody may have forked the station and so keep its end of the pipe open.
     while os.getppid() == settings.pid and not station.has_ended:
         for line in lines:
-            _take(watch, json.loads(line))
+            _take(watch, door, json.loads(line))
         ready = door.wait(LOOK_PERIOD, [station.descriptor])
         lines = station.lines() if ready else []
         now = time.monotonic()
@@ -102,8 +102,10 @@ class _StationPipe:
         return lines
 
 
-def _take(watch: Watch, message: dict[str, dict[str, Any]]) -> None:
-    if "settings" in message:
+def _take(watch: Watch, door: Door, message: dict[str, dict[str, Any]]) -> None:
+    if "token" in message:
+        door.take_token(**message["token"])
+    elif "settings" in message:
         watch.take_settings(_settings(message["settings"]))
     else:
         watch.take_status(message["status"])

@@ -38,6 +38,7 @@ def ui(options: Namespace) -> int:
     # Imported late, and after the watch began: Viser and the meshes take seconds, in
     # which the station may be killed.
     from station.app.panda_fetch import fetch_what_is_missing
+    from station.app.sessions_file import SessionsFile
     from station.ui.main import DashboardConfig, DrawnRobot, run_dashboard
 
     drawn = {"robot_description": options.robot_description}
@@ -58,6 +59,7 @@ def ui(options: Namespace) -> int:
         watchdog_url=watchdog_url,
         ca=options.ca,
         viewer_token=viewer_token,
+        sessions=SessionsFile(options.port, url) if options.port else None,
         follower=follower,
     )
     tell = _quiet if options.parent_pid else _say_json if options.json else _say

@@ -5,6 +5,7 @@ from pathlib import Path
 from station.client._async.connection import AsyncConnection
 from station.client._async.experiments_client import AsyncExperimentsClient
 from station.client._async.gain_sets_client import AsyncGainSetsClient
+from station.client._async.waypoint_paths_client import AsyncWaypointPathsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -121,6 +122,7 @@ def kept_on_disk(
     AsyncRecordingsClient,
     AsyncIncidentsClient,
     AsyncExperimentsClient,
+    AsyncWaypointPathsClient,
 ]:
     """Return the clients of what a station keeps on its disk.
 
@@ -132,4 +134,5 @@ def kept_on_disk(
         AsyncRecordingsClient(connection),
         AsyncIncidentsClient(connection),
         AsyncExperimentsClient(connection),
+        AsyncWaypointPathsClient(connection),
     )

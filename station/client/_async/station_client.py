@@ -72,6 +72,7 @@ class AsyncStationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -94,7 +95,8 @@ class AsyncStationClient:
         )
         self.simulation = AsyncSimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
-        self.gain_sets, self.recordings, self.incidents, self.experiments = kept
+        self.gain_sets, self.recordings, self.incidents = kept[:3]
+        self.experiments, self.waypoint_paths = kept[3:]
         self.tokens = AsyncTokensClient(self._connection)
         self.lease = AsyncLeaseClient(self._connection)
 
@@ -511,6 +513,10 @@ class AsyncStationClient:
     async def scene(self) -> list[wire.SceneObject]:
         """Return the objects around a simulated robot, where they are now."""
         return (await self._connection.get("/scene", wire.Scene)).objects
+
+    async def contacts(self) -> list[wire.Contact]:
+        """Return where bodies of a simulated world touch, and with which force."""
+        return (await self._connection.get("/scene", wire.Scene)).contacts
 
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from station.client._sync.connection import Connection
 from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
+from station.client._sync.waypoint_paths_client import SyncWaypointPathsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -122,6 +123,7 @@ def kept_on_disk(
     RecordingsClient,
     IncidentsClient,
     ExperimentsClient,
+    SyncWaypointPathsClient,
 ]:
     """Return the clients of what a station keeps on its disk.
 
@@ -133,4 +135,5 @@ def kept_on_disk(
         RecordingsClient(connection),
         IncidentsClient(connection),
         ExperimentsClient(connection),
+        SyncWaypointPathsClient(connection),
     )

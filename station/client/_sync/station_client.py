@@ -73,6 +73,7 @@ class StationClient:
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -95,7 +96,8 @@ class StationClient:
         )
         self.simulation = SimulationClient(self._connection)
         kept = kept_on_disk(self._connection)
-        self.gain_sets, self.recordings, self.incidents, self.experiments = kept
+        self.gain_sets, self.recordings, self.incidents = kept[:3]
+        self.experiments, self.waypoint_paths = kept[3:]
         self.tokens = TokensClient(self._connection)
         self.lease = LeaseClient(self._connection)
 
@@ -504,6 +506,10 @@ class StationClient:
     def scene(self) -> list[wire.SceneObject]:
         """Return the objects around a simulated robot, where they are now."""
         return (self._connection.get("/scene", wire.Scene)).objects
+
+    def contacts(self) -> list[wire.Contact]:
+        """Return where bodies of a simulated world touch, and with which force."""
+        return (self._connection.get("/scene", wire.Scene)).contacts
 
     def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""

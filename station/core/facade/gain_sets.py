@@ -1,15 +1,10 @@
 """Named sets of gains on disk: saved, compared, applied. One YAML file each."""
 
-import os
-import re
-import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
-
-import yaml
 
 from station.core.control.tunables import GainsChange
 from station.core.errors import (
@@ -20,12 +15,9 @@ from station.core.errors import (
     suggest,
 )
 from station.core.facade.gain_tuning import GainTuning
+from station.core.facade.named_files import FileKind, NamedFiles, user_folder
 
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
-_LARGEST = 1_000_000
-"""Largest file that is read [bytes]."""
-_SUFFIX = ".yaml"
-_REMEDY = "Correct or delete the file, or save the set anew."
+_KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
 GainsByController = dict[str, dict[str, float]]
 
@@ -65,8 +57,7 @@ class GainSet:
 
 def default_folder() -> Path:
     """Return where the gain sets of this user are kept."""
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "control-station" / "gain-sets"
+    return user_folder(_KIND.folder)
 
 
 class GainSets:
@@ -80,20 +71,16 @@ class GainSets:
 
     def __init__(self, tuning: GainTuning, folder: Path | None = None) -> None:
         self._tuning = tuning
-        self._folder = folder
+        self._files = NamedFiles(_KIND, folder)
 
     @property
     def folder(self) -> Path:
         """Where the files are."""
-        return self._folder or default_folder()
+        return self._files.folder
 
     def names(self) -> list[str]:
         """Return the names of all sets, sorted."""
-        try:
-            found = [path.stem for path in self.folder.glob(f"*{_SUFFIX}")]
-        except OSError:
-            return []
-        return sorted(name for name in found if _NAME.fullmatch(name))
+        return self._files.names()
 
     def get(self, name: str) -> GainSet:
         """Return a set.
@@ -102,19 +89,12 @@ class GainSets:
             GainSetNotFoundError: There is no set of that name.
             GainSetError: Its file cannot be read or is malformed.
         """
-        path = self._path(name)
+        data = self._files.read(name)
         try:
-            with path.open(encoding="utf-8") as file:
-                text = file.read(_LARGEST + 1)
-        except FileNotFoundError as error:
-            raise GainSetNotFoundError(
-                f"There is no gain set '{name}'.",
-                remedy=suggest(name, self.names()),
-                details={"gain_set": name},
-            ) from error
-        except (OSError, UnicodeDecodeError) as error:
-            raise GainSetError(_unusable(path, error), remedy=_REMEDY) from error
-        return _parsed(name, path, text)
+            gains = _checked(data.get("gains"))
+        except ValueError as error:
+            raise self._files.unusable(name, error) from error
+        return GainSet(name, str(data.get("saved_at", "")), gains)
 
     def save(self, name: str, controllers: Iterable[str] | None = None) -> GainSet:
         """Save the gains in force under a name; a set of that name is replaced.
@@ -135,7 +115,7 @@ class GainSets:
             }
         now = datetime.now(UTC).isoformat(timespec="seconds")
         found = GainSet(name, now, gains)
-        self._write(found)
+        self._files.write(name, {"saved_at": now, "gains": gains})
         return found
 
     def delete(self, name: str) -> GainSet:
@@ -146,11 +126,7 @@ class GainSets:
             GainSetError: Its file cannot be read or deleted.
         """
         found = self.get(name)
-        path = self._path(name)
-        try:
-            path.unlink(missing_ok=True)
-        except OSError as error:
-            raise GainSetError(_unusable(path, error), remedy=_REMEDY) from error
+        self._files.delete(name)
         return found
 
     def differences(self, name: str) -> list[GainDifference]:
@@ -200,77 +176,23 @@ class GainSets:
             gains = {each: gains[each] for each in chosen}
         return self._tuning.set_many(gains)
 
-    def _path(self, name: str) -> Path:
-        """Return the file of a set.
 
-        Raises:
-            GainSetNotFoundError: No set can have that name.
-        """
-        if not _NAME.fullmatch(name):
-            raise GainSetNotFoundError(
-                f"{show(name)} is no name of a gain set.",
-                remedy="Use letters, digits, '_', '.' and '-', 100 at most.",
-                details={"gain_set": name},
-            )
-        return self.folder / f"{name}{_SUFFIX}"
-
-    def _write(self, found: GainSet) -> None:
-        path = self._path(found.name)
-        text = yaml.safe_dump(
-            {"saved_at": found.saved_at, "gains": found.gains}, sort_keys=False
-        )
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            # Under another name first: whoever reads meanwhile, and whoever starts
-            # after a crash, finds the old set or the new one.
-            with tempfile.NamedTemporaryFile(
-                "w", dir=path.parent, suffix=".part", delete=False, encoding="utf-8"
-            ) as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            Path(file.name).replace(path)
-        except OSError as error:
-            raise GainSetError(_unusable(path, error), remedy=_REMEDY) from error
-
-
-def _parsed(name: str, path: Path, text: str) -> GainSet:
-    """Return the set that a file has.
+def _checked(gains: object) -> GainsByController:
+    """Return the gains that a file has.
 
     Raises:
-        GainSetError: The file is malformed.
+        ValueError: They are malformed; the message says how.
     """
-    if len(text) > _LARGEST:
-        raise GainSetError(
-            _unusable(path, f"it is larger than {_LARGEST} characters"), remedy=_REMEDY
-        )
-    try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise GainSetError(
-            _unusable(path, f"it is no YAML: {error}"), remedy=_REMEDY
-        ) from error
-    gains = data.get("gains") if isinstance(data, dict) else None
     if not isinstance(gains, dict):
-        raise GainSetError(_unusable(path, "it has no mapping 'gains'"), remedy=_REMEDY)
+        raise ValueError("it has no mapping 'gains'")  # noqa: TRY004 - of a file
     checked: GainsByController = {}
     for controller, values in gains.items():
         if not isinstance(values, dict):
-            raise GainSetError(
-                _unusable(path, f"the gains of '{controller}' are no mapping"),
-                remedy=_REMEDY,
-            )
+            raise ValueError(f"the gains of '{controller}' are no mapping")  # noqa: TRY004
         for gain, value in values.items():
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if not is_number or not isfinite(value):
                 what = f"gain '{gain}' of '{controller}' is {show(value)}"
-                raise GainSetError(
-                    _unusable(path, f"{what}, which is no finite number"),
-                    remedy=_REMEDY,
-                )
+                raise ValueError(f"{what}, which is no finite number")
         checked[str(controller)] = {str(k): float(v) for k, v in values.items()}
-    return GainSet(name, str(data.get("saved_at", "")), checked)
-
-
-def _unusable(path: Path, why: object) -> str:
-    return f"The gain set in {path} cannot be used: {why}."
+    return checked

@@ -27,10 +27,12 @@ from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.parameter_server import ParameterServer
+from station.core.facade.path_player import PathPlayer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
-from station.core.hardware.robot_report import SceneObjectReport
+from station.core.facade.waypoint_paths import WaypointPaths
+from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopReport, LoopState
 from station.core.loop.snapshot import Snapshot, SnapshotRing
@@ -53,6 +55,7 @@ class Station:
         robot_type: Type of the robot for the status.
         reserved: Names at the root of the tree that no controller may have.
         gain_sets: Where gain sets are kept; the user's own folder when None.
+        waypoint_paths: Where waypoint paths are kept; the user's own folder when None.
 
     Attributes:
         loop: The loop.
@@ -63,6 +66,8 @@ class Station:
         robots: The robots, their services and recovery.
         tuning: Gains of several controllers at once, and the last change taken back.
         gain_sets: Named sets of gains on disk.
+        waypoint_paths: Named waypoint paths on disk.
+        path_player: Plays waypoint paths.
         parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
@@ -77,6 +82,7 @@ class Station:
         robot_type: str = "",
         reserved: frozenset[str] = frozenset(),
         gain_sets: Path | None = None,
+        waypoint_paths: Path | None = None,
     ) -> None:
         self.loop = loop
         self.manager = manager
@@ -93,6 +99,8 @@ class Station:
         self._loading: set[str] = set()
         self.tuning = GainTuning(loop, manager, self._change_lock, self.inputs)
         self.gain_sets = GainSets(self.tuning, gain_sets)
+        self.waypoint_paths = WaypointPaths(loop, manager, waypoint_paths)
+        self.path_player = PathPlayer(loop, manager, self.motion, self.waypoint_paths)
         self.parameter_server = ParameterServer(
             parameters, self._change_lock, self._loading, reserved
         )
@@ -157,6 +165,15 @@ class Station:
         """
         world = self.loop.hw.simulated_world()
         return [] if world is None else list(self.loop.run_in_cycle(world.scene))
+
+    def contacts(self) -> list[ContactReport]:
+        """Return where bodies of a simulated world touch.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        world = self.loop.hw.simulated_world()
+        return [] if world is None else list(self.loop.run_in_cycle(world.contacts))
 
     def dead(self) -> str | None:
         """Return why only a restart helps; None while the loop has not died."""

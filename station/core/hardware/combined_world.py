@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing_extensions import override
 
 from station.core.hardware.robot_hw import RobotHW
-from station.core.hardware.robot_report import SceneObjectReport
+from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 from station.core.hardware.simulated_world import SimulatedWorld
 
 
@@ -46,6 +46,11 @@ class CombinedWorld(SimulatedWorld):
             thing.name: thing for _, world in self._worlds for thing in world.scene()
         }
         return list(found.values())
+
+    @override
+    def contacts(self) -> Sequence[ContactReport]:
+        """Return the contacts of all worlds; worlds do not touch each other."""
+        return [contact for _, world in self._worlds for contact in world.contacts()]
 
     @override
     def longest_period(self) -> float:

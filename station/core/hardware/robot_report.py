@@ -82,6 +82,22 @@ class SceneObjectReport:
     file: str
 
 
+@dataclass(frozen=True, slots=True)
+class ContactReport:
+    """A point at which two bodies of a simulated world touch.
+
+    Attributes:
+        bodies: Names of the two bodies; "world" for the floor.
+        position: The point in the world [m], shape (3,).
+        force: Force on the second body in the last step, in the axes of the world [N],
+            shape (3,); the first body feels the opposite.
+    """
+
+    bodies: tuple[str, str]
+    position: tuple[float, ...]
+    force: tuple[float, ...]
+
+
 def limit_values(
     limits: JointLimits, soft_limits: SoftJointLimits | None
 ) -> dict[str, object]:

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from math import inf
 
-from station.core.hardware.robot_report import SceneObjectReport
+from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 
 
 class SimulatedWorld(ABC):
@@ -38,6 +38,10 @@ class SimulatedWorld(ABC):
 
     def scene(self) -> Sequence[SceneObjectReport]:
         """Return the objects around the robot, at their present poses."""
+        return ()
+
+    def contacts(self) -> Sequence[ContactReport]:
+        """Return where bodies of the world touch; of very many points only some."""
         return ()
 
     def longest_period(self) -> float:

@@ -22,6 +22,7 @@ from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState,
     QuinticSplineSegment,
 )
+from station.core.trajectory.through_waypoints import peak_speeds, through_waypoints
 from station.core.trajectory.tolerances import (
     TOLERANCE_PARAMETERS,
     JointTolerances,
@@ -48,9 +49,11 @@ __all__ = [
     "find_segment",
     "hold_trajectory",
     "init_joint_trajectory",
+    "peak_speeds",
     "read_tolerances",
     "sample_segments",
     "stop_trajectory",
+    "through_waypoints",
     "updated_tolerances",
     "wraparound_offset",
 ]

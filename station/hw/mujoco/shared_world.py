@@ -6,8 +6,9 @@ from typing import Protocol
 
 from typing_extensions import override
 
-from station.core.hardware.robot_report import SceneObjectReport
+from station.core.hardware.robot_report import ContactReport, SceneObjectReport
 from station.core.hardware.simulated_world import SimulatedWorld
+from station.hw.mujoco.contacts import touching
 from station.hw.mujoco.world import World
 
 
@@ -62,6 +63,10 @@ class SharedWorld(SimulatedWorld):
     @override
     def scene(self) -> Sequence[SceneObjectReport]:
         return self.world.scene()
+
+    @override
+    def contacts(self) -> Sequence[ContactReport]:
+        return touching(self.world.model, self.world.data)
 
     @override
     def longest_period(self) -> float:

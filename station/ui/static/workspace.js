@@ -7,6 +7,7 @@ import { act, desk } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
+import { showViewTools } from "./lib/view_tools.js";
 import "./panels/joints.js";
 import "./panels/controllers.js";
 import "./panels/gripper.js";
@@ -242,6 +243,7 @@ function start() {
   setInterval(showAge, 100);
   control.start();
   watchScene(element("view"), element("progress"));
+  showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);
 }
 

@@ -26,6 +26,7 @@ def test_things_are_where_the_simulation_has_them():
         cube, table = client.scene()
         station.loop.step(1000)
         fallen = client.scene()[0]
+        contacts = client.contacts()
 
     assert (cube.type, cube.size, cube.mass) == ("box", [0.05] * 3, 0.1)
     assert cube.position == pytest.approx([0.5, 0.4, 0.2], abs=1e-4)
@@ -33,7 +34,15 @@ def test_things_are_where_the_simulation_has_them():
     assert fallen.position == pytest.approx([0.5, 0.4, 0.025], abs=1e-3)
     assert table.position == pytest.approx([2.0, 0.0, 0.05])
     assert table.mass == 0.0
+    # The cube lies on the floor with its weight, 0.1 kg x 9.81 m/s^2.
+    assert {tuple(contact.bodies) for contact in contacts} == {("world", "cube")}
+    weight = sum(contact.force[2] for contact in contacts)
+    assert weight == pytest.approx(0.981, rel=0.02)
+    assert all(abs(contact.position[2]) < 1e-3 for contact in contacts)
 
 
 def test_a_robot_without_a_scene_has_no_things(operator: httpx.Client):
-    assert operator.get("/api/v1/scene").json() == {"objects": []}
+    assert operator.get("/api/v1/scene").json() == {
+        "objects": [],
+        "contacts": [],
+    }

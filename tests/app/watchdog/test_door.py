@@ -1,5 +1,6 @@
 """The watchdog's listener, over real sockets and a clock of the test."""
 
+import hashlib
 import json
 import socket
 
@@ -155,3 +156,22 @@ def test_idle_clients_do_not_keep_a_stop_out(visit):
         visit.connect()
 
     assert visit.ask("POST /stop", VIEWER)[0] == 200
+
+
+def digest_of(token):
+    return hashlib.sha256(token.encode()).hexdigest()
+
+
+def test_a_named_token_stops_until_it_ends(visit):
+    visit.door.take_token(digest_of("ada"), "viewer", None)
+    visit.bench.heartbeat.beats[0] = NOW
+
+    assert visit.ask("GET /incident", "ada")[0] == 404  # known, and nothing happened
+    visit.door.take_token(digest_of("ada"), "", None)
+    assert visit.ask("GET /incident", "ada")[0] == 401
+
+
+def test_a_named_token_that_has_expired_is_refused(visit):
+    visit.door.take_token(digest_of("eve"), "operator", 1.0)  # in the year 1970
+
+    assert visit.ask("GET /incident", "eve")[0] == 401

@@ -3,6 +3,8 @@
 from station.core.control.switching import SwitchRequest
 from station.core.facade import input_log
 from tests.api.spring import make_station
+from tests.two_joint_station import TRAJECTORY
+from tests.two_joint_station import make_station as make_trajectory_station
 
 
 def _kinds(station):
@@ -58,3 +60,40 @@ def test_inputs_that_nobody_takes_are_dropped_and_that_is_told():
 
     assert not station.inputs.is_complete
     assert len(station.inputs.take()) == input_log.CAPACITY
+
+
+def test_a_set_point_that_expires_is_noted_with_its_cycle():
+    station = make_station()
+    station.load_controller("arm", "test/Spring", {"joint": "j"})
+    station.switch_controllers(SwitchRequest(start=["arm"]))
+    port = station.manager.get_controller("arm").set_points
+    station.inputs.take()
+    station.motion.set_command("arm", [0.5])
+    station.loop.step(3)
+    port.expire()
+    (one,) = station.inputs.take()
+    assert one.until() is None
+
+    station.loop.step()
+    port.take_expiry()
+
+    assert (one.after(), one.until()) == (1, 4)
+
+
+def test_a_plan_is_noted_with_the_time_of_its_cycle():
+    station = make_trajectory_station()
+    station.loop.step()
+    station.switch_controllers(SwitchRequest(start=["arm"]))
+    station.loop.step(3)
+    station.inputs.take()
+    goal = station.motion.submit_goal("arm", {"trajectory": TRAJECTORY})
+    planned = station.loop.time
+    station.loop.step(10)
+    station.motion.cancel_goal("arm", goal.identifier)
+    cycle = station.loop.cycle
+    station.loop.step()
+
+    sent, cancelled = station.inputs.take()
+    assert sent.arguments["planned_at"] == planned
+    assert (sent.kind, sent.after()) == ("goal", cycle - 10)
+    assert (cancelled.kind, cancelled.after()) == ("cancel_goal", cycle)

@@ -40,6 +40,13 @@ def test_reset_puts_every_joint_into_its_own_world(robots, world):
     assert [robot.joints.position for robot in robots] == [[0.0], [0.3]]
 
 
+def test_contacts_of_all_worlds_are_told(robots, world, monkeypatch):
+    assert world.contacts() == []
+    for robot, name in zip(robots, "ab", strict=True):
+        monkeypatch.setattr(robot.simulated_world(), "contacts", lambda n=name: [n])
+    assert world.contacts() == ["a", "b"]
+
+
 def test_objects_of_one_name_are_one_object(robots, world, monkeypatch):
     assert world.scene() == []
     for robot, names in zip(robots, ("ab", "bc"), strict=True):

@@ -19,6 +19,7 @@ class Clockwork(SimulatedWorld):
 
 def test_world_is_empty_and_never_waits_by_default():
     assert list(Clockwork().scene()) == []
+    assert list(Clockwork().contacts()) == []
     assert Clockwork().longest_period() == inf
 
 

@@ -1,173 +1,20 @@
-// Waypoints and moves: capture, edit, order and play; the hand; what Franka Desk sets.
-import { h, holdButton, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
+// Moves: waypoint paths; jog and target of the hand; what Franka Desk sets.
+import "./path.js";
+import { h, holdButton, number, show, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { act, api, desk } from "../lib/station.js";
+import { act, desk } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
 
-const LOOK_MS = 250;
-const FINAL = new Set(["succeeded", "aborted", "preempted"]);
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
-const AT_MOST = 1.0; // speed of a played path [rad/s]: shorter times are refused here
 
 class Move extends Panel {
   build() {
-    this.points = kept.get("waypoints", []);
-    this.list = h("ol", { class: "waypoints" });
-    const button = (label, title, run, primary) => h("button", { class: primary ? "s primary" : "s", type: "button", title, onclick: run }, label);
-    this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(this.points), true);
-    this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
-    this.cancelButton.disabled = true;
-    this.loop = button("Loop", "Begin again at the end", () => {
-      this.looping = !this.looping;
-      this.loop.setAttribute("aria-pressed", String(this.looping));
-    });
-    this.progress = h("progress", { max: 1, value: 0, hidden: true });
-    this.state = h("p", { class: "hint state" }, "Capture where the arm is, move it, capture again, then Play.");
     this.append(
-      h("div", { class: "line" }, button("+ Capture", "Keep the present joints as the next waypoint", () => this.capture()), this.playButton, this.loop, this.cancelButton, this.progress),
-      this.list,
-      this.state,
+      h("st-path"),
       this.buildHand(),
       this.buildArm(),
     );
-    this.drawList();
-    this.watch();
-  }
-
-  get joints() {
-    return store.docks?.joints ?? [];
-  }
-
-  capture() {
-    if (!store.joints) return;
-    const positions = {};
-    for (const joint of this.joints) positions[joint] = store.joints.position[store.joints.name.indexOf(joint)];
-    const number = 1 + Math.max(0, ...this.points.map((p) => Number(/^point (\d+)$/.exec(p.name)?.[1] ?? 0)));
-    this.points.push({ name: `point ${number}`, seconds: 2, positions });
-    this.keep();
-  }
-
-  keep() {
-    kept.set("waypoints", this.points);
-    this.drawList();
-  }
-
-  drawList() {
-    const prefix = sharedPrefix(this.joints);
-    this.list.replaceChildren(
-      ...this.points.map((point, i) => {
-        const button = (label, title, run, disabled = false) => {
-          const made = h("button", { class: "s", type: "button", title, onclick: run, disabled }, label);
-          made.setAttribute("aria-label", `${title}: ${point.name}`);
-          return made;
-        };
-        const name = h("input", { class: "name", value: point.name });
-        name.setAttribute("aria-label", `Name of waypoint ${i + 1}`);
-        name.addEventListener("change", () => {
-          point.name = name.value;
-          kept.set("waypoints", this.points);
-        });
-        const seconds = h("input", { class: "value", value: String(point.seconds), inputMode: "decimal" });
-        seconds.setAttribute("aria-label", `Seconds to ${point.name}`);
-        seconds.addEventListener("change", () => {
-          const value = typed(seconds.value);
-          if (value !== null && value > 0) point.seconds = value;
-          seconds.value = String(point.seconds);
-          kept.set("waypoints", this.points);
-        });
-        const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
-        const swap = (j) => () => {
-          [this.points[i], this.points[j]] = [this.points[j], this.points[i]];
-          this.keep();
-        };
-        return h(
-          "li",
-          { title },
-          name,
-          seconds,
-          " s ",
-          button("Go", "Move to this waypoint", () => this.play([point])),
-          button("Set", "Replace by where the arm is now", () => {
-            for (const joint of this.joints) point.positions[joint] = store.joints.position[store.joints.name.indexOf(joint)];
-            this.keep();
-          }),
-          button("↑", "Move up", swap(i - 1), i === 0),
-          button("↓", "Move down", swap(i + 1), i === this.points.length - 1),
-          button("✕", "Remove", () => {
-            this.points.splice(i, 1);
-            this.keep();
-          }),
-        );
-      }),
-    );
-  }
-
-  /** Return a trajectory controller for all joints of the waypoints; prefer one that runs. */
-  chooseController() {
-    const fits = store.docks.controllers.filter((c) => c.type.endsWith("JointTrajectoryController"));
-    return fits.find((c) => c.state === "running") ?? fits.find((c) => c.state !== "loading");
-  }
-
-  async play(points) {
-    if (!points.length) return show(this.state, "There is no waypoint yet: Capture where the arm is.");
-    const controller = this.chooseController();
-    if (!controller) {
-      refusals.add({ code: "no_controller", detail: "No trajectory controller is loaded.", remedy: "Load a JointTrajectoryController in the dock Controllers." });
-      return;
-    }
-    const joints = controller.resources;
-    const here = joints.map((joint) => store.joints.position[store.joints.name.indexOf(joint)]);
-    let before = here;
-    let time = 0;
-    const trajectory = { joint_names: joints, points: [] };
-    for (const point of points) {
-      const positions = joints.map((joint, i) => point.positions[joint] ?? before[i]);
-      const farthest = Math.max(...positions.map((q, i) => Math.abs(q - before[i])));
-      if (farthest / point.seconds > AT_MOST) {
-        refusals.add({ code: "too_fast", detail: `The way to “${point.name}” is ${number(farthest, 2)} rad in ${point.seconds} s.`, remedy: `Give it at least ${number(farthest / AT_MOST + 0.05, 1)} s.` });
-        return;
-      }
-      time += point.seconds;
-      trajectory.points.push({ positions, time_from_start: time });
-      before = positions;
-    }
-    if (controller.state !== "running" && !(await switchTo(controller.name))) return;
-    const goal = await act("POST", `/controllers/${controller.name}/goals`, { goal: { trajectory } });
-    if (!goal) return;
-    this.goal = { controller: controller.name, id: goal.id, seconds: time, points };
-  }
-
-  async cancel() {
-    if (!this.goal) return;
-    this.looping = false;
-    this.loop.setAttribute("aria-pressed", "false");
-    await act("DELETE", `/controllers/${this.goal.controller}/goals/${this.goal.id}`);
-  }
-
-  async watch() {
-    if (this.goal) await this.look();
-    setTimeout(() => this.watch(), LOOK_MS);
-  }
-
-  async look() {
-    let goal;
-    try {
-      goal = await api("GET", `/controllers/${this.goal.controller}/goals/${this.goal.id}`);
-    } catch {
-      return; // The strip says when the station is lost.
-    }
-    const over = FINAL.has(goal.status);
-    this.progress.hidden = over;
-    this.progress.value = goal.progress;
-    this.cancelButton.disabled = over;
-    const left = (1 - goal.progress) * this.goal.seconds;
-    const end = goal.result?.message ? `: ${goal.result.message}` : ".";
-    show(this.state, over ? `The motion ${goal.status}${end}` : `${number(goal.progress * 100, 0)} % · ${number(left, 1)} s left · ${this.goal.controller}`);
-    if (!over) return;
-    const { points } = this.goal;
-    this.goal = null;
-    if (goal.status === "succeeded" && this.looping) this.play(points);
   }
 
   buildHand() {
@@ -276,7 +123,6 @@ class Move extends Panel {
       this.arm.replaceChildren(...arms.map((name) => h("option", {}, name)));
       this.querySelector(".arm").hidden = this.querySelector(".hand").hidden = !arms.length;
     }
-    this.playButton.disabled = !store.isOperator;
     this.showHand();
   }
 }

@@ -1,0 +1,127 @@
+"""Waypoint paths: captured, edited, kept, and played."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path
+
+from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.core.facade import path_player, waypoint_paths
+from station.wire import (
+    CaptureRequest,
+    Playback,
+    PlaybackPatch,
+    PlaybackState,
+    PlayRequest,
+    WaypointPath,
+    WaypointPathRequest,
+    WaypointPaths,
+)
+from station.wire.waypoint_paths import PathName
+
+router = APIRouter(
+    tags=["waypoint-paths"], dependencies=[Viewer], route_class=JsonRoute
+)
+Name = Annotated[PathName, Path(description="Name of the path.", examples=["wave"])]
+
+
+@router.get("/waypoint-paths", responses=problems())
+def list_waypoint_paths(station: StationDep) -> WaypointPaths:
+    """List the saved waypoint paths."""
+    return WaypointPaths(waypoint_paths=station.waypoint_paths.names())
+
+
+@router.get("/waypoint-paths/{name}", responses=problems(404, 422))
+def get_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
+    """Return a path with its waypoints."""
+    return WaypointPath.model_validate(station.waypoint_paths.get(name))
+
+
+@router.put(
+    "/waypoint-paths/{name}",
+    dependencies=[Operator],
+    responses=problems(404, 413, 422),
+)
+def save_waypoint_path(
+    name: Name, request: WaypointPathRequest, station: StationDep
+) -> WaypointPath:
+    """Save the waypoints of a path; a path of that name is replaced."""
+    found = [
+        waypoint_paths.Waypoint(each.name, each.duration, each.positions)
+        for each in request.waypoints
+    ]
+    return WaypointPath.model_validate(station.waypoint_paths.save(name, found))
+
+
+@router.delete(
+    "/waypoint-paths/{name}", dependencies=[Operator], responses=problems(404, 422)
+)
+def delete_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
+    """Delete a path; return what it was."""
+    return WaypointPath.model_validate(station.waypoint_paths.delete(name))
+
+
+@router.post(
+    "/waypoint-paths/{name}/capture",
+    dependencies=[Operator],
+    responses=problems(404, 413, 422, 503),
+)
+def capture_waypoint(
+    name: Name, station: StationDep, request: CaptureRequest | None = None
+) -> WaypointPath:
+    """Add where the joints are now to the end of a path; the first one makes it.
+
+    Captured are the joints that loaded trajectory controllers move; without such a
+    controller, all joints.
+    """
+    wanted = request or CaptureRequest()
+    return WaypointPath.model_validate(
+        station.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
+    )
+
+
+@router.post(
+    "/waypoint-paths/{name}/play",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423, 503),
+)
+def play_waypoint_path(
+    name: Name, station: StationDep, request: PlayRequest | None = None
+) -> Playback:
+    """Move along a path; a path that plays is replaced.
+
+    The robot follows goals of a trajectory controller that runs, one a round. A stop,
+    another goal, a switch or a violated tolerance ends the path; nothing resumes it.
+    Joints that go on in the same direction do not stand still at a waypoint.
+    """
+    wanted = request or PlayRequest()
+    options = path_player.PlayOptions(**wanted.model_dump())
+    return Playback.model_validate(station.path_player.play(name, options))
+
+
+@router.get("/playback", responses=problems())
+def get_playback(station: StationDep) -> PlaybackState:
+    """Return the path that plays, or how the last one ended."""
+    found = station.path_player.state()
+    return PlaybackState.model_validate({"playback": found})
+
+
+@router.patch(
+    "/playback",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423, 503),
+)
+def change_playback(request: PlaybackPatch, station: StationDep) -> Playback:
+    """Pause or resume the path that plays; change its speed, or whether it loops."""
+    player = station.path_player
+    found = player.adjust(speed=request.speed, loop=request.loop)
+    if request.paused is not None:
+        found = player.pause() if request.paused else player.resume()
+    return Playback.model_validate(found)
+
+
+@router.delete("/playback", dependencies=[Operator], responses=problems(404, 409))
+def cancel_playback(station: StationDep) -> Playback:
+    """End the path that plays; the robot holds where it is."""
+    return Playback.model_validate(station.path_player.cancel())

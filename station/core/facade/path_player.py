@@ -1,0 +1,397 @@
+"""Plays waypoint paths: one goal a round; paused, resumed, faster, in a loop."""
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from station.core.control.controller_manager import ControllerManager
+from station.core.errors import PathRefusedError, StationError
+from station.core.facade.motion_commands import MotionCommands
+from station.core.facade.path_plan import plan_path
+from station.core.facade.waypoint_paths import WaypointPath, WaypointPaths
+from station.core.loop.control_loop import ControlLoop
+from station.core.ports.goal import Goal, GoalStatus
+
+SLOWEST, FASTEST = 0.05, 2.0
+"""Bounds of the factor that all speeds of a path are multiplied by."""
+LOOK_PERIOD = 0.05
+"""How often the thread of a path that plays looks at its goal [s wall time]."""
+
+
+class PlaybackState(Enum):
+    """What the playing of a path is doing. The last three are final."""
+
+    PLAYING = "playing"
+    """The robot moves."""
+    PAUSED = "paused"
+    """The robot holds where it was when the pause came."""
+    SUCCEEDED = "succeeded"
+    """The robot is at the last waypoint."""
+    CANCELLED = "cancelled"
+    """Somebody ended it."""
+    ABORTED = "aborted"
+    """It could not go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Playback:
+    """A path that plays, or how the last one ended.
+
+    Attributes:
+        path: Name of the path.
+        controller: The trajectory controller that moves along it.
+        state: What it is doing.
+        speed: Factor of all speeds, `SLOWEST` to `FASTEST`.
+        loop: Whether it begins again at its end.
+        rounds: Rounds that are complete.
+        waypoint: Number of the waypoint it is on the way to, from 0.
+        waypoints: How many waypoints a round has.
+        progress: Part of the round's waypoints that are behind it, 0 to 1.
+        remaining: Time to the end of the round [s]; at the present speed.
+        message: Why it ended early; empty otherwise.
+    """
+
+    path: str
+    controller: str
+    state: PlaybackState
+    speed: float
+    loop: bool
+    rounds: int = 0
+    waypoint: int = 0
+    waypoints: int = 0
+    progress: float = 0.0
+    remaining: float = 0.0
+    message: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PlayOptions:
+    """How a path is played.
+
+    Attributes:
+        controller: The trajectory controller; None for the one that runs and moves a
+            joint of the path.
+        speed: Factor of all speeds, `SLOWEST` to `FASTEST`.
+        loop: Begin again at the end.
+        first: Number of the first waypoint that is gone to, from 0.
+        last: Number of the last one; the path's last one when None.
+    """
+
+    controller: str | None = None
+    speed: float = 1.0
+    loop: bool = False
+    first: int = 0
+    last: int | None = None
+
+
+@dataclass(slots=True)
+class _Round:
+    """One goal of the path: from where the robot is to the last waypoint.
+
+    Attributes:
+        goal: The goal.
+        begins: Number of the first waypoint of the goal.
+        times: When the goal is at each of its waypoints [s], from `begins` on.
+        since: Where the way to the first waypoint of the goal began, by joint.
+    """
+
+    goal: Goal
+    begins: int
+    times: list[float]
+    since: Mapping[str, float]
+
+
+class PathPlayer:
+    """Plays one waypoint path at a time. Any thread.
+
+    The robot follows goals of a trajectory controller, so that everything that ends a
+    goal (a stop, another goal, a switch, a tolerance) ends the path for good.
+
+    Args:
+        loop: The loop.
+        manager: Its controller manager.
+        motion: Gives the goals.
+        paths: The paths.
+        watch: Calls a function again and again until it returns False; in a thread of
+            its own unless a test does so itself.
+    """
+
+    def __init__(
+        self,
+        loop: ControlLoop,
+        manager: ControllerManager,
+        motion: MotionCommands,
+        paths: WaypointPaths,
+        watch: Callable[[Callable[[], bool]], None] | None = None,
+    ) -> None:
+        self._loop = loop
+        self._manager = manager
+        self._motion = motion
+        self._paths = paths
+        self._watch = watch or _watch_in_thread
+        self._lock = threading.Lock()
+        self._playback: Playback | None = None
+        self._path: WaypointPath | None = None
+        self._round: _Round | None = None
+        self._first = 0
+        self._epoch = 0
+        self._turn = 0
+
+    def state(self) -> Playback | None:
+        """Return what plays or played last; None when nothing was played yet."""
+        with self._lock:
+            self._look()
+            return self._playback
+
+    def play(self, name: str, options: PlayOptions | None = None) -> Playback:
+        """Begin a path at its first waypoint; one that plays is replaced.
+
+        Args:
+            name: The path.
+            options: How it is played.
+
+        Raises:
+            WaypointPathNotFoundError: There is no path of that name.
+            WaypointPathError: Its file cannot be read or is malformed.
+            PathRefusedError: No trajectory controller that runs moves its joints, or
+                it has no such waypoint.
+            InvalidTrajectoryError: It is too fast for a joint, or leaves its range.
+            StationError: The controller refuses the goal; nothing moves.
+        """
+        options = options or PlayOptions()
+        path = self._paths.get(name)
+        last = len(path.waypoints) - 1 if options.last is None else options.last
+        if not 0 <= options.first <= last < len(path.waypoints):
+            raise PathRefusedError(
+                f"The path '{name}' has {len(path.waypoints)} waypoints; asked for "
+                f"were those from {options.first} to {last}, counted from 0.",
+                remedy="Capture waypoints first, or name those there are.",
+            )
+        path = replace(path, waypoints=path.waypoints[: last + 1])
+        with self._lock:
+            controller = options.controller or self._find_controller(path)
+            self._epoch = self._loop.epoch
+            playback = Playback(
+                name, controller, PlaybackState.PLAYING, options.speed, options.loop
+            )
+            self._begin(path, playback, options.first)
+            self._first = options.first
+            self._turn += 1
+            turn = self._turn
+            found = self._playback or playback
+        self._watch(lambda: self._goes_on(turn))
+        return found
+
+    def pause(self) -> Playback:
+        """Let the robot hold where it is, on its way to a waypoint.
+
+        Raises:
+            PathRefusedError: No path plays.
+        """
+        with self._lock:
+            playback = self._active()
+            if playback.state is PlaybackState.PLAYING and self._round is not None:
+                # First, so that nobody takes the end of the goal for one from outside.
+                self._playback = replace(playback, state=PlaybackState.PAUSED)
+                self._motion.cancel_goal(
+                    playback.controller, self._round.goal.identifier
+                )
+            return self._active()
+
+    def resume(self) -> Playback:
+        """Go on to the waypoint that the robot was on the way to.
+
+        Raises:
+            PathRefusedError: No path is paused.
+            StationError: The controller refuses the goal; the path stays paused.
+        """
+        with self._lock:
+            playback = self._active()
+            if playback.state is PlaybackState.PAUSED and self._path is not None:
+                playing = replace(playback, state=PlaybackState.PLAYING)
+                self._begin(self._path, playing, playback.waypoint, self._since())
+            return self._active()
+
+    def adjust(
+        self, *, speed: float | None = None, loop: bool | None = None
+    ) -> Playback:
+        """Change speed or loop of the path that plays or is paused.
+
+        Args:
+            speed: Factor of all speeds, `SLOWEST` to `FASTEST`; None leaves it.
+            loop: Whether it begins again at its end; None leaves it.
+
+        Raises:
+            PathRefusedError: No path plays.
+            StationError: It is too fast; nothing has changed.
+        """
+        with self._lock:
+            playback = self._active()
+            wanted = replace(
+                playback,
+                speed=playback.speed if speed is None else speed,
+                loop=playback.loop if loop is None else loop,
+            )
+            is_playing = wanted.state is PlaybackState.PLAYING
+            if wanted.speed != playback.speed and is_playing and self._path is not None:
+                self._begin(self._path, wanted, playback.waypoint, self._since())
+            else:
+                self._playback = wanted
+            return self._active()
+
+    def cancel(self) -> Playback:
+        """End the path; the robot holds where it is.
+
+        Raises:
+            PathRefusedError: No path plays.
+        """
+        with self._lock:
+            playback = self._active()
+            self._playback = replace(playback, state=PlaybackState.CANCELLED)
+            if self._round is not None:
+                self._motion.cancel_goal(
+                    playback.controller, self._round.goal.identifier
+                )
+            return self._playback
+
+    def _goes_on(self, turn: int) -> bool:
+        """Look at the path of a turn; return whether it is to be looked at again."""
+        with self._lock:
+            if turn != self._turn:
+                return False
+            self._look()
+            return self._playback is not None and not _is_final(self._playback)
+
+    def _active(self) -> Playback:
+        self._look()
+        if self._playback is None or _is_final(self._playback):
+            raise PathRefusedError(
+                "No waypoint path plays or is paused.", remedy="Play one."
+            )
+        return self._playback
+
+    def _look(self) -> None:
+        """Note how far the goal is; begin the next round, or end."""
+        playback, now = self._playback, self._round
+        if playback is None or now is None or self._path is None:
+            return
+        if playback.state is PlaybackState.PAUSED and self._loop.epoch != self._epoch:
+            text = "A stop, a reset or a recovery came while it was paused."
+            self._playback = replace(
+                playback, state=PlaybackState.ABORTED, message=text
+            )
+        if playback.state is not PlaybackState.PLAYING:
+            return
+        passed = now.goal.progress * now.times[-1]
+        behind = sum(time <= passed for time in now.times[:-1])
+        self._playback = playback = replace(
+            playback,
+            waypoint=now.begins + behind,
+            progress=_share(now, passed, len(self._path.waypoints)),
+            remaining=max(now.times[-1] - passed, 0.0),
+        )
+        if not now.goal.is_final():
+            return
+        if now.goal.status is not GoalStatus.SUCCEEDED:
+            result = now.goal.result
+            why = result.message if result is not None and result.message else ""
+            self._playback = replace(
+                playback,
+                state=PlaybackState.ABORTED,
+                message=why or f"Its goal was {now.goal.status.value}.",
+            )
+            return
+        done = replace(
+            playback, rounds=playback.rounds + 1, progress=1.0, remaining=0.0
+        )
+        self._playback = replace(done, state=PlaybackState.SUCCEEDED)
+        if playback.loop:
+            try:
+                self._begin(self._path, done, self._first)
+            except StationError as error:
+                self._playback = replace(
+                    done, state=PlaybackState.ABORTED, message=str(error)
+                )
+
+    def _since(self) -> Mapping[str, float]:
+        """Return where the way to the present waypoint began, by joint."""
+        if self._playback is None or self._path is None or self._round is None:
+            return {}
+        number = self._playback.waypoint
+        passed = self._path.waypoints[self._round.begins : number]
+        found = dict(self._round.since)
+        for waypoint in passed:
+            found.update(waypoint.positions)
+        return found
+
+    def _begin(
+        self,
+        path: WaypointPath,
+        playback: Playback,
+        first: int,
+        since: Mapping[str, float] | None = None,
+    ) -> None:
+        """Give the goal that leads from here through the waypoints from `first` on."""
+        joints = self._manager.get_controller(playback.controller).joint_names
+        start = self._motion.query_state(playback.controller).position
+        plan = plan_path(path, first, joints, start, playback.speed, since)
+        plan.check({each.joint: each.limits for each in self._loop.hw.joint_limits()})
+        goal = self._motion.submit_goal(
+            playback.controller,
+            plan.goal(),
+            self._epoch,
+        )
+        began = dict(zip(joints, start, strict=True)) if since is None else since
+        self._path, self._round = path, _Round(goal, first, plan.times, began)
+        self._playback = replace(
+            playback,
+            waypoint=first,
+            waypoints=len(path.waypoints),
+            remaining=plan.times[-1],
+        )
+
+    def _find_controller(self, path: WaypointPath) -> str:
+        joints = {joint for each in path.waypoints for joint in each.positions}
+        fitting = []
+        for status in self._manager.controller_statistics():
+            loaded = self._manager.get_controller(status.name)
+            if loaded.trajectories is None or joints.isdisjoint(loaded.joint_names):
+                continue
+            if loaded.is_running():
+                return status.name
+            fitting.append(status.name)
+        raise PathRefusedError(
+            f"No trajectory controller that moves joints of the path '{path.name}' is "
+            "running.",
+            remedy=f"Start one of: {', '.join(fitting)}."
+            if fitting
+            else "Load and start a JointTrajectoryController of these joints.",
+            details={"controllers": fitting},
+        )
+
+
+def _is_final(playback: Playback) -> bool:
+    return playback.state not in {PlaybackState.PLAYING, PlaybackState.PAUSED}
+
+
+def _share(now: _Round, passed: float, waypoints: int) -> float:
+    """Return the part of the waypoints that are behind the robot, 0 to 1."""
+    begin, done = 0.0, float(now.begins)
+    for time_there in now.times:
+        if passed >= time_there:
+            done += 1.0
+        else:
+            done += max(passed - begin, 0.0) / (time_there - begin)
+            break
+        begin = time_there
+    return min(done / waypoints, 1.0)
+
+
+def _watch_in_thread(look: Callable[[], bool]) -> None:
+    def run() -> None:
+        while look():
+            time.sleep(LOOK_PERIOD)
+
+    threading.Thread(target=run, name="path player", daemon=True).start()

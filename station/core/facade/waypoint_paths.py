@@ -1,0 +1,238 @@
+"""Waypoint paths on disk: captured from where the robot is, edited, kept."""
+
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
+from math import isfinite
+from pathlib import Path
+
+from station.core.control.controller_manager import ControllerManager
+from station.core.errors import (
+    InvalidTrajectoryError,
+    LoopError,
+    StationError,
+    WaypointPathError,
+    WaypointPathNotFoundError,
+    show,
+    suggest,
+)
+from station.core.facade.named_files import FileKind, NamedFiles
+from station.core.loop.control_loop import ControlLoop
+
+MOST_WAYPOINTS = 500
+"""Most waypoints of one path."""
+LONGEST = 600.0
+"""Longest time from one waypoint to the next [s]."""
+_KIND = FileKind(
+    "waypoint path", "waypoint-paths", WaypointPathNotFoundError, WaypointPathError
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoint:
+    """A place that joints pass.
+
+    Attributes:
+        name: What people call it.
+        duration: Time to it from the waypoint before, at the speed 1 [s], > 0 and at
+            most `LONGEST`.
+        positions: Positions [rad or m] by joint; joints without one keep theirs.
+    """
+
+    name: str
+    duration: float
+    positions: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class WaypointPath:
+    """Waypoints in the order in which they are passed.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        waypoints: The waypoints.
+    """
+
+    name: str
+    saved_at: str
+    waypoints: tuple[Waypoint, ...]
+
+
+class WaypointPaths:
+    """The waypoint paths in a folder. Any thread.
+
+    Args:
+        loop: The loop, to know the joints and where they are.
+        manager: Its controller manager.
+        folder: Where the files are; the user's own folder when None.
+    """
+
+    def __init__(
+        self, loop: ControlLoop, manager: ControllerManager, folder: Path | None = None
+    ) -> None:
+        self._loop = loop
+        self._manager = manager
+        self._files = NamedFiles(_KIND, folder)
+        # Two captures at a time must not lose one of their waypoints.
+        self._change_lock = threading.Lock()
+
+    def names(self) -> list[str]:
+        """Return the names of all paths, sorted."""
+        return self._files.names()
+
+    def get(self, name: str) -> WaypointPath:
+        """Return a path.
+
+        Raises:
+            WaypointPathNotFoundError: There is no path of that name.
+            WaypointPathError: Its file cannot be read or is malformed.
+        """
+        data = self._files.read(name)
+        try:
+            waypoints = _read(data.get("waypoints"))
+            _check(waypoints)
+        except (ValueError, StationError) as error:
+            raise self._files.unusable(name, error) from error
+        return WaypointPath(name, str(data.get("saved_at", "")), waypoints)
+
+    def save(self, name: str, waypoints: Sequence[Waypoint]) -> WaypointPath:
+        """Save a path; one of that name is replaced.
+
+        Raises:
+            WaypointPathNotFoundError: The name is none.
+            WaypointPathError: The file cannot be written.
+            InvalidTrajectoryError: A joint is unknown, or a number is impossible.
+        """
+        with self._change_lock:
+            return self._save(name, waypoints)
+
+    def capture(
+        self, name: str, waypoint: str = "", duration: float = 2.0
+    ) -> WaypointPath:
+        """Add where the joints are now to the end of a path, and return the path.
+
+        Captured are the joints that loaded trajectory controllers move; without such a
+        controller all joints.
+
+        Args:
+            name: The path; a new one begins with this waypoint.
+            waypoint: Name of the waypoint; `point N` when empty.
+            duration: Time to it from the waypoint before [s], > 0.
+
+        Raises:
+            WaypointPathNotFoundError: The name is none.
+            WaypointPathError: The file cannot be read or written.
+            InvalidTrajectoryError: The duration is impossible, or there are too many.
+            LoopError: No cycle has run yet.
+        """
+        positions = self.present_positions()
+        with self._change_lock:
+            known = self.get(name).waypoints if name in self.names() else ()
+            added = Waypoint(waypoint or _free_name(known), duration, positions)
+            return self._save(name, (*known, added))
+
+    def delete(self, name: str) -> WaypointPath:
+        """Delete a path and return it.
+
+        Raises:
+            WaypointPathNotFoundError: There is no path of that name.
+            WaypointPathError: Its file cannot be read or deleted.
+        """
+        with self._change_lock:
+            found = self.get(name)
+            self._files.delete(name)
+            return found
+
+    def present_positions(self) -> dict[str, float]:
+        """Return where the joints of the trajectory controllers are [rad or m].
+
+        Raises:
+            LoopError: No cycle has run yet.
+        """
+        snapshot = self._loop.snapshots.latest()
+        if snapshot is None:
+            raise LoopError("No cycle has run yet.", remedy="Start the control loop.")
+        found = dict(zip(self._loop.joint_names, snapshot.position, strict=True))
+        moved = {
+            joint
+            for status in self._manager.controller_statistics()
+            if (loaded := self._manager.get_controller(status.name)).trajectories
+            for joint in loaded.joint_names
+        }
+        return {joint: q for joint, q in found.items() if joint in moved or not moved}
+
+    def _save(self, name: str, waypoints: Sequence[Waypoint]) -> WaypointPath:
+        _check(waypoints)
+        for waypoint in waypoints:
+            for joint in waypoint.positions:
+                if joint not in self._loop.joint_names:
+                    raise InvalidTrajectoryError(
+                        f"The waypoint {show(waypoint.name)} has a position of the "
+                        f"joint {show(joint)}, which this robot does not have.",
+                        remedy=suggest(joint, self._loop.joint_names),
+                        details={"joint": joint},
+                    )
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        kept = tuple(replace(w, positions=dict(w.positions)) for w in waypoints)
+        data = {"saved_at": now, "waypoints": [asdict(each) for each in kept]}
+        self._files.write(name, data)
+        return WaypointPath(name, now, kept)
+
+
+def _free_name(known: Sequence[Waypoint]) -> str:
+    taken = {waypoint.name for waypoint in known}
+    numbers = range(len(known) + 1, 2 * len(known) + 2)
+    return next(name for n in numbers if (name := f"point {n}") not in taken)
+
+
+def _check(waypoints: Sequence[Waypoint]) -> None:
+    """Refuse what cannot be a path.
+
+    Raises:
+        InvalidTrajectoryError: There are too many waypoints, or one has an impossible
+            number or no position.
+    """
+    if len(waypoints) > MOST_WAYPOINTS:
+        raise InvalidTrajectoryError(
+            f"The path has {len(waypoints)} waypoints; allowed are {MOST_WAYPOINTS}.",
+            remedy="Divide it into two paths.",
+        )
+    for waypoint in waypoints:
+        what = f"The waypoint {show(waypoint.name)}"
+        if not 0.0 < waypoint.duration <= LONGEST:
+            raise InvalidTrajectoryError(
+                f"{what} has the duration {waypoint.duration} s; it must be above 0 "
+                f"and at most {LONGEST:g} s.",
+                remedy="Give a duration in that range.",
+            )
+        if not waypoint.positions or not all(
+            map(isfinite, waypoint.positions.values())
+        ):
+            raise InvalidTrajectoryError(
+                f"{what} needs a finite position of one joint or more.",
+                remedy="Capture it anew, or give its positions.",
+            )
+
+
+def _read(waypoints: object) -> tuple[Waypoint, ...]:
+    """Return the waypoints that a file has.
+
+    Raises:
+        ValueError: They are malformed; the message says how.
+    """
+    if not isinstance(waypoints, list):
+        raise ValueError("it has no list 'waypoints'")  # noqa: TRY004 - of a file
+    found = []
+    for number, each in enumerate(waypoints, 1):
+        try:
+            positions = {str(j): float(q) for j, q in each["positions"].items()}
+            found.append(
+                Waypoint(str(each["name"]), float(each["duration"]), positions)
+            )
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise ValueError(
+                f"its waypoint {number} is malformed: {error!r}"
+            ) from error
+    return tuple(found)

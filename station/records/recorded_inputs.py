@@ -1,0 +1,105 @@
+"""What was asked of a station since its first cycle, as a recording keeps it."""
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+
+from station.core.facade.input_log import Input, InputLog
+
+MOST_INPUTS = 100_000
+"""Inputs of a station's life that a recording can have."""
+_MOST_PENDING = 100
+
+
+class RecordedInputs:
+    """Keeps the inputs of a station as texts, in the order in which they are known.
+
+    Args:
+        inputs: Where the station notes them.
+        write: Called with each new text.
+
+    Attributes:
+        texts: The inputs so far, JSON.
+        is_whole: Whether these are all inputs since the station's first cycle.
+    """
+
+    def __init__(self, inputs: InputLog, write: Callable[[str], None]) -> None:
+        self.texts: list[str] = []
+        self.is_whole = inputs.is_complete
+        self._log = inputs
+        self._write = write
+        self._pending: list[Input] = []
+        self._in_force: dict[str, Input] = {}
+
+    def take(self, cycle: int) -> None:
+        """Write down what was asked of the station, once its cycle is known.
+
+        Args:
+            cycle: The last cycle that was looked at.
+        """
+        self._note_expiries(list(self._in_force))
+        self._pending += self._log.take()
+        left = []
+        for one in self._pending:
+            after = one.after()
+            if after is None:
+                left.append(one)
+                continue
+            self._add({"after": after, "kind": one.kind, **_plain(one.arguments)})
+            if one.kind == "set_point":
+                name = str(one.arguments["name"])
+                self._note_expiries([name])
+                self._in_force[name] = one
+        if not self._log.is_complete:
+            self.lose("inputs that came faster than they could be kept", cycle)
+        # Set-points that newer ones have replaced are never picked up.
+        self._pending = left[-_MOST_PENDING:]
+
+    def note_periods(self, cycle: int, periods: int) -> None:
+        """Note a cycle that a re-run must begin late, or cannot repeat.
+
+        Args:
+            cycle: Its number.
+            periods: How many nominal periods have passed since the cycle before.
+        """
+        if periods == 1:
+            return
+        if periods:
+            self._add({"after": cycle - 1, "kind": "late", "periods": periods})
+        else:
+            what = "a cycle while time stood still"
+            self._add({"after": cycle - 1, "kind": "operation", "what": what})
+
+    def lose(self, what: str, cycle: int) -> None:
+        """Note once that not everything is known that was asked of the station.
+
+        Args:
+            what: What is not known.
+            cycle: The last cycle that was looked at.
+        """
+        if self.is_whole:
+            self.is_whole = False
+            lost = {"after": cycle, "kind": "operation", "what": what}
+            self._write(json.dumps(lost))
+
+    def _add(self, values: dict[str, object]) -> None:
+        text = json.dumps(values)
+        if len(self.texts) < MOST_INPUTS:
+            self.texts.append(text)
+        else:
+            self.lose(f"more than {MOST_INPUTS} inputs", int(str(values["after"])))
+        self._write(text)
+
+    def _note_expiries(self, names: Iterable[str]) -> None:
+        """Note which of these controllers' set-points in force have expired."""
+        for name in names:
+            one = self._in_force.get(name)
+            until = None if one is None else one.until()
+            if until is not None:
+                del self._in_force[name]
+                self._add({"after": until, "kind": "expire", "name": name})
+
+
+def _plain(arguments: Mapping[str, object]) -> dict[str, object]:
+    """Return arguments as JSON has them; what is no JSON is its text."""
+    plain: dict[str, object] = json.loads(json.dumps(arguments, default=str))
+    return plain

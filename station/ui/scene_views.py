@@ -1,0 +1,219 @@
+"""What each browser session sees in the 3D view besides what all of them see.
+
+Viser knows browsers, the gateway knows sessions: the relay tells Viser's door the key
+of the session, so that a session's choice is drawn in its own browsers alone.
+"""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import viser
+
+from station.ui.joint_frames import is_drawn_moving
+from station.ui.layers.camera import look
+from station.ui.layers.collision_layer import CollisionLayer
+from station.ui.layers.commanded_layer import CommandedLayer
+from station.ui.layers.forces_layer import ForcesLayer
+from station.ui.layers.frames_layer import FramesLayer
+from station.ui.layers.layer import Layer
+from station.ui.layers.limits_layer import LimitsLayer
+from station.ui.layers.push_layer import Pushing, PushLayer
+from station.ui.layers.scene_facts import PlacedRobot, SceneFacts
+from station.ui.layers.trail_layer import TrailLayer
+from station.ui.robot_figure import RobotFigure
+
+MOST_KEPT = 512
+"""Sessions whose choice is kept; those that chose longest ago are forgotten first."""
+LAYERS: Mapping[str, type[Layer]] = {
+    "command": CommandedLayer,
+    "forces": ForcesLayer,
+    "limits": LimitsLayer,
+    "trail": TrailLayer,
+    "frames": FramesLayer,
+    "collision": CollisionLayer,
+}
+"""What can be laid over the robots for everybody to look at."""
+PUSH = "push"
+"""The layer in which links are pulled."""
+AT_FIRST = frozenset({"command", "forces", "limits"})
+"""What is shown to a session that has not chosen."""
+_GHOST_COLOUR = (138, 84, 214)
+_LABEL_HEIGHT = 0.05  # [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Ghost:
+    """A pose that a session looks at: recorded, or one that a motion would go to.
+
+    Attributes:
+        positions: Joint positions by name [rad] or [m].
+        label: What the pose is, shown above it; may be empty.
+    """
+
+    positions: Mapping[str, float]
+    label: str = ""
+
+
+@dataclass(slots=True)
+class _Drawn:
+    """What one browser shows of its session's choice."""
+
+    client: viser.ClientHandle
+    layers: dict[str, Layer] = field(default_factory=dict)
+    figures: list[RobotFigure] = field(default_factory=list)
+    label: viser.LabelHandle | None = None
+
+
+class SceneViews:
+    """The views of all sessions. To be used from Viser's event loop only.
+
+    Args:
+        robots: The robots that are drawn.
+        key_of: Returns the key of the session of a browser; empty when it is unknown.
+        pushing: How browsers push the robots.
+    """
+
+    def __init__(
+        self,
+        robots: Sequence[PlacedRobot],
+        key_of: Callable[[viser.ClientHandle], str],
+        pushing: Pushing,
+    ) -> None:
+        self._pushing = pushing
+        self._robots = tuple(robots)
+        self._key_of = key_of
+        self._ghosts: dict[str, Ghost] = {}
+        self._chosen: dict[str, frozenset[str]] = {}
+        self._facts = SceneFacts()
+        self._drawn: dict[int, _Drawn] = {}
+
+    def joint_names(self) -> frozenset[str]:
+        """Return the joints that a ghost can have a position for."""
+        return frozenset(
+            joint.name
+            for robot in self._robots
+            for joint in robot.model.urdf.joints.values()
+            if is_drawn_moving(joint)
+        )
+
+    def joined(self, client: viser.ClientHandle) -> None:
+        """Show a browser that has just connected what its session has chosen."""
+        self._drawn[client.client_id] = _Drawn(client)
+        self._lay(self._drawn[client.client_id])
+        self._show_ghost(self._drawn[client.client_id])
+
+    def left(self, client: viser.ClientHandle) -> None:
+        """Forget a browser."""
+        gone = self._drawn.pop(client.client_id, None)
+        if gone is not None and PUSH in gone.layers:
+            gone.layers.pop(PUSH).remove()
+
+    def show_ghost(self, key: str, ghost: Ghost | None) -> None:
+        """Show a pose in the browsers of one session.
+
+        Args:
+            key: Key of the session.
+            ghost: The pose; None hides it.
+        """
+        if ghost is None:
+            self._ghosts.pop(key, None)
+        else:
+            _keep(self._ghosts, key, ghost)
+        for drawn in self._of(key):
+            self._show_ghost(drawn)
+
+    def choose(self, key: str, layers: Collection[str]) -> None:
+        """Lay these things over the robots in the browsers of one session.
+
+        Args:
+            key: Key of the session.
+            layers: Names out of `LAYERS`.
+        """
+        _keep(self._chosen, key, frozenset(layers))
+        for drawn in self._of(key):
+            self._lay(drawn)
+
+    def look(self, key: str, preset: str) -> None:
+        """Let the browsers of one session look from another place.
+
+        Args:
+            key: Key of the session.
+            preset: One of `camera.PRESETS`.
+        """
+        for drawn in self._of(key):
+            look(drawn.client, preset, self._robots, self._facts.positions)
+
+    def alive(self, key: str) -> None:
+        """Note that the page of a session lives: what it holds goes on.
+
+        Args:
+            key: Key of the session.
+        """
+        for drawn in self._of(key):
+            layer = drawn.layers.get(PUSH)
+            if isinstance(layer, PushLayer):
+                layer.alive()
+
+    def wanted(self) -> frozenset[str]:
+        """Return the layers that at least one browser shows now."""
+        return frozenset(name for one in self._drawn.values() for name in one.layers)
+
+    def refresh(self, facts: SceneFacts) -> None:
+        """Draw the newest facts in all browsers."""
+        self._facts = facts
+        for drawn in list(self._drawn.values()):
+            with drawn.client.atomic():
+                for layer in drawn.layers.values():
+                    layer.show(facts)
+
+    def _of(self, key: str) -> list[_Drawn]:
+        return [one for one in self._drawn.values() if self._key_of(one.client) == key]
+
+    def _lay(self, drawn: _Drawn) -> None:
+        wanted = self._chosen.get(self._key_of(drawn.client), AT_FIRST)
+        for name in drawn.layers.keys() - wanted:
+            drawn.layers.pop(name).remove()
+        for name in wanted - drawn.layers.keys():
+            drawn.layers[name] = self._layer(name, drawn.client)
+            drawn.layers[name].show(self._facts)
+
+    def _layer(self, name: str, client: viser.ClientHandle) -> Layer:
+        if name == PUSH:
+            return PushLayer(client, self._robots, self._pushing, self._key_of(client))
+        return LAYERS[name](client, self._robots)
+
+    def _show_ghost(self, drawn: _Drawn) -> None:
+        ghost = self._ghosts.get(self._key_of(drawn.client), Ghost({}))
+        if not drawn.figures and ghost.positions:
+            drawn.figures = [
+                RobotFigure(drawn.client, robot.model, f"/ghost_{i}", _GHOST_COLOUR)
+                for i, robot in enumerate(self._robots)
+            ]
+            drawn.label = drawn.client.scene.add_label("/ghost_label", "")
+        tops = []
+        joints = ghost.positions.keys()
+        for robot, figure in zip(self._robots, drawn.figures, strict=False):
+            if joints & robot.model.urdf.joints.keys():
+                figure.show(ghost.positions)
+                tops.append(robot.model.bounds(figure.positions))
+            else:
+                figure.hide()
+        if drawn.label is not None:
+            drawn.label.text = ghost.label
+            drawn.label.visible = bool(ghost.label and tops)
+        if drawn.label is not None and tops:
+            x, y, _ = tops[0].mean(axis=0)
+            top = float(tops[0][1, 2]) + _LABEL_HEIGHT
+            drawn.label.position = (float(x), float(y), top)
+
+
+_Value = TypeVar("_Value")
+
+
+def _keep(kept: dict[str, _Value], key: str, value: _Value) -> None:
+    """Keep a value as the newest one, and forget the oldest one of too many."""
+    kept.pop(key, None)
+    kept[key] = value
+    if len(kept) > MOST_KEPT:
+        kept.pop(next(iter(kept)))

@@ -1,0 +1,31 @@
+// A second, translucent robot in the 3D view of this session: a recorded or planned pose.
+// It is a picture and moves nothing.
+import { send } from "./station.js";
+
+const EVERY_MS = 50;
+let wanted = null; // {method, body}: the newest that was asked for and is not sent yet
+let sending = false;
+
+async function sendNewest() {
+  if (sending) return;
+  sending = true;
+  while (wanted) {
+    const { method, body } = wanted;
+    wanted = null;
+    // A picture that fails is no reason to interrupt a person; the next one may work.
+    await send(method, "/ui/ghost", body).catch((error) => console.warn(error.message));
+    await new Promise((resolve) => setTimeout(resolve, EVERY_MS));
+  }
+  sending = false;
+}
+
+/** Show these joint positions, {joint: rad or m}; of quick calls the newest is sent. */
+export function showGhost(positions, label = "") {
+  wanted = { method: "POST", body: { positions, label } };
+  sendNewest();
+}
+
+export function hideGhost() {
+  wanted = { method: "DELETE", body: undefined };
+  sendNewest();
+}

@@ -1,0 +1,122 @@
+// The toolbar over the 3D view: from where to look, and what to lay over the robots.
+// The choice is this browser's; the gateway draws it in the views of this session alone.
+import { h, holdButton, kept, typed } from "./dom.js";
+import { refusals } from "./refusals.js";
+import { act, send } from "./station.js";
+import { store } from "./store.js";
+
+const CAMERAS = [
+  ["fit", "Fit", "Show all robots"],
+  ["front", "Front", "Look from the front"],
+  ["side", "Side", "Look from the side"],
+  ["top", "Top", "Look from above"],
+  ["hand", "Hand", "Look at the hand from near"],
+];
+const LAYERS = [
+  ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green)"],
+  ["forces", "Forces", "Forces on the arm and contacts, as red arrows"],
+  ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left"],
+  ["trail", "Trail", "Where the hand was"],
+  ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K"],
+  ["collision", "Collision", "The geometry that collides"],
+];
+const AT_FIRST = ["command", "forces", "limits"];
+
+function button(label, title, run) {
+  return h("button", { class: "s", type: "button", title, onclick: run }, label);
+}
+
+function group(name, ...children) {
+  const made = h("div", { class: "tools-group" }, h("span", { ariaHidden: "true" }, name), ...children);
+  made.setAttribute("role", "group");
+  made.setAttribute("aria-label", name);
+  return made;
+}
+
+const PUSH_S = 0.3; // one request pushes so long; a held button repeats it sooner
+const ALIVE_MS = 200;
+const DIRECTIONS = [
+  ["−x", [-1, 0, 0]],
+  ["+x", [1, 0, 0]],
+  ["−y", [0, -1, 0]],
+  ["+y", [0, 1, 0]],
+  ["−z", [0, 0, -1]],
+  ["+z", [0, 0, 1]],
+];
+
+/** Pushing a simulated arm: pull a link with the pointer, or hold a button. */
+function pushTools(tell) {
+  const arm = h("select", {});
+  arm.setAttribute("aria-label", "Arm to push");
+  const force = h("input", { class: "value", value: "15", inputMode: "decimal" });
+  force.setAttribute("aria-label", "Force of the push [N]");
+  const push = (direction) => {
+    const size = typed(force.value);
+    if (size === null || size < 0 || size > 100) {
+      refusals.add({ code: "not_a_force", detail: `“${force.value}” is no force.`, remedy: "Type 0 to 100 N." });
+      return;
+    }
+    const body = { link: `${arm.value}_hand`, force: direction.map((part) => part * size), duration: PUSH_S };
+    act("POST", `/robots/${arm.value}/external_force`, body);
+  };
+  const buttons = DIRECTIONS.map(([label, direction]) =>
+    holdButton(label, `Push the hand along ${label} while held`, () => push(direction), () => {}),
+  );
+  const made = group("Push", h("span", { class: "hint" }, "Pull a link with the pointer, or hold:"), arm, ...buttons, force, "N");
+  made.hidden = true;
+  let beating = null;
+  const toggle = button("Push", "Pull the robot with the pointer, in simulation", () => {
+    made.hidden = !made.hidden;
+    toggle.setAttribute("aria-pressed", String(!made.hidden));
+    clearInterval(beating);
+    // The push goes on only while this page says that it lives.
+    beating = made.hidden ? null : setInterval(() => send("POST", "/ui/alive").catch(() => {}), ALIVE_MS);
+    tell();
+  });
+  toggle.setAttribute("aria-pressed", "false");
+  const refresh = () => {
+    const arms = store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : [];
+    toggle.disabled = !arms.length || !store.isOperator;
+    toggle.title = arms.length
+      ? "Pull the robot with the pointer, in simulation"
+      : "Only a simulated Franka arm can be pushed";
+    arm.hidden = arms.length < 2;
+    if (arms.join() === arm.dataset.arms) return;
+    arm.dataset.arms = arms.join();
+    arm.replaceChildren(...arms.map((name) => h("option", {}, name)));
+  };
+  store.addEventListener("docks", refresh);
+  refresh();
+  return { toggle, made, isOn: () => !made.hidden };
+}
+
+/** Build the toolbar into `place`. */
+export function showViewTools(place) {
+  let shown = kept.get("layers", AT_FIRST);
+  const tell = () => send("PUT", "/ui/layers", { shown: pushing.isOn() ? [...shown, "push"] : shown }).catch((error) => console.warn(error.message));
+  const pushing = pushTools(() => tell());
+  const cameras = CAMERAS.map(([name, label, title]) =>
+    button(label, title, () => send("POST", "/ui/camera", { preset: name }).catch((error) => console.warn(error.message))),
+  );
+  const layers = LAYERS.map(([name, label, title]) => {
+    const made = button(label, title, () => {
+      shown = shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name];
+      kept.set("layers", shown);
+      made.setAttribute("aria-pressed", String(shown.includes(name)));
+      tell();
+    });
+    made.setAttribute("aria-pressed", String(shown.includes(name)));
+    return made;
+  });
+  const fold = h("summary", { class: "s" }, "View");
+  const folder = h("details", {}, fold, h("div", { class: "tools-body" }, group("Camera", ...cameras), group("Show", ...layers), group("Act", pushing.toggle), pushing.made));
+  folder.open = kept.get("view-tools", innerWidth > 700);
+  folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
+  place.append(folder);
+  // A dashboard that was started anew knows no choice any more.
+  let link = "";
+  window.addEventListener("station-bar", (event) => {
+    if (event.detail.link === "live" && link !== "live") tell();
+    link = event.detail.link;
+  });
+}

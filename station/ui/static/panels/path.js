@@ -1,0 +1,246 @@
+// Waypoint paths: captured, edited and played at the station, so they outlive this page.
+import { h, number, show, sharedPrefix, typed } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { refusals } from "../lib/refusals.js";
+import { act, api, Refusal } from "../lib/station.js";
+import { store, switchTo } from "../lib/store.js";
+
+const LOOK_MS = 250;
+const LIST_MS = 2000;
+const FIRST_NAME = "path-1";
+
+class Path extends Panel {
+  build() {
+    this.path = { name: "", waypoints: [] };
+    this.list = h("ol", { class: "waypoints" });
+    const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
+    this.choice = h("select", { title: "Paths kept by the station" });
+    this.choice.setAttribute("aria-label", "Waypoint path");
+    this.choice.addEventListener("change", () => this.open(this.choice.value));
+    this.newName = h("input", { class: "name", placeholder: "new path" });
+    this.newName.setAttribute("aria-label", "Name of a new path");
+    this.newName.addEventListener("keydown", (event) => event.key === "Enter" && this.make());
+    this.captureButton = button("+ Capture", "Keep the present joints as the next waypoint", () => this.capture());
+    this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(), "s primary");
+    this.pauseButton = button("Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: this.playback.state === "playing" }));
+    this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
+    this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
+    this.loop.setAttribute("aria-pressed", "false");
+    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays" });
+    this.speed.setAttribute("aria-label", "Speed of the path in percent");
+    this.speedText = h("output", {}, "100 %");
+    this.speed.addEventListener("input", () => show(this.speedText, `${this.speed.value} %`));
+    this.speed.addEventListener("change", () => this.isActive && this.change({ speed: this.speed.value / 100 }));
+    this.progress = h("progress", { max: 1, value: 0, hidden: true });
+    this.progress.setAttribute("aria-label", "Progress of the path");
+    this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
+    this.append(
+      h("div", { class: "line" }, this.choice, this.newName, button("New", "Begin a path of this name", () => this.make()), button("Delete", "Delete the chosen path from the station", () => this.remove())),
+      h("div", { class: "line" }, this.captureButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
+      h("div", { class: "line" }, h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.progress),
+      this.list,
+      this.state,
+    );
+    this.showPlayback(null);
+    this.watch();
+  }
+
+  get isActive() {
+    return ["playing", "paused"].includes(this.playback?.state);
+  }
+
+  get url() {
+    return `/waypoint-paths/${encodeURIComponent(this.path.name || FIRST_NAME)}`;
+  }
+
+  /** List the paths, and show the one that is chosen; somebody else may have changed it. */
+  async read() {
+    const { waypoint_paths: names } = await api("GET", "/waypoint-paths");
+    if (this.path.name && !names.includes(this.path.name) && !this.path.waypoints.length) names.push(this.path.name);
+    if (names.join() !== this.names) {
+      this.names = names.join();
+      this.choice.replaceChildren(...(names.length ? names.map((name) => h("option", {}, name)) : [h("option", { value: "" }, "none saved yet")]));
+    }
+    const wanted = names.includes(this.path.name) ? this.path.name : names[0];
+    this.choice.value = wanted ?? "";
+    if (!wanted) return this.draw({ name: "", waypoints: [] });
+    // A path that has just been named is saved with its first waypoint.
+    await this.open(wanted);
+  }
+
+  async open(name) {
+    try {
+      this.draw(await api("GET", `/waypoint-paths/${encodeURIComponent(name)}`));
+    } catch (error) {
+      if (error.status !== 404) throw error;
+      this.draw({ name, waypoints: [] });
+    }
+  }
+
+  make() {
+    const name = this.newName.value.trim().replace(/\s+/g, "-");
+    if (!name) return this.newName.focus();
+    this.newName.value = "";
+    this.names = null;
+    this.draw({ name, waypoints: [] });
+    this.read().catch(() => {});
+  }
+
+  async capture() {
+    const told = await act("POST", `${this.url}/capture`, {});
+    if (told) this.draw(told);
+    this.read().catch(() => {});
+  }
+
+  /** Save changed waypoints; what the station refuses is shown as it was before. */
+  async save(waypoints) {
+    const told = await act("PUT", this.url, { waypoints });
+    this.drawn = null;
+    if (told) this.draw(told);
+    else await this.open(this.path.name);
+  }
+
+  async remove() {
+    if (!this.choice.value) return;
+    await act("DELETE", this.url);
+    this.path = { name: "", waypoints: [] };
+    this.read().catch(() => {});
+  }
+
+  draw(path) {
+    const key = JSON.stringify(path);
+    if (key === this.drawn || (path.name === this.path.name && this.list.contains(document.activeElement) && document.activeElement.matches("input"))) return;
+    this.drawn = key;
+    this.path = path;
+    const focused = document.activeElement?.dataset?.key;
+    this.list.replaceChildren(...path.waypoints.map((point, i) => this.row(point, i)));
+    if (focused) this.list.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus();
+    this.showPlayback(this.playback);
+  }
+
+  row(point, i) {
+    const { waypoints } = this.path;
+    const prefix = sharedPrefix(Object.keys(point.positions));
+    const changed = (change) => waypoints.map((other, j) => (j === i ? { ...other, ...change } : other));
+    const button = (label, title, run, disabled = false) => {
+      const made = h("button", { class: "s", type: "button", title, onclick: run, disabled: disabled || !store.isOperator }, label);
+      made.setAttribute("aria-label", `${title}: ${point.name}`);
+      made.dataset.key = `${title} ${i}`;
+      return made;
+    };
+    const field = (look, value, label, change) => {
+      const input = h("input", { class: look, value });
+      input.setAttribute("aria-label", label);
+      input.addEventListener("change", () => {
+        input.blur();
+        change(input);
+      });
+      input.addEventListener("keydown", (event) => event.key === "Enter" && input.blur());
+      return input;
+    };
+    const name = field("name", point.name, `Name of waypoint ${i + 1}`, (input) => this.save(changed({ name: input.value })));
+    const seconds = field("value", String(point.duration), `Seconds to ${point.name}`, (input) => {
+      const duration = typed(input.value);
+      if (duration === null) {
+        refusals.add({ code: "not_a_number", detail: `“${input.value}” is not a number.`, remedy: "Type seconds, such as 1.5." });
+        input.value = String(point.duration);
+      } else this.save(changed({ duration }));
+    });
+    const swap = (j) => () => {
+      const moved = [...waypoints];
+      [moved[i], moved[j]] = [moved[j], moved[i]];
+      this.save(moved);
+    };
+    const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
+    return h(
+      "li",
+      { title },
+      name,
+      seconds,
+      " s ",
+      button("Go", "Move to this waypoint", () => this.play(i)),
+      button("Set", "Replace by where the arm is now", () => {
+        const positions = Object.fromEntries(Object.keys(point.positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
+        this.save(changed({ positions }));
+      }),
+      button("↑", "Move up", swap(i - 1), i === 0),
+      button("↓", "Move down", swap(i + 1), i === waypoints.length - 1),
+      button("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i))),
+    );
+  }
+
+  /** Play the path, or with `only` go to one waypoint; starts a controller if none runs. */
+  async play(only) {
+    if (!this.path.waypoints.length) return show(this.state, "There is no waypoint yet: Capture where the arm is.");
+    const body = { speed: this.speed.value / 100, loop: only === undefined && this.loop.getAttribute("aria-pressed") === "true" };
+    if (only !== undefined) Object.assign(body, { first: only, last: only });
+    const path = `${this.url}/play`;
+    try {
+      this.showPlayback(await api("POST", path, body));
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      const wanted = error.details.controllers?.[0];
+      if (!wanted) return refusals.add(error, { method: "POST", path, body });
+      // The switch says what was in its way; the path waits for the controller to run.
+      if (!(await switchTo(wanted))) return;
+      const told = await act("POST", path, body);
+      if (told) this.showPlayback(told);
+    }
+  }
+
+  setLoop() {
+    const loop = this.loop.getAttribute("aria-pressed") !== "true";
+    this.loop.setAttribute("aria-pressed", String(loop));
+    if (this.isActive) this.change({ loop });
+  }
+
+  async change(change) {
+    const told = await act("PATCH", "/playback", change);
+    if (told) this.showPlayback(told);
+  }
+
+  async cancel() {
+    const told = await act("DELETE", "/playback");
+    if (told) this.showPlayback(told);
+  }
+
+  async watch() {
+    if (this.isShown && !document.hidden) {
+      try {
+        this.showPlayback((await api("GET", "/playback")).playback);
+        if (!(performance.now() - this.readAt < LIST_MS)) {
+          this.readAt = performance.now();
+          await this.read();
+        }
+      } catch {
+        // The strip says when the station is lost; the next look may reach it.
+      }
+    }
+    setTimeout(() => this.watch(), LOOK_MS);
+  }
+
+  showPlayback(playback) {
+    this.playback = playback;
+    const active = this.isActive;
+    this.pauseButton.disabled = this.cancelButton.disabled = !active || !store.isOperator;
+    this.playButton.disabled = this.captureButton.disabled = !store.isOperator;
+    show(this.pauseButton, playback?.state === "paused" ? "Resume" : "Pause");
+    this.progress.hidden = !active;
+    if (!playback) return;
+    this.progress.value = playback.progress;
+    if (active) this.loop.setAttribute("aria-pressed", String(playback.loop));
+    const rounds = playback.loop || playback.rounds > 1 ? ` · round ${playback.rounds + 1}` : "";
+    const where = `waypoint ${playback.waypoint + 1} of ${playback.waypoints}${rounds}`;
+    const texts = {
+      playing: `${playback.path}: to ${where} · ${number(playback.remaining, 1)} s left · ${playback.controller}`,
+      paused: `${playback.path}: paused on the way to ${where}.`,
+      succeeded: "The motion succeeded.",
+      cancelled: "The motion was cancelled; the joints hold.",
+      aborted: `The motion was aborted: ${playback.message}`,
+    };
+    if (playback.state !== this.shownState || active) show(this.state, texts[playback.state]);
+    this.shownState = playback.state;
+  }
+}
+
+customElements.define("st-path", Path);

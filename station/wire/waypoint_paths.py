@@ -1,0 +1,204 @@
+"""Wire models of waypoint paths and their playing."""
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+from station.wire.base import (
+    ControllerName,
+    FromEnum,
+    Items,
+    Reason,
+    RequestModel,
+    ResponseModel,
+)
+
+PathName = Annotated[
+    str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
+]
+"""A name that is also one segment of a URL and the name of a file."""
+PlaybackStateName = Annotated[
+    Literal["playing", "paused", "succeeded", "cancelled", "aborted"], FromEnum
+]
+_WaypointName = Annotated[str, Field(min_length=1, max_length=100)]
+_Duration = Annotated[float, Field(gt=0.0, le=600.0, allow_inf_nan=False)]
+_Speed = Annotated[float, Field(ge=0.05, le=2.0, allow_inf_nan=False)]
+_Number = Annotated[int, Field(ge=0, lt=500)]
+
+
+class WaypointRequest(RequestModel):
+    """A place that joints pass.
+
+    Attributes:
+        name: What people call it.
+        duration: Time to it from the waypoint before, at the speed 1 [s], above 0 and
+            at most 600.
+        positions: Positions [rad or m] by joint; joints without one keep theirs.
+    """
+
+    name: _WaypointName
+    duration: _Duration = 2.0
+    positions: dict[str, Annotated[float, Field(allow_inf_nan=False)]] = Field(
+        min_length=1, max_length=64
+    )
+
+
+class WaypointPathRequest(RequestModel):
+    """The waypoints of a path, in the order in which they are passed.
+
+    Attributes:
+        waypoints: The waypoints, 500 at most; they replace those of the path.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "waypoints": [
+                        {
+                            "name": "up",
+                            "duration": 2.0,
+                            "positions": {"panda_joint1": 0.3},
+                        }
+                    ]
+                }
+            ]
+        }
+    )
+
+    waypoints: list[WaypointRequest] = Field(max_length=500)
+
+
+class CaptureRequest(RequestModel):
+    """Add where the joints are now to a path.
+
+    Attributes:
+        name: Name of the waypoint; `point N` when null or left out.
+        duration: Time to it from the waypoint before, at the speed 1 [s], above 0 and
+            at most 600.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"name": "up", "duration": 2.0}]}
+    )
+
+    name: _WaypointName | None = None
+    duration: _Duration = 2.0
+
+
+class Waypoint(ResponseModel):
+    """A place that joints pass.
+
+    Attributes:
+        name: What people call it.
+        duration: Time to it from the waypoint before, at the speed 1 [s].
+        positions: Positions [rad or m] by joint.
+    """
+
+    name: str
+    duration: float
+    positions: dict[str, float]
+
+
+class WaypointPath(ResponseModel):
+    """A waypoint path.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        waypoints: Its waypoints, in the order in which they are passed.
+    """
+
+    name: str
+    saved_at: str
+    waypoints: Items[Waypoint]
+
+
+class WaypointPaths(ResponseModel):
+    """The saved paths.
+
+    Attributes:
+        waypoint_paths: Names of the paths, sorted.
+    """
+
+    waypoint_paths: Items[str]
+
+
+class PlayRequest(RequestModel):
+    """How a path is played.
+
+    Attributes:
+        controller: The trajectory controller that moves along it; null for the one
+            that runs and moves joints of the path.
+        speed: Factor of all speeds, 0.05 to 2; without a unit.
+        loop: Begin again at the end, until it is switched off or something ends it.
+        first: Number of the first waypoint that is gone to, from 0.
+        last: Number of the last one; null for the path's last one.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"speed": 0.5, "loop": True}]}
+    )
+
+    controller: ControllerName | None = None
+    speed: _Speed = 1.0
+    loop: bool = False
+    first: _Number = 0
+    last: _Number | None = None
+
+
+class PlaybackPatch(RequestModel):
+    """Change the path that plays; what is null or left out stays.
+
+    Attributes:
+        paused: True lets the robot hold where it is; false goes on.
+        speed: Factor of all speeds, 0.05 to 2; without a unit.
+        loop: Whether it begins again at its end.
+    """
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"paused": True}]})
+
+    paused: bool | None = None
+    speed: _Speed | None = None
+    loop: bool | None = None
+
+
+class Playback(ResponseModel):
+    """A path that plays, or how the last one ended.
+
+    Attributes:
+        path: Name of the path.
+        controller: The trajectory controller that moves along it.
+        state: `playing`, `paused`, or its end: `succeeded`, `cancelled` (by somebody),
+            `aborted` (it could not go on, see `message`).
+        speed: Factor of all speeds, 0.05 to 2; without a unit.
+        loop: Whether it begins again at its end.
+        rounds: Rounds that are complete, 0 or more.
+        waypoint: Number of the waypoint it is on the way to, from 0.
+        waypoints: How many waypoints a round has.
+        progress: Part of the round's waypoints that are behind it, 0 to 1.
+        remaining: Time to the end of the round at the present speed [s].
+        message: Why it was aborted; empty otherwise.
+    """
+
+    path: str
+    controller: str
+    state: PlaybackStateName
+    speed: float
+    loop: bool
+    rounds: int
+    waypoint: int
+    waypoints: int
+    progress: float
+    remaining: float
+    message: Reason
+
+
+class PlaybackState(ResponseModel):
+    """What plays.
+
+    Attributes:
+        playback: The path that plays or played last; null when none was played yet.
+    """
+
+    playback: Playback | None
