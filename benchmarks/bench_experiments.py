@@ -6,6 +6,7 @@ Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
   friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
   worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
+- `cluster`: trials per second on four Dask workers over those on two processes.
 - `cost`: wall and processor time of one trial of 2 s of the default effort trajectory
   controller, one after the other, and what a million of them cost. docs/experiments.md
   has it.
@@ -19,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 
 from measuring import print_table, print_title
@@ -95,16 +97,46 @@ def efficiency(trials: int, folder: Path) -> None:
     sys.stdout.write(f"two over one: {statistics.median(ratios):.2f} (median)\n")
 
 
+def cluster(trials: int, folder: Path) -> None:
+    """Print trials per second of four Dask workers over two processes, in turns."""
+    from distributed import LocalCluster
+
+    from station.experiments.cluster import ClusterExecutor
+
+    setup = Setup.load()
+    base = short(setup, 1.0)
+    rates: dict[str, list[float]] = {"2 processes": [], "4 Dask workers": []}
+    with LocalCluster(
+        n_workers=4, threads_per_worker=1, dashboard_address=None
+    ) as local:
+        for turn in range(ROUNDS):
+            with make_pool(2) as pool:
+                rate = _rate_on(base, trials, pool, folder / f"{turn}-pool.sqlite")
+            rates["2 processes"].append(rate)
+            with ClusterExecutor(local.scheduler_address, setup.text) as workers:
+                rate = _rate_on(base, trials, workers, folder / f"{turn}-dask.sqlite")
+            rates["4 Dask workers"].append(rate)
+    ratios = [b / a for a, b in zip(*rates.values(), strict=True)]
+    print_title(f"{trials} trials of 1 s, {ROUNDS} turns")
+    print_table(
+        ["where", "trials per s"],
+        [[where, statistics.median(found)] for where, found in rates.items()],
+    )
+    sys.stdout.write(f"Dask over processes: {statistics.median(ratios):.2f} (median)\n")
+
+
 def _rate(base: Trial, trials: int, workers: int, folder: Path) -> float:
+    """Return trials per second of so many processes."""
+    with make_pool(workers) as pool:
+        return _rate_on(base, trials, pool, folder / f"{workers}.sqlite")
+
+
+def _rate_on(base: Trial, trials: int, executor: Executor, path: Path) -> float:
     """Return trials per second once every process has built its world."""
-    path = folder / f"{workers}.sqlite"
-    with (
-        Results.create(path, "sweep", base.setup, {}) as results,
-        make_pool(workers) as pool,
-    ):
-        sweep(base, _loads(4 * workers), results, pool)
+    with Results.create(path, "sweep", base.setup, {}) as results:
+        sweep(base, _loads(16), results, executor)
         begin = time.perf_counter()
-        sweep(base, _loads(trials, first=1.0), results, pool)
+        sweep(base, _loads(trials, first=1.0), results, executor)
         return trials / (time.perf_counter() - begin)
 
 
@@ -169,6 +201,7 @@ def _resident() -> float:
 PARTS = {
     "robustness": (robustness, 500),
     "efficiency": (efficiency, 40),
+    "cluster": (cluster, 80),
     "cost": (cost, 40),
     "memory": (memory, 10_000),
 }

@@ -11,7 +11,7 @@ from station.trials.setup import Setup
 from station.trials.trial import Trial
 
 NAMES = ("effort_joint_trajectory_controller", "effort_group_position_controller")
-TRIALS = 20
+TRIALS = 10
 
 
 def main() -> None:

@@ -11,7 +11,12 @@ from pathlib import Path
 
 FOLDER = Path(__file__).parents[1] / "examples"
 NOTEBOOK = FOLDER / "station.ipynb"
-SCRIPTS = ("tune_by_step_responses", "pick_a_cube", "record_and_analyse")
+SCRIPTS = (
+    "tune_by_step_responses",
+    "pick_a_cube",
+    "record_and_analyse",
+    "tune_a_joint",
+)
 FIRST = """\
 # A station in a notebook
 

@@ -23,6 +23,7 @@ from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.events import EventLog
 from station.trials.background_experiments import BackgroundExperiments
+from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
 
@@ -98,6 +99,7 @@ def create_app(
     app.state.event_feed = EventFeed(event_recorder.log)
     app.state.recorder = kept.recorder
     app.state.experiments = kept.experiments
+    app.state.bench = LiveBench(station)
     app.state.dashboard_url = dashboard_url
     app.state.broadcaster = Broadcaster(
         station, slow_after=slow_after, max_clients=max_streams

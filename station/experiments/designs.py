@@ -9,7 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from station.trials.errors import ExperimentError, ImpossibleRangeError
+from station.experiments.sobol import sobol
+from station.trials.errors import ImpossibleRangeError
 from station.trials.parameters import check, is_whole
 
 Method = Literal["grid", "random", "halton", "sobol"]
@@ -133,8 +134,8 @@ def points(
 
     Raises:
         ImpossibleRangeError: Two ranges have the same parameter, there are no ranges,
-            or there are more than a million trials.
-        ExperimentError: `sobol` needs SciPy, which is not installed.
+            there are more than a million trials, or too many parameters for the
+            method.
     """
     names = [one.name for one in ranges]
     if not names or len(set(names)) < len(names):
@@ -173,19 +174,10 @@ def _shares(method: Method, count: int, width: int, seed: int) -> list[list[floa
     """Return points of the unit cube, shape (count, width).
 
     Raises:
-        ExperimentError: The method needs SciPy, which is not installed.
+        ImpossibleRangeError: The method does not take so many parameters.
     """
     if method == "sobol":
-        try:
-            from scipy.stats import qmc
-        except ImportError as error:
-            raise ExperimentError(
-                "Sobol's sequence needs SciPy, which is not installed.",
-                remedy="Choose halton, which spreads points as evenly in a few "
-                "dimensions, or run `pip install scipy`.",
-            ) from error
-        found: list[list[float]] = qmc.Sobol(width, rng=seed).random(count).tolist()
-        return found
+        return sobol(count, width, seed)
     random = np.random.default_rng(seed)
     if method == "random":
         drawn: list[list[float]] = random.random((count, width)).tolist()

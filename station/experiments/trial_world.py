@@ -13,12 +13,10 @@ from types import TracebackType
 from typing import Self
 
 import mujoco
-import numpy as np
 
 from station.app.in_process import InProcessStation
 from station.core.control.controller import ControllerState
 from station.core.errors import StationError
-from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.experiments.disturbances import (
     CommandDelay,
@@ -32,13 +30,13 @@ from station.trials.parameters import Overrides, gains_under, sort_out
 from station.trials.reference import Reference, make_reference
 from station.trials.script import Script
 from station.trials.setup import Setup, digest_of
-from station.trials.trace import Array, Trace
+from station.trials.trace import Trace
+from station.trials.trace_recorder import TraceRecorder
 from station.trials.trial import Trial, TrialResult
 from station.wire.excitations import Push
 
 _LOOK = 100
 """Cycles between two looks at how the trial goes. The ring of snapshots keeps 4096."""
-_REFLEX = "reflex"
 
 
 class TrialWorld:
@@ -230,7 +228,7 @@ class TrialWorld:
     ) -> tuple[Trace, Counts, str | None]:
         """Play the script; return the cycles, the counts, and why it ended early."""
         station, facade = self.station, self.station.facade
-        recorder = _Recorder(facade, script.controller)
+        recorder = TraceRecorder(facade, script.controller)
         violations = facade.manager.command_violations[0]
         cycles = max(1, round(script.duration / facade.loop.period))
         pushes = _at_cycles(script, facade.loop.period, cycles)
@@ -270,57 +268,6 @@ class TrialWorld:
         ]
         found = status.fault or "; ".join(errors)
         return found or f"Controller '{controller}' is {status.state.value}."
-
-
-class _Recorder:
-    """Collects the cycles of a trial from the station's ring of snapshots.
-
-    Attributes:
-        reflexes: How often an arm fell into its reflex.
-    """
-
-    def __init__(self, facade: Station, controller: str) -> None:
-        self._facade = facade
-        self._controller = controller
-        names = facade.joint_names
-        self._joints = facade.manager.get_controller(controller).joint_names
-        self._columns = [names.index(joint) for joint in self._joints if joint in names]
-        self._first = self._cycle = facade.loop.cycle
-        self._parts: list[dict[str, Array]] = []
-        self._mode = ""
-        self.reflexes = 0
-
-    def take(self) -> None:
-        """Take the cycles since the last call, 4096 at most."""
-        snapshots, _ = self._facade.snapshots.read_since(self._cycle)
-        self._cycle = snapshots[-1].cycle
-        for one in snapshots:
-            self.reflexes += one.mode == _REFLEX != self._mode
-            self._mode = one.mode
-        width = len(self._joints)
-        blank = np.full(width, np.nan)
-        samples = [one.samples.get(self._controller) for one in snapshots]
-        columns = self._columns
-        part = {
-            name: np.array([getattr(one, name) for one in snapshots])[:, columns]
-            for name in ("position", "velocity", "effort")
-        }
-        for name in ("desired", "error", "output"):
-            rows = [blank if s is None else getattr(s, name) for s in samples]
-            part[name] = np.array([row if len(row) == width else blank for row in rows])
-        self._parts.append(part)
-
-    def trace(self) -> Trace:
-        """Return everything taken so far."""
-        period = self._facade.loop.period
-        cycles = self._cycle - self._first
-        joined = {
-            name: np.concatenate([part[name] for part in self._parts])
-            for name in self._parts[0]
-        }
-        joints = [self._facade.joint_names[column] for column in self._columns]
-        time = np.array([cycle * period for cycle in range(cycles)])
-        return Trace(tuple(joints), period, time, **joined)
 
 
 def _by_joint(values: Mapping[str, float], joints: Sequence[str]) -> dict[str, float]:

@@ -8,6 +8,7 @@ StationError
     ├── WorkerMismatchError    a worker has another version or configuration
     ├── ExperimentNotFoundError   there is no experiment of that name (KeyError)
     ├── ExperimentRunningError    not possible while it runs, or while it does not
+    ├── BenchRefusedError         a measurement cannot be done, or was ended
     └── TooManyExperimentsError   more trials or experiments than a station takes
 ```
 """
@@ -55,3 +56,9 @@ class TooManyExperimentsError(ExperimentError, ValueError):
     """There would be more trials or experiments than a station takes."""
 
     code = "too_many_experiments"
+
+
+class BenchRefusedError(ExperimentError):
+    """A measurement at the robot cannot be done now, or was ended."""
+
+    code = "bench_refused"

@@ -80,10 +80,10 @@ def _envelope(t: Array, length: float) -> Array:
     """Return a weight of 0 to 1 that begins and ends at rest, shape (k,)."""
     fade = max(min(_LONGEST_FADE, 0.25 * length), 1e-9)
     inside = np.clip(np.minimum(t, length - t) / fade, 0.0, 1.0)
-    return _least_jerk(inside)
+    return least_jerk(inside)
 
 
-def _least_jerk(share: Array) -> Array:
+def least_jerk(share: Array) -> Array:
     """Return the way of a motion with the least jerk at a share of its time."""
     return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
 
@@ -93,6 +93,6 @@ def _waypoints(times: Sequence[float], values: Sequence[float], at: Array) -> Ar
     begin, value = 0.0, 0.0
     for end, target in zip(times, values, strict=True):
         share = np.clip((at - begin) / (end - begin), 0.0, 1.0)
-        found += (target - value) * _least_jerk(share)
+        found += (target - value) * least_jerk(share)
         begin, value = end, target
     return found

@@ -1,6 +1,7 @@
 """Gives a controller what a script asks of its joints, cycle by cycle."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 from typing_extensions import override
@@ -21,7 +22,8 @@ _DIFFERENCE = 1e-4
 """Half of the interval in which rates of a trajectory are computed [s]."""
 _REPEAT = 20
 """Cycles after which a set-point is sent again: streaming controllers brake without."""
-_POSITION_UNITS = {"rad", "m"}
+POSITION_UNITS = frozenset({"rad", "m"})
+"""Units of set-points that are positions."""
 
 
 class Reference(ABC):
@@ -58,12 +60,15 @@ class _Hold(Reference):
 class _SetPoints(Reference):
     """A set-point whenever it changes; in every cycle while a relay acts."""
 
-    def __init__(self, facade: Station, script: Script) -> None:
+    def __init__(
+        self, facade: Station, script: Script, begin: Sequence[float] | None
+    ) -> None:
         self._facade = facade
         self._controller = script.controller
         elements = facade.motion.set_point(script.controller).elements
         names = [element.name for element in elements]
-        begin = [_begin(facade, script.controller, element) for element in elements]
+        if begin is None:
+            begin = [_begin(facade, script.controller, element) for element in elements]
         period = facade.loop.period
         times: Array = _ticks(max(1, round(script.duration / period)), period)
         values: Array = np.tile(np.array(begin), (len(times), 1))
@@ -76,13 +81,15 @@ class _SetPoints(Reference):
         self._values = values
         changes = np.flatnonzero(np.any(np.diff(values, axis=0) != 0.0, axis=1)) + 1
         self._changes = np.concatenate(([0], changes))
+        self._sent = -1  # which of the changes
 
     @override
     def command(self, cycle: int) -> None:
-        index = int(np.searchsorted(self._changes, cycle))
-        is_due = index < len(self._changes) and self._changes[index] == cycle
+        newest = int(np.searchsorted(self._changes, cycle, side="right")) - 1
+        is_due = newest > self._sent
         if not (is_due or self._relays or cycle % _REPEAT == 0):
             return
+        self._sent = newest
         values = self._values[cycle].tolist()
         for relay in self._relays:
             values[relay.column] += relay.offset(cycle)
@@ -159,8 +166,16 @@ class _Trajectory(Reference):
         return NEVER
 
 
-def make_reference(facade: Station, script: Script) -> Reference:
+def make_reference(
+    facade: Station, script: Script, begin: Sequence[float] | None = None
+) -> Reference:
     """Return what gives a script to its controller, which runs.
+
+    Args:
+        facade: The station.
+        script: What to do.
+        begin: The set-point that the script's offsets are added to; where the joints
+            are when None. Trajectories begin at the desired state.
 
     Raises:
         ExperimentError: The controller cannot do what the script asks for.
@@ -178,7 +193,7 @@ def make_reference(facade: Station, script: Script) -> Reference:
             "trajectories.",
             remedy="Choose another controller, or a script of pushes alone.",
         )
-    return _SetPoints(facade, script)
+    return _SetPoints(facade, script, begin)
 
 
 def _ticks(count: int, period: float) -> Array:
@@ -192,7 +207,7 @@ def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
     Raises:
         ExperimentError: There is none that is known.
     """
-    if element.unit not in _POSITION_UNITS:
+    if element.unit not in POSITION_UNITS:
         return 0.0  # no velocity, no effort
     names = facade.joint_names
     if element.name in names:

@@ -1,7 +1,7 @@
 """What happened in a trial, cycle by cycle."""
 
 import io
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Self
 
@@ -39,6 +39,21 @@ class Trace:
     desired: Array
     error: Array
     output: Array
+
+    def of_joint(self, joint: str) -> Self:
+        """Return the trace of one of the joints alone."""
+        chosen = slice(self.joints.index(joint), self.joints.index(joint) + 1)
+        names = ("position", "velocity", "effort", "desired", "error", "output")
+        columns = {name: getattr(self, name)[:, chosen] for name in names}
+        return replace(self, joints=(joint,), **columns)
+
+    def until(self, cycles: int) -> Self:
+        """Return the first cycles of the trace."""
+        names = (
+            *("time", "position", "velocity"),
+            *("effort", "desired", "error", "output"),
+        )
+        return replace(self, **{name: getattr(self, name)[:cycles] for name in names})
 
     def to_bytes(self) -> bytes:
         """Return the trace as a compressed `.npz` file."""

@@ -7,6 +7,7 @@ commands name the same joint.
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
+from typing_extensions import override
 
 from station.wire.base import RequestModel
 
@@ -15,7 +16,16 @@ Frequency = Annotated[float, Field(gt=0.0, le=500.0)]
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=3, max_length=3)]
 
 
-class Step(RequestModel):
+class _Tagged(RequestModel):
+    """What a kind tells from its siblings."""
+
+    @override
+    def model_post_init(self, context: object, /) -> None:
+        """Count the kind among what was set: a client sends nothing else."""
+        self.model_fields_set.add("kind")
+
+
+class Step(_Tagged):
     """A set-point that jumps.
 
     Attributes:
@@ -31,7 +41,7 @@ class Step(RequestModel):
     at: Time = 0.0
 
 
-class Sine(RequestModel):
+class Sine(_Tagged):
     """A sine that fades in and out within a quarter of its duration, 0.5 s at most.
 
     Attributes:
@@ -51,7 +61,7 @@ class Sine(RequestModel):
     lasts: Time | None = None
 
 
-class Chirp(RequestModel):
+class Chirp(_Tagged):
     """A sine whose frequency grows linearly; it fades as `Sine` does.
 
     Attributes:
@@ -73,7 +83,7 @@ class Chirp(RequestModel):
     lasts: Time | None = None
 
 
-class Multisine(RequestModel):
+class Multisine(_Tagged):
     """Several sines at once, whose phases keep the sum low; fades as `Sine` does.
 
     Attributes:
@@ -99,7 +109,7 @@ class Multisine(RequestModel):
     lasts: Time | None = None
 
 
-class Relay(RequestModel):
+class Relay(_Tagged):
     """A set-point that changes sides when the joint has crossed the middle.
 
     Attributes:
@@ -117,7 +127,7 @@ class Relay(RequestModel):
     at: Time = 0.0
 
 
-class Waypoints(RequestModel):
+class Waypoints(_Tagged):
     """Motions from rest to rest with the least jerk, one after the other.
 
     Attributes:
@@ -151,7 +161,7 @@ class Waypoints(RequestModel):
         return self
 
 
-class Recorded(RequestModel):
+class Recorded(_Tagged):
     """Offsets that somebody recorded, e.g. before an incident; held in between.
 
     Attributes:
@@ -181,7 +191,7 @@ class Recorded(RequestModel):
         return self
 
 
-class Push(RequestModel):
+class Push(_Tagged):
     """A force on a link of the simulated robot.
 
     Attributes:

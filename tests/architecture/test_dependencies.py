@@ -19,7 +19,6 @@ PART_OF = {"pydantic-core": "pydantic"}
 BROUGHT_BY_USERS = {
     ("station.testing", "pytest"),
     ("station.client", "pandas"),
-    ("station.experiments", "scipy"),
     ("station.pytest_plugin", "pytest"),
 }
 

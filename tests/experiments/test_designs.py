@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from station.experiments.designs import METHODS, Range, parse_range, points
+from station.experiments.designs import Range, parse_range, points
 from station.trials.errors import (
-    ExperimentError,
     ImpossibleRangeError,
     UnknownParameterError,
 )
@@ -84,9 +83,8 @@ def test_impossible_designs_are_refused():
         points([parse_range("load=0:1:2000000")], "grid", 0)
 
 
-def test_sobol_says_that_it_needs_scipy(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "scipy.stats", None)
+def test_sobol_spreads_points_over_the_ranges():
+    found = points([parse_range("load=0:2"), parse_range("delay=0:3")], "sobol", 16)
 
-    assert "sobol" in METHODS
-    with pytest.raises(ExperimentError, match="needs SciPy"):
-        points([parse_range("load=0:1")], "sobol", 4)
+    assert sorted(int(p["load"] * 8) for p in found) == list(range(16))
+    assert {p["delay"] for p in found} == {0.0, 1.0, 2.0, 3.0}

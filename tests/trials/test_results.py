@@ -118,3 +118,23 @@ def test_file_is_whole_after_kill_9(tmp_path):
         assert len(rows) > 20
     with sqlite3.connect(path) as connection:
         assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+
+
+def test_a_full_disk_is_told_and_leaves_the_file_whole(tmp_path, step):
+    """The file may not grow any more, as on a disk that is full."""
+    path = tmp_path / "x.sqlite"
+    reason = "because " * 5_000
+    with Results.create(path, "sweep", step.setup, {}) as results:
+        connection = results._connection
+        (pages,) = connection.execute("PRAGMA page_count").fetchone()
+        connection.execute(f"PRAGMA max_page_count = {pages + 2}")
+        small = TrialResult(step.hash, "done", None, {}, 0.1, "w")
+        results.add(step, small)
+        other = step.with_parameters({"load": 1.0})
+        large = TrialResult(other.hash, "failed", reason, {}, 0.1, "w")
+
+        with pytest.raises(ExperimentError, match="disk is full"):
+            results.add(other, large)
+
+    with Results.open(path) as results:
+        assert [row.result for row in results.rows()] == [small]

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from station.wire.excitations import Command, Push, Sine
+from station.wire.excitations import Command, Push, Sine, Step
 
 COMMAND = TypeAdapter(Command)
 
@@ -34,3 +34,10 @@ def test_kind_decides_which_excitation_it_is():
 def test_what_is_no_excitation_is_refused_with_the_field(wrong, field):
     with pytest.raises(ValidationError, match=field):
         COMMAND.validate_python(wrong)
+
+
+def test_the_kind_is_sent_though_nobody_has_written_it():
+    """A client sends only what was set, and the station needs the kind."""
+    sent = Step(joint="j", amplitude=0.1).model_dump(exclude_unset=True)
+
+    assert COMMAND.validate_python(sent) == Step(joint="j", amplitude=0.1)

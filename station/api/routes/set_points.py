@@ -1,6 +1,8 @@
 """Set-points of controllers, and the states that follow."""
 
-from fastapi import APIRouter
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Request
 
 from station.api import answers
 from station.api.dependencies import (
@@ -15,13 +17,23 @@ from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import controller as core_controller
+from station.trials.live_bench import LiveBench
 from station.wire import (
     CommandAccepted,
     CommandInfo,
     CommandRequest,
     ControllerSample,
 )
+from station.wire.bench import BenchRequest, BenchResponse
 
+
+async def get_bench(request: Request) -> LiveBench:
+    """Return the bench of the station."""
+    bench: LiveBench = request.app.state.bench
+    return bench
+
+
+BenchDep = Annotated[LiveBench, Depends(get_bench)]
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 
 
@@ -29,6 +41,28 @@ router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonR
 def get_command(name: str, station: StationDep) -> CommandInfo:
     """Return the elements of a controller's set-point, and the last set-point."""
     return answers.command_info(station.motion.set_point(name))
+
+
+@router.post(
+    "/controllers/{name}/bench",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423),
+)
+def measure_response(
+    name: str,
+    request: BenchRequest,
+    bench: BenchDep,
+    control: ControlDep,
+    access: AccessDep,
+    key: LeaseKey = None,
+) -> BenchResponse:
+    """Excite one joint through a running controller, and return how it follows.
+
+    The answer comes when the joint is back where it began. Before anything moves the
+    excitation is checked: size, rate, and distance from the joint's limits. A stop, a
+    loss of control, or a joint that leaves the envelope ends it.
+    """
+    return bench.measure(name, request, lambda: control.admit(access, key, name))
 
 
 @router.put(

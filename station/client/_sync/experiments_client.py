@@ -5,8 +5,9 @@ import time
 from collections.abc import Callable, Mapping
 
 from station.client._sync.connection import Connection
-from station.client.routes import segment
+from station.client.routes import controller_path, segment
 from station.wire import ExperimentRequest, GainsChange, GainsChanges
+from station.wire.bench import BenchRequest, BenchResponse
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -143,6 +144,21 @@ class ExperimentsClient:
         path = f"{_path(name)}/apply"
         answer = self._connection.send("POST", path, GainsChanges, request)
         return answer.changes
+
+    def measure(self, controller: str, request: BenchRequest) -> BenchResponse:
+        """Excite one joint of the robot itself, and return how it follows.
+
+        The joint comes back to where it began. What is too large, too fast or too near
+        a limit is refused before anything moves.
+
+        Args:
+            controller: A running controller that takes positions of joints.
+            request: What the joint is asked to do, and for how long.
+        """
+        path, patience = controller_path(controller, "bench"), 5.0 * request.duration
+        return self._connection.send(
+            "POST", path, BenchResponse, request, patience=patience
+        )
 
     def list(self) -> list[ExperimentSummary]:
         """Return the experiments, sorted by name."""

@@ -1,0 +1,358 @@
+"""Excites one joint of the robot that runs, and measures how it follows.
+
+The set-points go through the running controller like those of a person, inside an
+envelope that is small enough for an arm on a table: `LARGEST`, `FASTEST`, and the
+limits of the joint.
+"""
+
+import math
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from station.core.control.controller import ControllerState
+from station.core.errors import ControllerStateError, InvalidCommandError, suggest
+from station.core.facade.station import Station
+from station.core.ports.set_point import SetPointElement
+from station.trials.errors import (
+    BenchRefusedError,
+    ImpossibleRangeError,
+    UnknownParameterError,
+)
+from station.trials.excitations import Array, least_jerk, offsets
+from station.trials.metrics import UNITS, Counts, measure
+from station.trials.reference import POSITION_UNITS, make_reference
+from station.trials.script import Script
+from station.trials.trace import Trace
+from station.trials.trace_recorder import TraceRecorder
+from station.wire.bench import BenchRequest, BenchResponse
+from station.wire.excitations import Relay, Step
+
+LARGEST = {"rad": 0.3, "m": 0.03}
+"""Largest offset from where the joint begins, by the unit of the set-point."""
+FASTEST = {"rad": 1.0, "m": 0.1}
+"""Largest rate of an excitation that has no jumps [per s]."""
+MARGIN = {"rad": 0.05, "m": 0.002}
+"""How far the set-point stays away from the limits of the joint."""
+_BEYOND = {"rad": 0.2, "m": 0.02}
+"""How far the joint may go beyond the excitation before the measurement is ended."""
+_STILL = 0.05
+"""Largest speed of a joint when a measurement begins [rad/s or m/s]."""
+_TICK = 0.002
+"""Time between two looks at the robot [s]."""
+_PATIENCE = 1.0
+"""Longest wait for the next cycle [s]."""
+_SLOWEST = 4.0
+"""How much longer than asked for a measurement may take, in wall time."""
+_RETURN = 0.8
+"""How long the way back takes [s]."""
+_MOST_POINTS = 500
+
+
+class LiveBench:
+    """Measures responses of the robot, one at a time. Any thread.
+
+    Args:
+        station: The station.
+        sleep: Waits [s].
+        now: Monotonic clock [s].
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        sleep: Callable[[float], None] = time.sleep,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._station = station
+        self._sleep = sleep
+        self._now = now
+        self._one_at_a_time = threading.Lock()
+
+    def measure(
+        self, controller: str, request: BenchRequest, admit: Callable[[], None]
+    ) -> BenchResponse:
+        """Excite a joint and return its response; the joint comes back afterwards.
+
+        Args:
+            controller: The controller, which runs and takes positions.
+            request: What to do.
+            admit: Is called before every set-point; raises when the caller may not
+                move the robot any more.
+
+        Raises:
+            BenchRefusedError: Another measurement runs, a joint moves, or the joint
+                left the envelope meanwhile.
+            ImpossibleRangeError: The excitation would leave the envelope.
+            UnknownParameterError: The controller has no such joint.
+            StationError: The controller takes no positions or does not run, the
+                station is stopped, or the caller may not move the robot.
+        """
+        if not self._one_at_a_time.acquire(blocking=False):
+            raise BenchRefusedError(
+                "Another measurement is under way; the bench does one at a time.",
+                remedy="Wait until it has ended.",
+            )
+        try:
+            return self._measure(controller, request, admit)
+        finally:
+            self._one_at_a_time.release()
+
+    def _measure(
+        self, controller: str, request: BenchRequest, admit: Callable[[], None]
+    ) -> BenchResponse:
+        excitation = request.excitation
+        begin, unit = self._check(controller, request)
+        script = Script(
+            controller=controller,
+            duration=request.duration,
+            commands=(excitation,),
+            settling_band=request.settling_band,
+        )
+        admit()
+        reference = make_reference(self._station, script, begin)
+        recorder = TraceRecorder(self._station, controller)
+        names = self._station.joint_names
+        joint = names.index(excitation.joint)
+        start = self._station.latest().position[joint]
+        allowed = abs(excitation.amplitude) + _BEYOND[unit]
+        first = self._station.loop.cycle
+        cycles = max(1, round(request.duration / self._station.loop.period))
+        deadline = self._now() + _PATIENCE + _SLOWEST * request.duration
+        cycle, due = 0, -1
+        try:
+            while cycle < cycles:
+                if cycle > due:
+                    admit()
+                    reference.command(cycle)
+                    due = cycle
+                self._sleep(_TICK)
+                recorder.take()
+                cycle = self._station.loop.cycle - first
+                self._check_on_the_way(joint, start, allowed, deadline)
+        except BenchRefusedError:
+            self._go_back(controller, begin, admit)
+            raise
+        self._go_back(controller, begin, admit)
+        trace = recorder.trace(is_live=True).of_joint(excitation.joint).until(cycles)
+        return self._response(controller, request, script, trace, recorder)
+
+    def _check(self, controller: str, request: BenchRequest) -> tuple[list[float], str]:
+        """Return the present set-point and the unit of the joint's element.
+
+        Raises:
+            ControllerStateError: The controller does not run.
+            UnknownParameterError: It commands no such joint.
+            BenchRefusedError: It has no set-point yet, or a joint moves.
+            StationError: The excitation is not possible, and why.
+        """
+        station, excitation = self._station, request.excitation
+        name = excitation.joint
+        status = station.controller(controller)
+        if status.state is not ControllerState.RUNNING:
+            raise ControllerStateError(
+                f"Controller '{controller}' is {status.state.value}, not running.",
+                remedy="Start it first.",
+            )
+        elements = self._elements(controller)
+        names = [element.name for element in elements]
+        if name not in names or name not in station.joint_names:
+            raise UnknownParameterError(
+                f"Controller '{controller}' commands no joint '{name}'.",
+                remedy=suggest(name, names),
+                details={"joint": name},
+            )
+        element = elements[names.index(name)]
+        sample = station.latest().samples.get(controller)
+        if sample is None or len(sample.desired) != len(names):
+            raise BenchRefusedError(
+                f"The set-point of '{controller}' is not known yet.",
+                remedy="Repeat the request.",
+            )
+        begin = list(sample.desired)
+        self._check_still()
+        self._check_envelope(request, element, begin[names.index(name)])
+        return begin, element.unit
+
+    def _elements(self, controller: str) -> list[SetPointElement]:
+        """Return what a controller commands, which is positions of joints.
+
+        Raises:
+            InvalidCommandError: It commands something else.
+        """
+        found = self._station.manager.get_controller(controller)
+        if found.trajectories is not None:
+            # Every trajectory controller follows positions of its joints.
+            return [SetPointElement(name, "rad") for name in found.joint_names]
+        elements = [] if found.set_points is None else list(found.set_points.elements)
+        if not elements or any(e.unit not in POSITION_UNITS for e in elements):
+            raise InvalidCommandError(
+                f"Controller '{controller}' takes no positions of joints.",
+                remedy="Start a position controller, or one for trajectories.",
+            )
+        return elements
+
+    def _check_still(self) -> None:
+        """Refuse to measure while something moves.
+
+        Raises:
+            BenchRefusedError: A joint moves.
+        """
+        state = self._station.latest()
+        for name, speed in zip(self._station.joint_names, state.velocity, strict=True):
+            if abs(speed) > _STILL:
+                raise BenchRefusedError(
+                    f"Joint '{name}' moves with {speed:.3g} rad/s or m/s.",
+                    remedy="Wait until the robot is at rest.",
+                    details={"joint": name},
+                )
+
+    def _check_envelope(
+        self, request: BenchRequest, element: SetPointElement, begin: float
+    ) -> None:
+        """Refuse an excitation that is too large, too fast or too near a limit.
+
+        Raises:
+            ImpossibleRangeError: It is.
+        """
+        excitation, unit = request.excitation, element.unit
+        period = self._station.loop.period
+        cycles = max(2, round(request.duration / period))
+        times: Array = np.arange(cycles, dtype=np.float64) * period
+        ways = offsets(excitation, times, request.duration)
+        low, high = float(ways.min()), float(ways.max())
+        if isinstance(excitation, Relay):
+            low, high = -abs(excitation.amplitude), abs(excitation.amplitude)
+        rate = 0.0
+        if not isinstance(excitation, Relay | Step):
+            rate = float(np.abs(np.diff(ways)).max()) / period
+        if low == high == 0.0:
+            raise ImpossibleRangeError(
+                "The excitation moves nothing: its amplitude is 0, or it begins after "
+                f"the {request.duration:g} s of the measurement."
+            )
+        name = element.name
+        for what, value, most, per in (
+            ("go", max(-low, high), LARGEST[unit], unit),
+            ("move with", rate, FASTEST[unit], f"{unit}/s"),
+        ):
+            if value > most:
+                raise ImpossibleRangeError(
+                    f"'{name}' would {what} {value:.3g} {per}; allowed are {most:g} "
+                    f"{per}.",
+                    remedy="Choose a smaller amplitude or lower frequencies.",
+                    details={"joint": name, "value": value},
+                )
+        lowest, highest = self._range(element)
+        if begin + low < lowest or begin + high > highest:
+            raise ImpossibleRangeError(
+                f"'{name}' would go from {begin + low:.3f} to {begin + high:.3f} "
+                f"{unit}; allowed are {lowest:.3f} to {highest:.3f} {unit}.",
+                remedy="Choose a smaller amplitude, or move the joint away from its "
+                "limit.",
+                details={"joint": name},
+            )
+
+    def _range(self, element: SetPointElement) -> tuple[float, float]:
+        """Return where the set-point of a joint may be."""
+        low, high = element.minimum, element.maximum
+        for report in self._station.loop.hw.joint_limits():
+            limits = report.limits
+            if report.joint == element.name:
+                if limits.min_position is not None:
+                    low = max(low, limits.min_position)
+                if limits.max_position is not None:
+                    high = min(high, limits.max_position)
+        return low + MARGIN[element.unit], high - MARGIN[element.unit]
+
+    def _check_on_the_way(
+        self, joint: int, start: float, allowed: float, deadline: float
+    ) -> None:
+        """End a measurement that does not go as it should.
+
+        Raises:
+            BenchRefusedError: The joint is too far away, or time does not pass.
+        """
+        position = self._station.latest().position[joint]
+        name = self._station.joint_names[joint]
+        if abs(position - start) > allowed:
+            raise BenchRefusedError(
+                f"The measurement was ended: '{name}' was {abs(position - start):.3g} "
+                f"away from where it began; allowed are {allowed:.3g}.",
+                remedy="The loop may be unstable: choose other gains, or a smaller "
+                "amplitude.",
+                details={"joint": name},
+            )
+        if self._now() > deadline:
+            raise BenchRefusedError(
+                "The measurement was ended: the cycles are too slow.",
+                remedy="Resume a paused simulation, and let it run at full speed.",
+            )
+
+    def _go_back(
+        self, controller: str, begin: list[float], admit: Callable[[], None]
+    ) -> None:
+        """Lead the set-point back to where it was, smoothly."""
+        station = self._station
+        found = station.manager.get_controller(controller)
+        if found.trajectories is not None:
+            station.motion.hold(controller)
+            self._settle()
+            return
+        sample = station.latest().samples.get(controller)
+        start = begin if sample is None else list(sample.desired)
+        began = station.loop.time
+        deadline = self._now() + _SLOWEST * _RETURN
+        share = 0.0
+        while share < 1.0 and self._now() < deadline:
+            share = min(1.0, (station.loop.time - began) / _RETURN)
+            way = float(least_jerk(np.array(share)))
+            admit()
+            values = [a + (b - a) * way for a, b in zip(start, begin, strict=True)]
+            station.motion.set_command(controller, values)
+            self._sleep(_TICK)
+        self._settle()
+
+    def _settle(self) -> None:
+        """Wait until the robot is at rest, but not for long."""
+        deadline = self._now() + _RETURN
+        until = self._station.loop.time + _RETURN
+        while self._now() < deadline and self._station.loop.time < until:
+            if max(map(abs, self._station.latest().velocity), default=0.0) < _STILL:
+                return
+            self._sleep(_TICK)
+
+    def _response(
+        self,
+        controller: str,
+        request: BenchRequest,
+        script: Script,
+        trace: Trace,
+        recorder: TraceRecorder,
+    ) -> BenchResponse:
+        limits = self._station.loop.hw.joint_limits()
+        found = measure(trace, script, limits, Counts(recorder.reflexes))
+        every = max(1, math.ceil(len(trace.time) / _MOST_POINTS))
+
+        def column(values: Array) -> list[float | None]:
+            shown: list[float | None] = values[::every, 0].tolist()
+            return shown
+
+        return BenchResponse(
+            controller=controller,
+            joint=request.excitation.joint,
+            kind=request.excitation.kind,
+            gains=dict(self._station.gains(controller).values),
+            time=trace.time[::every].tolist(),
+            desired=column(trace.desired),
+            position=column(trace.position),
+            velocity=column(trace.velocity),
+            effort=column(trace.effort),
+            output=column(trace.output),
+            metrics=found,
+            units=dict(UNITS),
+            cycles=len(trace.time),
+            lost=recorder.lost,
+        )
