@@ -178,7 +178,7 @@ class StationLink:
         """Request what touches what, while somebody wants to know."""
         simulated = self._status is not None and self._status.simulation is not None
         if self.wants_contacts and simulated:
-            self._contacts = tuple(await self.client.contacts())
+            self._contacts = tuple(await self.client.simulation.contacts())
         else:
             self._contacts = ()
 

@@ -3,7 +3,14 @@
 from collections.abc import Mapping
 
 from station.client._async.connection import AsyncConnection
-from station.wire import ResetRequest, Simulation, SimulationPatch, StepRequest
+from station.wire import (
+    Contact,
+    ResetRequest,
+    Scene,
+    Simulation,
+    SimulationPatch,
+    StepRequest,
+)
 
 _PATH = "/simulation"
 
@@ -23,6 +30,10 @@ class AsyncSimulationClient:
     async def state(self) -> Simulation:
         """Return whether time passes, and how fast."""
         return await self._connection.get(_PATH, Simulation)
+
+    async def contacts(self) -> list[Contact]:
+        """Return where bodies of the world touch, and with which force."""
+        return (await self._connection.get("/scene", Scene)).contacts
 
     async def pause(self) -> Simulation:
         """Pause simulated time; stops and switches still work."""

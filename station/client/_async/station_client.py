@@ -514,19 +514,14 @@ class AsyncStationClient:
         """Return the objects around a simulated robot, where they are now."""
         return (await self._connection.get("/scene", wire.Scene)).objects
 
-    async def contacts(self) -> list[wire.Contact]:
-        """Return where bodies of a simulated world touch, and with which force."""
-        return (await self._connection.get("/scene", wire.Scene)).contacts
-
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
         return await self._connection.get("/loop", wire.LoopReport)
 
     async def reset_loop_statistics(self) -> wire.LoopReport:
         """Reset the loop's statistics."""
-        return await self._connection.send(
-            "POST", "/loop/statistics/reset", wire.LoopReport
-        )
+        path = "/loop/statistics/reset"
+        return await self._connection.send("POST", path, wire.LoopReport)
 
     async def stop_state(self) -> wire.StopState:
         """Return the state of the latched stop."""

@@ -4,7 +4,14 @@
 from collections.abc import Mapping
 
 from station.client._sync.connection import Connection
-from station.wire import ResetRequest, Simulation, SimulationPatch, StepRequest
+from station.wire import (
+    Contact,
+    ResetRequest,
+    Scene,
+    Simulation,
+    SimulationPatch,
+    StepRequest,
+)
 
 _PATH = "/simulation"
 
@@ -24,6 +31,10 @@ class SimulationClient:
     def state(self) -> Simulation:
         """Return whether time passes, and how fast."""
         return self._connection.get(_PATH, Simulation)
+
+    def contacts(self) -> list[Contact]:
+        """Return where bodies of the world touch, and with which force."""
+        return (self._connection.get("/scene", Scene)).contacts
 
     def pause(self) -> Simulation:
         """Pause simulated time; stops and switches still work."""

@@ -507,17 +507,14 @@ class StationClient:
         """Return the objects around a simulated robot, where they are now."""
         return (self._connection.get("/scene", wire.Scene)).objects
 
-    def contacts(self) -> list[wire.Contact]:
-        """Return where bodies of a simulated world touch, and with which force."""
-        return (self._connection.get("/scene", wire.Scene)).contacts
-
     def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
         return self._connection.get("/loop", wire.LoopReport)
 
     def reset_loop_statistics(self) -> wire.LoopReport:
         """Reset the loop's statistics."""
-        return self._connection.send("POST", "/loop/statistics/reset", wire.LoopReport)
+        path = "/loop/statistics/reset"
+        return self._connection.send("POST", path, wire.LoopReport)
 
     def stop_state(self) -> wire.StopState:
         """Return the state of the latched stop."""

@@ -152,8 +152,7 @@ class FrankaHW(RobotHW):
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
             self.register_interface(interface)
-        models = model_interface(self.arm, arm_id)
-        services = FrankaServicesInterface()
+        models, services = model_interface(self.arm, arm_id), FrankaServicesInterface()
         self._services = ArmServices(
             arm_id,
             self.arm,
@@ -163,9 +162,8 @@ class FrankaHW(RobotHW):
             limits=self._parameters.service_limits,
         )
         services.register_handle(self._services)
-        self.register_interface(state_interface(self.arm, arm_id))
-        self.register_interface(models)
-        self.register_interface(services)
+        for interface in (state_interface(self.arm, arm_id), models, services):
+            self.register_interface(interface)
 
     def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
         """Drive an arm of a simulated world; before `init`.
@@ -232,13 +230,11 @@ class FrankaHW(RobotHW):
             self._catch_up(cycles)
         if self._motion.is_waiting:
             self._motion.advance(cycles)
-        bad = self._first_bad()
+        bad, self._blind = self._first_bad(), None
         if bad >= 0:
             # A controller that used a reading that is not finite would command garbage.
             self._blind = self._sensors.describe(bad)
             arm.stop_motion()
-        else:
-            self._blind = None
         if self._fingers is not None:
             self._fingers.read()
 

@@ -26,7 +26,7 @@ def test_things_are_where_the_simulation_has_them():
         cube, table = client.scene()
         station.loop.step(1000)
         fallen = client.scene()[0]
-        contacts = client.contacts()
+        contacts = client.simulation.contacts()
 
     assert (cube.type, cube.size, cube.mass) == ("box", [0.05] * 3, 0.1)
     assert cube.position == pytest.approx([0.5, 0.4, 0.2], abs=1e-4)
