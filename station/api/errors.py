@@ -21,6 +21,7 @@ from station.core import errors
 from station.trials.errors import (
     ExperimentError,
     ExperimentNotFoundError,
+    ExperimentRunningError,
     ImpossibleRangeError,
     TooManyExperimentsError,
     UnknownParameterError,
@@ -73,6 +74,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.RobotDescriptionError: 422,
     ExperimentError: 409,
     ExperimentNotFoundError: 404,
+    ExperimentRunningError: 409,
     UnknownParameterError: 422,
     ImpossibleRangeError: 422,
     TooManyExperimentsError: 422,

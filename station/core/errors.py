@@ -27,6 +27,9 @@ StationError
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
 ├── GainSetNotFoundError          there is no gain set of that name (KeyError)
 ├── GainSetError                  a gain set cannot be read or written (OSError)
+├── WaypointPathNotFoundError     there is no waypoint path of that name (KeyError)
+├── WaypointPathError             a waypoint path cannot be read or written (OSError)
+├── PathRefusedError              a path cannot be played as things are (RuntimeError)
 ├── NothingToUndoError            no change of gains is left to be taken back
 ├── GainsChangedError             the gains changed since the caller read them
 ├── RecordingNotFoundError        there is no recording of that name (KeyError)
