@@ -24,6 +24,7 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("GET", "DELETE"), "/controllers/{}"),
     (("GET", "PATCH"), "/controllers/{}/gains"),
     (("GET", "PUT"), "/controllers/{}/command"),
+    (("POST",), "/controllers/{}/bench"),
     (_READ, "/controllers/{}/state"),
     (_READ, "/controllers/{}/query_state"),
     (("GET", "POST"), "/controllers/{}/goals"),

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import yaml
-from pydantic import ValidationError
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
-from station.client import ApiError
 from station.ui.control_routes import ControlRoutes, refused
 from station.ui.desk_socket import DeskSocket
 from station.ui.load_examples import example_parameters, suggested_name
-from station.ui.response_bench import BenchRefusedError, BenchRequest, measure
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_view import StationView
@@ -74,7 +71,6 @@ class WorkspaceRoutes:
             Route("/workspace/state", self._state),
             Route("/workspace/example", self._example),
             Route("/workspace/parameters", self._read_yaml, methods=["POST"]),
-            Route("/workspace/bench", self._bench, methods=["POST"]),
             WebSocketRoute("/workspace/desk", self._desk),
             *self._control.routes(),
         ]
@@ -111,27 +107,6 @@ class WorkspaceRoutes:
             detail = "The parameters must be keys with values, e.g. `joints: [a, b]`."
             return refused(422, "invalid_yaml", detail)
         return JSONResponse({"params": params})
-
-    async def _bench(self, request: "Request") -> Response:
-        session = self._find(request)
-        if session is None:
-            return _no_session()
-        if session.role is not Role.OPERATOR:
-            return refused(403, "forbidden", "Viewers only watch.")
-        try:
-            wanted = BenchRequest.model_validate_json(await request.body())
-        except ValidationError as error:
-            first = error.errors()[0]
-            place = ".".join(str(part) for part in first["loc"])
-            return refused(422, "invalid_request", f"{place}: {first['msg']}.")
-        try:
-            async with self._parts.access.client_of(session) as client:
-                measured = await measure(client, self._parts.view(), wanted)
-        except BenchRefusedError as error:
-            return refused(409, "bench_refused", str(error))
-        except ApiError as error:
-            return refused(error.status or 502, error.code, error.detail, error.remedy)
-        return JSONResponse(measured)
 
     async def _desk(self, socket: "WebSocket") -> None:
         session = self._find(socket)

@@ -144,6 +144,9 @@ def test_two_tests_of_a_joint_are_compared(workspace, enabled):
     dock.locator(".metrics tbody tr").nth(0).get_by_text("ms").first.wait_for()
     run.click()
     dock.locator(".metrics tbody tr").nth(1).wait_for()
+    dock.get_by_label("Kind of test").select_option("chirp")
+    run.click()
+    dock.locator(".metrics tbody tr").nth(1).get_by_text("chirp").wait_for()
     assert wait_until(lambda: abs(position(enabled, "panda_joint5") - before) < 0.02)
 
 

@@ -121,10 +121,9 @@ def test_nothing_is_told_without_a_session(browser, bench, path):
     assert browser.get(path).status_code == 401
 
 
-@pytest.mark.parametrize("path", ["/parameters", "/bench"])
-def test_nothing_is_done_without_a_session(browser, bench, path):
+def test_nothing_is_done_without_a_session(browser, bench):
     bench.session = None
-    assert browser.post(path).status_code == 401
+    assert browser.post("/parameters").status_code == 401
 
 
 def test_the_state_names_what_takes_values(browser):
@@ -143,15 +142,6 @@ def test_an_example_has_a_free_name_and_the_same_parameters_twice(browser):
 def test_parameters_that_are_none_are_refused(browser, text):
     answer = browser.post("/parameters", content=text.encode())
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid_yaml")
-
-
-def test_the_bench_refuses_what_leaves_the_envelope(browser, bench):
-    answer = browser.post("/bench", json={"joint": "joint1", "size": 0.9})
-    assert answer.status_code == 422
-    answer = browser.post("/bench", json={"joint": "elbow"})
-    assert (answer.status_code, answer.json()["code"]) == (409, "bench_refused")
-    bench.session = bench.sessions.open(Role.VIEWER, "token")
-    assert browser.post("/bench", json={"joint": "joint1"}).status_code == 403
 
 
 def test_logging_out_ends_the_desk(desk, bench):

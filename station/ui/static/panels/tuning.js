@@ -4,8 +4,11 @@ import { h, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History, Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
-import { act, api, send } from "../lib/station.js";
+import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+
+/** What each kind of test asks for besides its size and duration. */
+const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], relay: ["hysteresis"] };
 
 class Tuning extends Panel {
   build() {
@@ -195,20 +198,28 @@ class Tuning extends Panel {
   }
 
   buildBench() {
-    this.kind = h("select", {}, h("option", { value: "step" }, "step"), h("option", { value: "sine" }, "sine"));
+    this.kind = h("select", {}, ...Object.keys(EXCITATIONS).map((kind) => h("option", {}, kind)));
     this.kind.setAttribute("aria-label", "Kind of test");
     const field = (label, value, unit) => {
       const input = h("input", { class: "value", value, inputMode: "decimal" });
       input.setAttribute("aria-label", `${label} [${unit}]`);
-      return [input, h("label", {}, `${label} `, input, ` ${unit}`)];
+      return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
     };
-    const [size, sizeLabel] = field("size", "0.1", "rad");
-    const [seconds, secondsLabel] = field("for", "2", "s");
-    const [frequency, frequencyLabel] = field("at", "0.5", "Hz");
-    this.bench = { size, seconds, frequency };
-    frequencyLabel.hidden = true;
-    this.kind.addEventListener("change", () => (frequencyLabel.hidden = this.kind.value !== "sine"));
-    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad" }, "Run test");
+    this.bench = {
+      amplitude: field("size", "0.1", "rad"),
+      duration: field("for", "2", "s"),
+      frequency: field("at", "0.5", "Hz"),
+      first: field("from", "0.2", "Hz"),
+      last: field("to", "2", "Hz"),
+      hysteresis: field("hysteresis", "0.005", "rad"),
+    };
+    const choose = () => {
+      const used = ["amplitude", "duration", ...EXCITATIONS[this.kind.value]];
+      for (const [name, { label }] of Object.entries(this.bench)) label.hidden = !used.includes(name);
+    };
+    this.kind.addEventListener("change", choose);
+    choose();
+    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back" }, "Run test");
     this.runButton.addEventListener("click", () => this.run());
     const canvas = h("canvas", { class: "response" });
     canvas.setAttribute("role", "img");
@@ -219,27 +230,23 @@ class Tuning extends Panel {
     const heads = ["run", "rise", "overshoot", "settling", "steady error", "RMS", "peak"];
     this.results = h("div", { hidden: true }, canvas, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
     setInterval(() => this.isShown && this.runs.length && this.response.draw(this.response.end), 200);
-    return h("div", { class: "bench" }, h("div", { class: "line" }, h("b", {}, "Test"), this.kind, sizeLabel, secondsLabel, frequencyLabel, this.runButton), this.results);
+    return h("div", { class: "bench" }, h("div", { class: "line" }, h("b", {}, "Test"), this.kind, ...Object.values(this.bench).map(({ label }) => label), this.runButton), this.results);
   }
 
   async run() {
-    const body = { joint: this.joint.value, kind: this.kind.value };
-    for (const [key, input] of Object.entries(this.bench)) body[key] = typed(input.value);
-    // A step goes there, the next one comes back: two runs start from the same place.
-    if (body.kind === "step" && this.forth === body.joint) body.size = -body.size;
+    const value = (name) => typed(this.bench[name].input.value);
+    const kind = this.kind.value;
+    const excitation = { kind, joint: this.joint.value, amplitude: value("amplitude") };
+    for (const name of EXCITATIONS[kind]) excitation[name] = value(name);
     this.runButton.disabled = true;
     show(this.runButton, "Measuring …");
-    try {
-      const told = await send("POST", "/workspace/bench", body);
-      this.forth = body.kind === "step" && this.forth !== body.joint ? body.joint : null;
-      this.runs = [...this.runs, { ...told, gains: { ...this.gains.values } }].slice(-2);
+    const told = await act("POST", `/controllers/${this.choice.value}/bench`, { excitation, duration: value("duration") });
+    if (told) {
+      this.runs = [...this.runs, { ...told, size: excitation.amplitude }].slice(-2);
       this.drawRuns();
-    } catch (error) {
-      refusals.add(error, { method: "POST", path: "/workspace/bench" });
-    } finally {
-      this.runButton.disabled = false;
-      show(this.runButton, "Run test");
     }
+    this.runButton.disabled = false;
+    show(this.runButton, "Run test");
   }
 
   drawRuns() {
@@ -248,10 +255,10 @@ class Tuning extends Panel {
     this.runs.forEach((run, i) => {
       const letter = "AB"[i + 2 - this.runs.length === 0 ? 0 : i];
       const forward = Math.sign(run.size) || 1;
-      const start = run.actual[0];
-      for (const [field, label] of [["actual", letter], ...(i === this.runs.length - 1 ? [["desired", "command"]] : [])]) {
+      const start = run.position[0];
+      for (const [field, label] of [["position", letter], ...(i === this.runs.length - 1 ? [["desired", "command"]] : [])]) {
         const history = new History(1e6);
-        run.time.forEach((time, j) => history.add(time, (run[field][j] - start) * forward));
+        run.time.forEach((time, j) => run[field][j] != null && history.add(time, (run[field][j] - start) * forward));
         traces.push({ label, unit: "rad", history });
       }
     });
@@ -263,7 +270,8 @@ class Tuning extends Panel {
     this.table.replaceChildren(
       ...this.runs.map(({ metrics: m, joint, gains, kind }, i) => {
         const changed = ["p", "i", "d"].map((key) => `${key} ${gains[`${joint}/${key}`] ?? "–"}`).join(", ");
-        const cells = [`${"AB"[i]} ${kind} ${joint.replace(/^.*_/, "")}: ${changed}`, ms(m.rise), m.overshoot == null ? "–" : `${number(m.overshoot * 100, 1)} %`, ms(m.settling), `${number(m.steady_error * 1e3, 2)} mrad`, `${number(m.rms_error * 1e3, 2)} mrad`, number(m.peak_output, 1)];
+        const mrad = (value) => (value == null ? "–" : `${number(value * 1e3, 2)} mrad`);
+        const cells = [`${"AB"[i]} ${kind} ${joint.replace(/^.*_/, "")}: ${changed}`, ms(m.rise_time), m.overshoot == null ? "–" : `${number(m.overshoot * 100, 1)} %`, ms(m.settling_time), mrad(m.steady_error), mrad(m.rms_error), m.effort_peak == null ? "–" : number(m.effort_peak, 1)];
         return h("tr", {}, ...cells.map((text) => h("td", {}, text)));
       }),
     );
