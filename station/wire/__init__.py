@@ -153,9 +153,9 @@ from station.wire.streams import (
 )
 from station.wire.waypoint_paths import (
     CaptureRequest,
+    LastPlayback,
     Playback,
     PlaybackPatch,
-    PlaybackState,
     PlayRequest,
     Waypoint,
     WaypointPath,
@@ -242,6 +242,7 @@ __all__ = [
     "JointImpedance",
     "JointStates",
     "Kernel",
+    "LastPlayback",
     "Load",
     "LoadRequest",
     "LoginRequest",
@@ -254,7 +255,6 @@ __all__ = [
     "PlayRequest",
     "Playback",
     "PlaybackPatch",
-    "PlaybackState",
     "Problem",
     "Ready",
     "Recording",

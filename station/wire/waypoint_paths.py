@@ -194,7 +194,7 @@ class Playback(ResponseModel):
     message: Reason
 
 
-class PlaybackState(ResponseModel):
+class LastPlayback(ResponseModel):
     """What plays.
 
     Attributes:

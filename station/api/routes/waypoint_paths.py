@@ -10,9 +10,9 @@ from station.api.routes.problems import problems
 from station.core.facade import path_player, waypoint_paths
 from station.wire import (
     CaptureRequest,
+    LastPlayback,
     Playback,
     PlaybackPatch,
-    PlaybackState,
     PlayRequest,
     WaypointPath,
     WaypointPathRequest,
@@ -101,10 +101,10 @@ def play_waypoint_path(
 
 
 @router.get("/playback", responses=problems())
-def get_playback(station: StationDep) -> PlaybackState:
+def get_playback(station: StationDep) -> LastPlayback:
     """Return the path that plays, or how the last one ended."""
     found = station.path_player.state()
-    return PlaybackState.model_validate({"playback": found})
+    return LastPlayback.model_validate({"playback": found})
 
 
 @router.patch(

@@ -6,9 +6,9 @@ from station.client._async.connection import AsyncConnection
 from station.client.routes import segment
 from station.wire import (
     CaptureRequest,
+    LastPlayback,
     Playback,
     PlaybackPatch,
-    PlaybackState,
     PlayRequest,
     Waypoint,
     WaypointPath,
@@ -93,7 +93,7 @@ class AsyncWaypointPathsClient:
 
     async def playback(self) -> Playback | None:
         """Return the path that plays or played last; None when none was played."""
-        return (await self._connection.get(_PLAYBACK, PlaybackState)).playback
+        return (await self._connection.get(_PLAYBACK, LastPlayback)).playback
 
     async def change(
         self,

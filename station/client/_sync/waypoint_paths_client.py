@@ -7,9 +7,9 @@ from station.client._sync.connection import Connection
 from station.client.routes import segment
 from station.wire import (
     CaptureRequest,
+    LastPlayback,
     Playback,
     PlaybackPatch,
-    PlaybackState,
     PlayRequest,
     Waypoint,
     WaypointPath,
@@ -94,7 +94,7 @@ class SyncWaypointPathsClient:
 
     def playback(self) -> Playback | None:
         """Return the path that plays or played last; None when none was played."""
-        return (self._connection.get(_PLAYBACK, PlaybackState)).playback
+        return (self._connection.get(_PLAYBACK, LastPlayback)).playback
 
     def change(
         self,

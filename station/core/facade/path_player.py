@@ -20,7 +20,7 @@ LOOK_PERIOD = 0.05
 """How often the thread of a path that plays looks at its goal [s wall time]."""
 
 
-class PlaybackState(Enum):
+class LastPlayback(Enum):
     """What the playing of a path is doing. The last three are final."""
 
     PLAYING = "playing"
@@ -55,7 +55,7 @@ class Playback:
 
     path: str
     controller: str
-    state: PlaybackState
+    state: LastPlayback
     speed: float
     loop: bool
     rounds: int = 0
@@ -174,7 +174,7 @@ class PathPlayer:
             controller = options.controller or self._find_controller(path)
             self._epoch = self._loop.epoch
             playback = Playback(
-                name, controller, PlaybackState.PLAYING, options.speed, options.loop
+                name, controller, LastPlayback.PLAYING, options.speed, options.loop
             )
             self._begin(path, playback, options.first)
             self._first = options.first
@@ -192,9 +192,9 @@ class PathPlayer:
         """
         with self._lock:
             playback = self._active()
-            if playback.state is PlaybackState.PLAYING and self._round is not None:
+            if playback.state is LastPlayback.PLAYING and self._round is not None:
                 # First, so that nobody takes the end of the goal for one from outside.
-                self._playback = replace(playback, state=PlaybackState.PAUSED)
+                self._playback = replace(playback, state=LastPlayback.PAUSED)
                 self._motion.cancel_goal(
                     playback.controller, self._round.goal.identifier
                 )
@@ -209,8 +209,8 @@ class PathPlayer:
         """
         with self._lock:
             playback = self._active()
-            if playback.state is PlaybackState.PAUSED and self._path is not None:
-                playing = replace(playback, state=PlaybackState.PLAYING)
+            if playback.state is LastPlayback.PAUSED and self._path is not None:
+                playing = replace(playback, state=LastPlayback.PLAYING)
                 self._begin(self._path, playing, playback.waypoint, self._since())
             return self._active()
 
@@ -234,7 +234,7 @@ class PathPlayer:
                 speed=playback.speed if speed is None else speed,
                 loop=playback.loop if loop is None else loop,
             )
-            is_playing = wanted.state is PlaybackState.PLAYING
+            is_playing = wanted.state is LastPlayback.PLAYING
             if wanted.speed != playback.speed and is_playing and self._path is not None:
                 self._begin(self._path, wanted, playback.waypoint, self._since())
             else:
@@ -249,7 +249,7 @@ class PathPlayer:
         """
         with self._lock:
             playback = self._active()
-            self._playback = replace(playback, state=PlaybackState.CANCELLED)
+            self._playback = replace(playback, state=LastPlayback.CANCELLED)
             if self._round is not None:
                 self._motion.cancel_goal(
                     playback.controller, self._round.goal.identifier
@@ -277,12 +277,10 @@ class PathPlayer:
         playback, now = self._playback, self._round
         if playback is None or now is None or self._path is None:
             return
-        if playback.state is PlaybackState.PAUSED and self._loop.epoch != self._epoch:
+        if playback.state is LastPlayback.PAUSED and self._loop.epoch != self._epoch:
             text = "A stop, a reset or a recovery came while it was paused."
-            self._playback = replace(
-                playback, state=PlaybackState.ABORTED, message=text
-            )
-        if playback.state is not PlaybackState.PLAYING:
+            self._playback = replace(playback, state=LastPlayback.ABORTED, message=text)
+        if playback.state is not LastPlayback.PLAYING:
             return
         passed = now.goal.progress * now.times[-1]
         behind = sum(time <= passed for time in now.times[:-1])
@@ -299,20 +297,20 @@ class PathPlayer:
             why = result.message if result is not None and result.message else ""
             self._playback = replace(
                 playback,
-                state=PlaybackState.ABORTED,
+                state=LastPlayback.ABORTED,
                 message=why or f"Its goal was {now.goal.status.value}.",
             )
             return
         done = replace(
             playback, rounds=playback.rounds + 1, progress=1.0, remaining=0.0
         )
-        self._playback = replace(done, state=PlaybackState.SUCCEEDED)
+        self._playback = replace(done, state=LastPlayback.SUCCEEDED)
         if playback.loop:
             try:
                 self._begin(self._path, done, self._first)
             except StationError as error:
                 self._playback = replace(
-                    done, state=PlaybackState.ABORTED, message=str(error)
+                    done, state=LastPlayback.ABORTED, message=str(error)
                 )
 
     def _since(self) -> Mapping[str, float]:
@@ -373,7 +371,7 @@ class PathPlayer:
 
 
 def _is_final(playback: Playback) -> bool:
-    return playback.state not in {PlaybackState.PLAYING, PlaybackState.PAUSED}
+    return playback.state not in {LastPlayback.PLAYING, LastPlayback.PAUSED}
 
 
 def _share(now: _Round, passed: float, waypoints: int) -> float:
