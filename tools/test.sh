@@ -12,6 +12,16 @@ shift
 
 say() { echo "test: $*" >&2; }
 
+# Some tests run against the clock, and a busy machine is no defect of what they test:
+# what fails the first time has to pass alone.
+patiently() {
+    marks=$1 workers=$2
+    shift 2
+    "$python" -m pytest -n "$workers" -m "$marks" "$@" && return
+    say "once more, one after the other: what failed"
+    "$python" -m pytest -m "$marks" --last-failed --last-failed-no-failures none "$@"
+}
+
 unset STATION_COMPILED
 "$python" -m station.kernel.build --optional >/dev/null
 if "$python" -c 'import sys, station.kernel; sys.exit(not station.kernel.STATUS.is_compiled)'; then
@@ -23,7 +33,7 @@ fi
 case $which in
 quick)
     "$python" -m pytest -n auto -m "not slow and not alone" "$@"
-    "$python" -m pytest -m "alone and not slow" "$@"
+    patiently "alone and not slow" 0 "$@"
     if [ -n "${STATION_COMPILED:-}" ]; then
         say "once more, interpreted: what calls the kernel"
         [ $# -gt 0 ] || set -- tests/core tests/hw tests/controllers tests/kernel tests/conformance
@@ -31,11 +41,7 @@ quick)
     fi
     ;;
 slow)
-    # Some of these measure times, and a busy neighbour is no defect of what they test:
-    # what fails beside others has to pass alone.
-    "$python" -m pytest -n auto -m slow "$@" && exit 0
-    say "once more, one after the other: what failed"
-    "$python" -m pytest -m slow --last-failed --last-failed-no-failures none "$@"
+    patiently slow auto "$@"
     ;;
 *) say "quick or slow, not $which" && exit 2 ;;
 esac
