@@ -11,7 +11,6 @@ import contextlib
 import os
 import re
 import sys
-import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
@@ -194,10 +193,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--format", choices=("json", "msgpack"), default="json")
     options = parser.parse_args()
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        running_station(Path(folder), "--no-ui") as access,
-    ):
+    with running_station(has_dashboard=False) as access:
         with StationClient(access["url"], access["token"]) as client:
             client.switch_controllers(start=[CONTROLLER])
         found = asyncio.run(
