@@ -30,6 +30,7 @@ def test_a_set_point_reaches_the_controller(spring, station):
     assert state.output == [0.5]
 
 
+@pytest.mark.alone  # it waits for a running loop
 def test_the_answer_says_which_cycle_was_the_first_with_it(live, station):
     live.load_controller("spring", "test/Spring", {"joint": "j"})
     live.switch_controllers(start=["spring"])
