@@ -264,7 +264,8 @@ def validation_response(error: RequestValidationError) -> Response:
         }
     first = fields[0]
     value = f" (it is {first['value']})" if first["value"] else ""
-    more = f" There are {len(found) - 1} more errors." if len(found) > 1 else ""
+    others = {1: "", 2: " There is one more error."}
+    more = others.get(len(found), f" There are {len(found) - 1} more errors.")
     return problem_response(
         422,
         "invalid_request",

@@ -101,7 +101,6 @@ class ControlLoop:
         # Asked once: how long a world waits is settled when the robot is initialised.
         self._longest_period = inf if world is None else world.longest_period()
         self._joints = JointStateGroup(interface.handles() if interface else [])
-        self._pack_joints = self._joints.pack
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
         ]
@@ -435,7 +434,7 @@ class ControlLoop:
             self.time,
             period,
             self.hw.mode(),
-            self._pack_joints(),
+            self._joints.pack(),
             self.manager.samples(),
         ))
         for tap in self.taps:
