@@ -5,11 +5,13 @@ import cython
 if cython.compiled:
     from cython.cimports.libc.math import atan2 as _atan2
     from cython.cimports.libc.math import cos as _cos
+    from cython.cimports.libc.math import exp as _exp
     from cython.cimports.libc.math import sin as _sin
     from cython.cimports.libc.math import sqrt as _sqrt
 else:
     from math import atan2 as _atan2
     from math import cos as _cos
+    from math import exp as _exp
     from math import sin as _sin
     from math import sqrt as _sqrt
 
@@ -36,3 +38,9 @@ def arctangent(y: float, x: float) -> float:
     """Return the angle of the point (x, y) from the x axis [rad], -pi to pi."""
     angle: float = _atan2(y, x)
     return angle
+
+
+def exponential(value: float) -> float:
+    """Return e to the power of a number that is not above 700."""
+    result: float = _exp(value)
+    return result

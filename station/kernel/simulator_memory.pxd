@@ -12,4 +12,5 @@ cdef class SimulatorMemory:
     cdef readonly double[::1] limits
     cdef readonly double[::1] passive_damping
     cdef readonly double[::1] armature
+    cdef readonly double[::1] applied
     cdef readonly long[::1] diagonal

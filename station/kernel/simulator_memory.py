@@ -25,6 +25,7 @@ class SimulatorMemory:
         limits: Largest torques of the motors [Nm].
         passive_damping: Passive damping of the joints [Nm s/rad].
         armature: Rotor inertia as seen at the joints [kg m^2].
+        applied: Where other torques on the joints are written, e.g. friction [Nm].
     """
 
     def __init__(
@@ -44,6 +45,7 @@ class SimulatorMemory:
         limits: Doubles | None = None,
         passive_damping: Doubles | None = None,
         armature: Doubles | None = None,
+        applied: Doubles | None = None,
     ) -> None:
         self.size = size
         self.positions = given_or_zeros(positions, size)
@@ -61,3 +63,4 @@ class SimulatorMemory:
         self.limits = given_or_zeros(limits, size)
         self.passive_damping = given_or_zeros(passive_damping, size)
         self.armature = given_or_zeros(armature, size)
+        self.applied = given_or_zeros(applied, size)

@@ -53,6 +53,8 @@ _KEYS = frozenset({
     "service_limits",
     "supervisor",
     "limit_mode",
+    "realism",
+    "realism_seed",
 })
 
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
@@ -80,6 +82,9 @@ class FrankaParameters:
         limit_mode: How joint commands are limited.
         thresholds: Those that Franka does not publish (`supervisor`).
         service_limits: The largest loads and pushes (`service_limits`).
+        is_realistic: Whether a simulated arm has friction, noise and an observer
+            (`realism: typical`), or none of them (`ideal`).
+        realism_seed: Of the simulated arm's random numbers, >= 0.
     """
 
     arm_id: str
@@ -95,6 +100,8 @@ class FrankaParameters:
     limit_mode: LimitMode
     thresholds: SupervisorLimits
     service_limits: ServiceLimits
+    is_realistic: bool
+    realism_seed: int
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
@@ -140,6 +147,8 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         limit_mode=LimitMode.from_parameters(params),
         thresholds=_thresholds(params.namespace("supervisor")),
         service_limits=_service_limits(params.namespace("service_limits")),
+        is_realistic=_is_realistic(params),
+        realism_seed=_seed(params),
     )
 
 
@@ -186,6 +195,20 @@ def _limits(params: Parameters, arm_id: str) -> ArmLimits:
 def _gravity(params: Parameters) -> tuple[float, float, float]:
     x, y, z = _floats(params, "gravity", GRAVITY_EARTH)
     return x, y, z
+
+
+def _is_realistic(params: Parameters) -> bool:
+    profile = params.get_str("realism", "typical")
+    if profile not in {"ideal", "typical"}:
+        _refuse(params, "realism", profile, "ideal or typical")
+    return profile == "typical"
+
+
+def _seed(params: Parameters) -> int:
+    seed = params.get_int("realism_seed", 0)
+    if seed < 0:
+        _refuse(params, "realism_seed", seed, "0 or more")
+    return seed
 
 
 def _most_lost_packets(params: Parameters) -> int:

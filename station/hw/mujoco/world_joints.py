@@ -131,6 +131,7 @@ class WorldJoints:
             limits=doubles(self.effort_limits),
             passive_damping=doubles(self.damping),
             armature=doubles(self.armature),
+            applied=_view(data.qfrc_applied, dofs),
         )
 
     def set_controls(self, controls: list[float]) -> None:

@@ -86,6 +86,7 @@ class ArmDrive:
         else:
             self._follow()
         motors.apply()
+        self._faults.finish_cycle()
         self._step.has_faults = self._faults.act
 
     def _follow(self) -> None:

@@ -1,9 +1,12 @@
 """Build a simulated arm and its world from the parameters of FrankaHW."""
 
+from dataclasses import replace
+
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.franka_parameters import FrankaParameters
 from station.hw.franka.simulated.franka_world import ArmPlacement, FrankaWorld, simulate
+from station.hw.franka.simulated.realism import TYPICAL, Realism
 from station.hw.mujoco.scene import read_scene
 
 
@@ -21,7 +24,14 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
         parameters.limits,
         parameters.thresholds,
         parameters.service_limits,
+        _realism_of(parameters),
     )
+
+
+def _realism_of(parameters: FrankaParameters) -> Realism | None:
+    if not parameters.is_realistic:
+        return None
+    return replace(TYPICAL, seed=parameters.realism_seed)
 
 
 def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> FrankaWorld:

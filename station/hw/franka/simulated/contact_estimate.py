@@ -16,6 +16,7 @@ import numpy as np
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
@@ -72,6 +73,10 @@ class ContactEstimate:
         # the excess at the last collision or recovery, plus one threshold.
         self._known = [0.0] * 13
 
+    def set_behavior(self, behavior: CollisionBehavior) -> None:
+        """Take new thresholds over."""
+        self.behavior = behavior
+
     def update(self) -> list[ArmError]:
         """Bring torques, wrench and contacts up to date; return the new collisions."""
         external = self._joints.read_external_forces()
@@ -105,6 +110,9 @@ class ContactEstimate:
         self._known = [0.0] * 13
         self._update_wrench()
         self._update_levels()
+
+    def renew(self) -> None:
+        """Take new frames over; nothing is kept that depends on them."""
 
     def _update_wrench(self) -> None:
         state = self._state

@@ -19,6 +19,7 @@ from station.hw.franka.simulated.end_effector import (
     end_effector_of,
     nominal_frame_of,
 )
+from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.franka.simulated.simulated_gripper import OPEN_WIDTH, SimulatedGripper
 from station.hw.mujoco.model_builder import (
@@ -58,6 +59,7 @@ class ArmPlacement:
         limits: Limits of this kind of arm.
         thresholds: Thresholds that Franka does not publish.
         service_limits: The largest pushes.
+        realism: What disturbs the arm; None for an ideal arm.
     """
 
     arm_id: str
@@ -67,6 +69,7 @@ class ArmPlacement:
     limits: ArmLimits = PANDA_LIMITS
     thresholds: SupervisorLimits = field(default_factory=SupervisorLimits)
     service_limits: ServiceLimits = field(default_factory=ServiceLimits)
+    realism: Realism | None = None
 
 
 class FrankaWorld(SharedWorld):
@@ -176,10 +179,12 @@ def _make_arm(
         service_limits=placement.service_limits,
         hand=hand if hand in urdf.links else f"{prefix}link7",
         gravity=local,
+        realism=placement.realism,
     )
     arm.frames.set_end_effector(
         end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
     )
+    arm.contact.renew()
     return arm
 
 

@@ -28,13 +28,14 @@ class SensorFaults:
         self._joints = joints
         self._hand = hand
         self._lost = 0
+        self._drops = False
         self._stuck: dict[int, int] = {}
         self._blind: dict[int, int] = {}
 
     @property
     def act(self) -> bool:
         """Whether a fault is active that the arm's cycle must attend to."""
-        return bool(self._lost or self._stuck or self._blind)
+        return bool(self._lost or self._stuck or self._blind or self._drops)
 
     def inject(self, fault: SimulatedFault) -> None:
         """Begin a fault; a present fault of the same kind ends.
@@ -62,6 +63,7 @@ class SensorFaults:
     def clear(self) -> None:
         """End every fault and every push."""
         self._lost = 0
+        self._drops = False
         self._blind.clear()
         self._world.end_pushes()
         for index in list(self._stuck):
@@ -93,9 +95,17 @@ class SensorFaults:
     def loses_packet(self) -> bool:
         """Return whether this cycle's command is lost; counts the cycle."""
         if not self._lost:
-            return False
+            return self._drops
         self._lost -= 1
         return True
+
+    def drop(self) -> None:
+        """Lose the next command, as a network does now and then: no fault."""
+        self._drops = True
+
+    def finish_cycle(self) -> None:
+        """Forget a dropped command: its cycle is over."""
+        self._drops = False
 
     def disturb(self, state: RobotState) -> None:
         """Replace the readings of blind sensors in the state by NaN."""

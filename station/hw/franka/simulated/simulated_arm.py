@@ -30,7 +30,10 @@ from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_sensors import ArmSensors
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 from station.hw.franka.simulated.contact_estimate import ContactEstimate
+from station.hw.franka.simulated.joint_friction import JointFriction
 from station.hw.franka.simulated.motion_follower import MotionFollower
+from station.hw.franka.simulated.observed_contact import ObservedContact
+from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
@@ -63,6 +66,7 @@ class SimulatedArm(RobotArm):
         hand: Body that a simulated collision hits.
         gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
         service_limits: The largest pushes.
+        realism: What disturbs the arm; None for an ideal arm.
 
     Attributes:
         frames: Frames and derived state.
@@ -82,6 +86,7 @@ class SimulatedArm(RobotArm):
         hand: str = "",
         gravity: Sequence[float] = GRAVITY_EARTH,
         service_limits: ServiceLimits | None = None,
+        realism: Realism | None = None,
     ) -> None:
         self.cycle_time = world.timestep
         state = self.state = RobotState()
@@ -90,9 +95,8 @@ class SimulatedArm(RobotArm):
         self._world = world
         joints = world.joints(joint_names)
         thresholds = thresholds or SupervisorLimits()
-        cycle = ArmCycle(
-            state, limits, thresholds, joints.simulator_memory(), world.timestep
-        )
+        simulator = joints.simulator_memory()
+        cycle = ArmCycle(state, limits, thresholds, simulator, world.timestep)
         self._motion, self._step = cycle.motion, cycle.step
         self._follower = MotionFollower(state, cycle, limits, world.timestep)
         self.motors = ArmMotors(joints, state, cycle)
@@ -112,9 +116,22 @@ class SimulatedArm(RobotArm):
             faults=self._faults,
             period=world.timestep,
         )
-        self.contact = ContactEstimate(
-            joints, state, limits, self._sensors.load_torques
-        )
+        self.contact: ContactEstimate
+        self._observed: ObservedContact | None = None
+        load_torques = self._sensors.load_torques
+        if realism is None:
+            self.contact = ContactEstimate(joints, state, limits, load_torques)
+        else:
+            self.contact = self._observed = ObservedContact(
+                joints,
+                state,
+                limits,
+                load_torques,
+                realism=realism,
+                cycle=cycle,
+                simulator=simulator,
+            )
+            world.add_actor(JointFriction(self._observed.rub))
         self._modes = ArmModes(
             world,
             state,
@@ -158,6 +175,8 @@ class SimulatedArm(RobotArm):
         if self._cycle_of_state < world.step_count:
             self._cycle_of_state = steps = world.step_count
             found = self._sensors.read(steps * self.cycle_time)
+            if self._observed is not None:
+                self._observe(self._observed)
             if (
                 found
                 or world.pushes
@@ -252,11 +271,13 @@ class SimulatedArm(RobotArm):
     def set_end_effector_frame(self, frame: Sequence[float]) -> None:
         self._refuse_while_moving("end effector frame")
         self.frames.set_frame(frame)
+        self.contact.renew()
 
     @override
     def set_stiffness_frame(self, frame: Sequence[float]) -> None:
         self._refuse_while_moving("stiffness frame")
         self.frames.set_stiffness_frame(frame)
+        self.contact.renew()
 
     @override
     def set_load(self, load: Load) -> None:
@@ -264,12 +285,14 @@ class SimulatedArm(RobotArm):
         self.frames.set_load(load)
         self.load.load = load
         self._step.has_load = bool(load.mass)
+        if self._observed is not None:
+            self._observed.expect_load()
         self.motors.carry(_ZEROS)
 
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
         self._refuse_while_moving("collision behaviour")
-        self.contact.behavior = behavior
+        self.contact.set_behavior(behavior)
 
     @override
     def check_recovery(self) -> None:
@@ -317,6 +340,15 @@ class SimulatedArm(RobotArm):
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
+
+    def _observe(self, contact: ObservedContact) -> None:
+        """Disturb the readings, and now and then lose a command."""
+        if self._step.has_load:
+            contact.expect_load()
+        contact.sense()
+        if contact.loses and self.state.robot_mode is RobotMode.MOVE:
+            self._faults.drop()
+            self._step.has_faults = True
 
     def _supervise(self, found: int) -> None:
         """Look closer at contacts and readings.

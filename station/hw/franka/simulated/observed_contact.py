@@ -1,0 +1,168 @@
+"""Contacts as a real arm sees them: through noisy sensors and a model with errors."""
+
+import random
+from collections.abc import Callable
+from math import pi
+
+from typing_extensions import override
+
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_model import Frame
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import CollisionBehavior
+from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.simulated.arm_cycle import ArmCycle
+from station.hw.franka.simulated.contact_estimate import SINGULAR, ContactEstimate
+from station.hw.franka.simulated.realism import Realism
+from station.hw.mujoco.world_joints import WorldJoints
+from station.kernel.doubles import Doubles, doubles, put
+from station.kernel.imperfections import MOVED, TOUCHED, Imperfections
+from station.kernel.simulator_memory import SimulatorMemory
+
+_NUMBERS = 16381
+"""How many random numbers there are. They are drawn in pairs of a cycle's 14, and the
+number is prime, so a joint gets the same ones again after 16 s at the earliest."""
+_REACH = 0.01
+"""How far a joint may turn until the Jacobian is computed anew [rad]: 1 % of wrench."""
+
+
+class ObservedContact(ContactEstimate):
+    """Keeps external torques and contact levels up to date as an observer finds them.
+
+    Control thread only.
+
+    Args:
+        joints: The arm's joints in the world.
+        state: The arm's state.
+        limits: The arm's limits.
+        load_torques: As for `ContactEstimate`.
+        realism: What disturbs the arm.
+        cycle: The arithmetic of the arm's cycle.
+        simulator: The simulator's memory of the joints.
+
+    Attributes:
+        rub: Lets the joints' friction act in the coming step.
+        loses: Whether the next command is to be lost on its way.
+    """
+
+    def __init__(
+        self,
+        joints: WorldJoints,
+        state: RobotState,
+        limits: ArmLimits,
+        load_torques: Callable[[], list[float] | None],
+        *,
+        realism: Realism,
+        cycle: ArmCycle,
+        simulator: SimulatorMemory,
+    ) -> None:
+        self._kernel = Imperfections(
+            cycle.memory,
+            simulator,
+            noise=_random_numbers(realism.seed),
+            estimate=state.doubles("tau_ext_hat_filtered"),
+            wrench=state.doubles("O_F_ext_hat_K"),
+            turned=state.doubles("K_F_ext_hat_K"),
+            period=joints.timestep,
+        )
+        _set(self._kernel, realism, joints.timestep)
+        self.rub = self._kernel.rub
+        self._sense = self._kernel.sense
+        self._dice = random.Random(realism.seed)
+        self._losses = realism.losses
+        self._seed = realism.seed
+        self._cycles_to_loss = 0
+        self.loses = False
+        super().__init__(joints, state, limits, load_torques)
+        self.set_behavior(self.behavior)
+
+    @override
+    def set_behavior(self, behavior: CollisionBehavior) -> None:
+        super().set_behavior(behavior)
+        nominal = (
+            *behavior.lower_torque_thresholds_nominal,
+            *behavior.lower_force_thresholds_nominal,
+        )
+        accelerating = (
+            *behavior.lower_torque_thresholds_acceleration,
+            *behavior.lower_force_thresholds_acceleration,
+        )
+        put(self._kernel.lower, map(min, nominal, accelerating))
+
+    def sense(self) -> bool:
+        """Disturb the readings of a step, and estimate what acts from outside.
+
+        Returns:
+            Whether contacts must be looked at: `update`.
+        """
+        self._cycles_to_loss -= 1
+        self.loses = not self._cycles_to_loss
+        if self.loses:
+            self._draw_loss()
+        found = self._sense()
+        if found & MOVED:
+            self.renew()
+        if found & TOUCHED:
+            self.is_quiet = False
+        return not self.is_quiet
+
+    @override
+    def update(self) -> list[ArmError]:
+        if self.is_quiet:
+            return []
+        found = self._update_levels()
+        state = self._state
+        self.is_quiet = not (
+            any(state.joint_contact) or any(state.cartesian_contact) or any(self._known)
+        )
+        return found
+
+    def expect_load(self) -> None:
+        """Take over the torques for the configured load."""
+        put(self._kernel.expected, self._load_torques() or [0.0] * 7)
+
+    @override
+    def reset(self) -> None:
+        self._kernel.rest()
+        self.renew()
+        self._dice.seed(self._seed)
+        self._draw_loss()
+        self.loses = False
+        super().reset()
+
+    @override
+    def _update_wrench(self) -> None:
+        """Nothing is left to do: the kernel computes the wrench in every cycle."""
+
+    @override
+    def renew(self) -> None:
+        state, kernel = self._state, self._kernel
+        frames = (state.F_T_EE, state.EE_T_K)
+        put(kernel.pose, frame_pose(Frame.STIFFNESS, state.theta, *frames))
+        put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, state.theta, *frames))
+        kernel.renew(SINGULAR)
+
+    def _draw_loss(self) -> None:
+        """Draw after how many cycles the next command is lost."""
+        if self._losses > 0.0:
+            wait = self._dice.expovariate(self._losses)
+            self._cycles_to_loss = 1 + round(wait)
+
+
+def _random_numbers(seed: int) -> Doubles:
+    dice = random.Random(seed)
+    return doubles(dice.gauss(0.0, 1.0) for _ in range(_NUMBERS))
+
+
+def _set(kernel: Imperfections, realism: Realism, period: float) -> None:
+    put(kernel.level, realism.friction_level)
+    put(kernel.slope, realism.friction_slope)
+    put(kernel.shift, realism.friction_shift)
+    put(kernel.torque_noise, realism.torque_noise)
+    put(kernel.torque_bias, realism.torque_bias)
+    put(kernel.velocity_noise, realism.velocity_noise)
+    put(kernel.model_error, realism.model_error)
+    kernel.reach = _REACH
+    kernel.gain = period / (period + 1.0 / (2.0 * pi * realism.observer_frequency))
+    kernel.settle()

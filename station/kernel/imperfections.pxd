@@ -1,0 +1,54 @@
+cimport cython
+from station.kernel.joint_memory cimport JointMemory
+from station.kernel.simulator_memory cimport SimulatorMemory
+from station.kernel.wrench_equation cimport WrenchEquation
+from station.kernel.functions cimport exponential
+
+cdef int _MOVED, _TOUCHED
+cdef double _LARGEST_POWER
+
+cdef class Imperfections:
+    cdef readonly Py_ssize_t size
+    cdef JointMemory memory
+    cdef SimulatorMemory simulator
+    cdef WrenchEquation equation
+    cdef double[::1] noise
+    cdef double[::1] estimate
+    cdef double[::1] wrench
+    cdef double[::1] turned
+    cdef double period
+    cdef readonly double[::1] level
+    cdef readonly double[::1] slope
+    cdef readonly double[::1] shift
+    cdef double[::1] offset
+    cdef readonly double[::1] torque_noise
+    cdef readonly double[::1] torque_bias
+    cdef readonly double[::1] velocity_noise
+    cdef readonly double[::1] model_error
+    cdef readonly double[::1] expected
+    cdef readonly double[::1] lower
+    cdef readonly double[::1] jacobian
+    cdef readonly double[::1] pose
+    cdef readonly double[::1] place
+    cdef double[::1] velocity
+    cdef double[::1] change
+    cdef double[::1] momentum
+    cdef public double reach
+    cdef public double gain
+    cdef readonly bint has_wrench
+    cdef Py_ssize_t drawn
+
+    cpdef settle(self)
+    cpdef rest(self)
+    cpdef renew(self, double singular)
+    @cython.locals(i=Py_ssize_t, power=double)
+    cpdef bint rub(self)
+    @cython.locals(i=Py_ssize_t)
+    cpdef int sense(self)
+    @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, count=Py_ssize_t, measured=double, error=double)
+    cpdef disturb(self)
+    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double)
+    cpdef observe(self)
+    @cython.locals(i=Py_ssize_t, axis=Py_ssize_t)
+    cpdef compute_wrench(self)
+    cpdef bint is_touched(self)

@@ -1,0 +1,224 @@
+"""How the joints of a real arm differ from their model: friction, noise, an estimate.
+
+    friction:  tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
+    observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
+
+The friction acts behind the torque sensor, so the sensor reads the torque that
+overcomes it. The observer gets what a real one has: the measured torques, the change of
+the momentum at the measured velocities, and a model that is not quite right.
+"""
+
+from station.kernel.doubles import Doubles, zeros
+from station.kernel.functions import exponential
+from station.kernel.joint_memory import JointMemory
+from station.kernel.simulator_memory import SimulatorMemory
+from station.kernel.wrench_equation import WrenchEquation
+
+MOVED = 1
+"""A joint is too far away from where the Jacobian was computed."""
+TOUCHED = 2
+"""A torque or a component of the wrench is above its lower threshold."""
+
+_LARGEST_POWER = 700.0  # the exponential of more is no finite number
+_MOVED = MOVED
+_TOUCHED = TOUCHED
+
+
+class Imperfections:
+    """Disturbs n joints, and estimates what acts on them from outside.
+
+    Args:
+        memory: State of the joints; the velocities and torques are disturbed.
+        simulator: The simulator's memory of the joints, which follow one another from
+            a fixed base.
+        noise: Random numbers of mean 0 and variance 1, used over and over.
+        estimate: Where the estimated external torques go [Nm], shape (n,).
+        wrench: Where the wrench goes, in the axes of the base [N, Nm], shape (6,).
+        turned: Where it goes in the axes of the stiffness frame, shape (6,).
+        period: Duration of a cycle [s], > 0.
+
+    Attributes:
+        level, slope, shift: The friction [Nm, s/rad, rad/s], shape (n,).
+        torque_noise: Standard deviation of the torque sensors [Nm], shape (n,).
+        torque_bias: What the torque sensors add [Nm], shape (n,).
+        velocity_noise: Standard deviation of the velocities [rad/s], shape (n,).
+        model_error: By which share the bias forces of the observer's model are too
+            large, shape (n,).
+        expected: Torques of a configured load [Nm], shape (n,).
+        lower: Thresholds of torques, then of the wrench, shape (n + 6,).
+        jacobian: Jacobian of the stiffness frame, axes of the base, column-major.
+        pose: Pose of the stiffness frame, 16 numbers, column-major.
+        place: Positions for which Jacobian and pose were computed [rad], shape (n,).
+        reach: How far a joint may be from there [rad].
+        gain: Share of the difference by which the estimate moves in a cycle, 0 to 1.
+        has_wrench: Whether the Jacobian is far enough from singular.
+    """
+
+    def __init__(
+        self,
+        memory: JointMemory,
+        simulator: SimulatorMemory,
+        *,
+        noise: Doubles,
+        estimate: Doubles,
+        wrench: Doubles,
+        turned: Doubles,
+        period: float,
+    ) -> None:
+        size = self.size = memory.size
+        self.memory = memory
+        self.simulator = simulator
+        self.noise = noise
+        self.estimate = estimate
+        self.wrench = wrench
+        self.turned = turned
+        self.period = period
+        self.level = zeros(size)
+        self.slope = zeros(size)
+        self.shift = zeros(size)
+        self.offset = zeros(size)
+        self.torque_noise = zeros(size)
+        self.torque_bias = zeros(size)
+        self.velocity_noise = zeros(size)
+        self.model_error = zeros(size)
+        self.expected = zeros(size)
+        self.lower = zeros(size + 6)
+        self.jacobian = zeros(6 * size)
+        self.pose = zeros(16)
+        self.place = zeros(size)
+        self.reach = 0.0
+        self.gain = 1.0
+        self.has_wrench = False
+        self.equation = WrenchEquation()
+        self.drawn = 0
+        self.velocity = zeros(size)  # as measured
+        self.change = zeros(size)
+        self.momentum = zeros(size)
+
+    def settle(self) -> None:
+        """Take the friction's parameters over."""
+        for i in range(self.size):
+            self.offset[i] = self.level[i] / (
+                1.0 + exponential(-self.slope[i] * self.shift[i])
+            )
+
+    def rest(self) -> None:
+        """Begin anew at rest: no estimate, and the first random numbers again."""
+        self.drawn = 0
+        for i in range(self.size):
+            self.velocity[i] = 0.0
+            self.estimate[i] = 0.0
+        for i in range(6):
+            self.wrench[i] = 0.0
+            self.turned[i] = 0.0
+
+    def renew(self, singular: float) -> None:
+        """Take over Jacobian and pose, which somebody has computed for `theta`.
+
+        Args:
+            singular: Smallest singular value of a Jacobian that gives a wrench.
+        """
+        self.has_wrench = self.equation.factorise(self.jacobian, -singular * singular)
+        if self.has_wrench:
+            self.has_wrench = self.equation.factorise(self.jacobian, 0.0)
+        for i in range(self.size):
+            self.place[i] = self.memory.theta[i]
+
+    def rub(self) -> bool:
+        """Let the friction act in the coming step; return True."""
+        velocities, applied = self.simulator.velocities, self.simulator.applied
+        level, slope, shift = self.level, self.slope, self.shift
+        offset = self.offset
+        for i in range(self.size):
+            power = -slope[i] * (velocities[i] + shift[i])
+            if power > _LARGEST_POWER:
+                power = _LARGEST_POWER
+            applied[i] = offset[i] - level[i] / (1.0 + exponential(power))
+        return True
+
+    def sense(self) -> int:
+        """Disturb the readings of the last step, and bring the estimates up to date.
+
+        Returns:
+            A sum of `MOVED` and `TOUCHED`, 0 in a usual cycle.
+        """
+        self.disturb()
+        self.observe()
+        result = 0
+        theta, place, reach = self.memory.theta, self.place, self.reach
+        for i in range(self.size):
+            if abs(theta[i] - place[i]) > reach:
+                result = _MOVED
+        self.compute_wrench()
+        if self.is_touched():
+            result += _TOUCHED
+        return result
+
+    def disturb(self) -> None:
+        """Add noise and bias to velocities and torques."""
+        memory, noise = self.memory, self.noise
+        dq, dtheta, tau, dtau = memory.dq, memory.dtheta, memory.tau_J, memory.dtau_J
+        velocity, change = self.velocity, self.change
+        drawn, count = self.drawn, len(noise)
+        for i in range(self.size):
+            if drawn + 2 > count:
+                drawn = 0
+            measured = dtheta[i] + self.velocity_noise[i] * noise[drawn]
+            error = self.torque_bias[i] + self.torque_noise[i] * noise[drawn + 1]
+            drawn += 2
+            change[i] = measured - velocity[i]
+            velocity[i] = measured
+            dq[i] = measured
+            dtau[i] += error / self.period
+            tau[i] += error
+        self.drawn = drawn
+
+    def observe(self) -> None:
+        """Move the estimate towards what the measured motion does not explain."""
+        simulator, momentum, change = self.simulator, self.momentum, self.change
+        inertia, diagonal = simulator.inertia, simulator.diagonal
+        bias, armature = simulator.bias, simulator.armature
+        tau, estimate, gain = self.memory.tau_J, self.estimate, self.gain
+        period = self.period
+        for i in range(self.size):
+            # A row of the inertia matrix ends with its diagonal element. The rotors
+            # turn before the torque sensors.
+            row = diagonal[i] - i
+            total = (inertia[row + i] - armature[i]) * change[i]
+            for j in range(i):
+                element = inertia[row + j]
+                total += element * change[j]
+                momentum[j] += element * change[i]
+            momentum[i] = total
+        for i in range(self.size):
+            needed = momentum[i] / period + (1.0 + self.model_error[i]) * bias[i]
+            external = tau[i] - needed - self.expected[i]
+            estimate[i] += gain * (external - estimate[i])
+
+    def compute_wrench(self) -> None:
+        """Compute the wrench that belongs to the estimated torques, or 0."""
+        wrench, turned, pose = self.wrench, self.turned, self.pose
+        jacobian, estimate = self.jacobian, self.estimate
+        for axis in range(6):
+            wrench[axis] = 0.0
+        if self.has_wrench:
+            for i in range(self.size):
+                for axis in range(6):
+                    wrench[axis] += jacobian[6 * i + axis] * estimate[i]
+            self.equation.solve(wrench, wrench)
+        for axis in range(3):
+            x, y, z = pose[4 * axis], pose[4 * axis + 1], pose[4 * axis + 2]
+            turned[axis] = x * wrench[0] + y * wrench[1] + z * wrench[2]
+            turned[axis + 3] = x * wrench[3] + y * wrench[4] + z * wrench[5]
+
+    def is_touched(self) -> bool:
+        """Return whether an estimate is above its lower threshold."""
+        lower = self.lower
+        size = self.size
+        for i in range(size):
+            if not abs(self.estimate[i]) <= lower[i]:
+                return True
+        for i in range(6):
+            if not abs(self.turned[i]) <= lower[size + i]:
+                return True
+        return False

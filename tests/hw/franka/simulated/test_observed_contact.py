@@ -1,0 +1,166 @@
+"""What an arm with friction, noise and an observer reports, and what really acts."""
+
+from dataclasses import replace
+from math import exp, inf
+
+import mujoco
+import numpy as np
+import pytest
+
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import Pose
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.franka.franka_services import CollisionBehavior
+from station.hw.franka.simulated.franka_world import (
+    ArmPlacement,
+    FrankaWorld,
+    simulate,
+)
+from station.hw.franka.simulated.realism import TYPICAL, Realism
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
+from station.hw.mujoco.push import Push
+
+NAMES = [f"panda_joint{number}" for number in range(1, 8)]
+NONE = (0.0,) * 7
+PERFECT = Realism(NONE, NONE, NONE, NONE, NONE, NONE, NONE, inf, 0.0)
+"""Nothing is disturbed, and the observer answers at once."""
+
+
+def make(realism: Realism | None) -> FrankaWorld:
+    # High above the floor, so that no pose touches it.
+    description = load_robot_files("example-robot-data:panda")
+    base = Pose((0.0, 0.0, 2.0))
+    return simulate([ArmPlacement("panda", description, base, realism=realism)])
+
+
+def let_go(arm: SimulatedArm) -> None:
+    """Let the arm move freely: its motors only carry it, and it minds no contact."""
+    never = CollisionBehavior(*((1e6,) * 7,) * 4, *((1e6,) * 6,) * 4)
+    arm.set_collision_behavior(never)
+    arm.motors.engage_torques()
+
+
+def test_an_undisturbed_observer_finds_the_torques_of_a_push_of_a_moving_arm() -> None:
+    simulation = make(PERFECT)
+    arm, world = simulation.arms["panda"], simulation.world
+    joints = world.joints(NAMES)
+    let_go(arm)
+    world.push(Push("panda_hand", (15.0, 25.0, 10.0)), 100)
+    for _ in range(100):
+        arm.read_once()
+        # The arm's torque on its environment is the environment's on the arm, reversed.
+        assert arm.state.tau_ext_hat_filtered == pytest.approx(
+            [-force for force in joints.read_external_forces()], abs=1e-3
+        )
+    assert max(map(abs, arm.state.dq)) > 0.3
+    assert max(map(abs, arm.state.tau_ext_hat_filtered)) > 5.0
+
+
+def test_the_wrench_is_the_one_that_pushes_the_hand() -> None:
+    simulation = make(PERFECT)
+    arm = simulation.arms["panda"]
+    arm.frames.set_stiffness_frame(arm.state.EE_T_K)
+    simulation.world.push(Push("panda_hand", (0.0, 0.0, -15.0)), 600)
+    for _ in range(500):
+        arm.read_once()
+    # K lies at the fingertips, the push acts at the hand's centre: forces are the same.
+    assert arm.state.O_F_ext_hat_K[:3] == pytest.approx([0.0, 0.0, 15.0], abs=0.8)
+
+
+def test_a_reset_arm_repeats_every_reading_bit_for_bit() -> None:
+    simulation = make(TYPICAL)
+    arm = simulation.arms["panda"]
+    begin = simulation.world.step_count
+
+    def readings() -> list[list[float]]:
+        simulation.world.reset()
+        found = []
+        for _ in range(200):
+            state = arm.read_once()
+            found.append([*state.dq, *state.tau_J, *state.tau_ext_hat_filtered])
+        return found
+
+    assert readings() == readings()
+    other = make(replace(TYPICAL, seed=1)).arms["panda"]
+    assert other.read_once().dq != readings()[0][:7]
+    assert simulation.world.step_count > begin
+
+
+def test_the_noise_at_rest_has_the_published_size() -> None:
+    arm = make(TYPICAL).arms["panda"]
+    rows = [(s.dq, s.tau_J) for s in (arm.read_once() for _ in range(4000))]
+    velocities, torques = (np.array(column) for column in zip(*rows, strict=True))
+    assert velocities.std(axis=0) == pytest.approx(TYPICAL.velocity_noise, rel=0.1)
+    noise = np.diff(torques, axis=0).std(axis=0) / np.sqrt(2.0)
+    assert noise == pytest.approx(TYPICAL.torque_noise, rel=0.1)
+
+
+def test_the_friction_follows_the_published_curve() -> None:
+    """The torque that keeps a joint at a constant speed is the friction of [1]."""
+    simulation = make(replace(PERFECT, **friction()))
+    arm, data = simulation.arms["panda"], simulation.world.data
+    for velocity in (-1.0, -0.1, 0.02, 0.5):
+        simulation.world.reset()
+        let_go(arm)
+        data.qvel[:7] = velocity
+        arm.read_once()
+        applied = data.qfrc_applied[:7].tolist()
+        level, slope, shift = friction().values()
+        assert applied == pytest.approx([
+            a / (1.0 + exp(-b * c)) - a / (1.0 + exp(-b * (velocity + c)))
+            for a, b, c in zip(level, slope, shift, strict=True)
+        ])
+        assert all(torque * velocity < 0.0 for torque in applied)
+
+
+def friction() -> dict[str, tuple[float, ...]]:
+    return {
+        "friction_level": TYPICAL.friction_level,
+        "friction_slope": TYPICAL.friction_slope,
+        "friction_shift": TYPICAL.friction_shift,
+    }
+
+
+def test_energy_never_grows_in_free_motion() -> None:
+    simulation = make(replace(TYPICAL, losses=0.0))
+    arm, world = simulation.arms["panda"], simulation.world
+    let_go(arm)
+    world.data.qvel[:7] = [0.5, -0.4, 0.3, 0.5, -1.0, 0.8, 1.0]
+    begun = before = kinetic_energy(simulation)
+    for _ in range(1500):
+        arm.read_once()
+        # The motors carry the weight, so all energy is motion.
+        energy = kinetic_energy(simulation)
+        assert energy <= before + 1e-6
+        before = energy
+    assert before < begun / 5.0
+
+
+def kinetic_energy(simulation: FrankaWorld) -> float:
+    model, data = simulation.world.model, simulation.world.data
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return 0.5 * float(data.qvel @ full @ data.qvel)
+
+
+def test_an_arm_at_rest_touches_nothing_and_loses_no_command() -> None:
+    arm = make(TYPICAL).arms["panda"]
+    for _ in range(5000):
+        arm.read_once()
+    state = arm.state
+    assert state.robot_mode is RobotMode.IDLE
+    assert not any((*state.joint_contact, *state.cartesian_contact))
+    assert 0.05 < max(map(abs, state.tau_ext_hat_filtered)) < 3.0
+
+
+def test_a_blow_is_noticed_within_the_published_reaction_time() -> None:
+    simulation = make(TYPICAL)
+    arm = simulation.arms["panda"]
+    for _ in range(200):
+        arm.read_once()
+    simulation.world.push(Push("panda_hand", (0.0, 60.0, 0.0)), 100)
+    cycles = 0
+    while not any((*arm.state.joint_collision, *arm.state.cartesian_collision)):
+        arm.read_once()
+        cycles += 1
+        assert cycles <= 50, "50 ms is the reaction time of the data sheet"
