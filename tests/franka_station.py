@@ -14,11 +14,16 @@ def make_franka_station(*, objects: Sequence[object] = (), **robot: object) -> S
 
     Args:
         objects: What stands around the robot, as in the configuration.
-        robot: More parameters of the robot.
+        robot: More parameters of the robot, which is ideal unless they say otherwise.
     """
     station = Bench(
         FrankaHW(),
-        {"arm_id": "panda", "robot_description": "example-robot-data:panda", **robot},
+        {
+            "arm_id": "panda",
+            "robot_description": "example-robot-data:panda",
+            "realism": "ideal",
+            **robot,
+        },
         root_parameters={"scene": {"objects": list(objects)}},
     ).make_station()
     group = "position_controllers/JointGroupPositionController"

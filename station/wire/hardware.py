@@ -100,7 +100,8 @@ class Clamp(ResponseModel):
 
     Attributes:
         joint: Its name.
-        hardware_interface: The interface that was commanded.
+        hardware_interface: The interface that was commanded; `simulated brakes` when
+            the brakes of a simulated joint have held its velocity.
         count: Number of cycles since the station started.
         asked: The last command that was cut off, in the unit of the interface.
         given: What the joint got instead.

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from station.core.hardware.robot_report import ClampReport
+
 
 class FaultKind(Enum):
     """The kinds of faults that can be injected into a simulation."""
@@ -112,3 +114,7 @@ class ArmSimulation(ABC):
     @abstractmethod
     def clear_faults(self) -> None:
         """End all faults and all pushes."""
+
+    @abstractmethod
+    def clamps(self) -> list[ClampReport]:
+        """Return which joints the simulation's own brakes have held. Any thread."""

@@ -262,7 +262,9 @@ class FrankaHW(RobotHW):
 
     @override
     def clamps(self) -> Sequence[ClampReport]:
-        return self.commands.clamps()
+        simulation = self.arm.simulation()
+        braked = [] if simulation is None else simulation.clamps()
+        return [*self.commands.clamps(), *braked]
 
     @override
     def check_period(self, period: float) -> None:

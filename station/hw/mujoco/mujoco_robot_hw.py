@@ -191,7 +191,7 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def clamps(self) -> Sequence[ClampReport]:
-        return self._limits.clamps()
+        return [*self._limits.clamps(), *self.world.brakes.clamps(self._names)]
 
     @override
     def check_period(self, period: float) -> None:

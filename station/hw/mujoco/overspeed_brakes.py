@@ -16,18 +16,22 @@ The brakes only remove energy. Within the limits the brakes do nothing, so they 
 change a motion that respects the limits. Mimic joints have brakes of their own.
 """
 
-from collections.abc import Mapping
-from math import inf, sqrt
+from collections.abc import Iterable, Mapping
+from math import copysign, inf, sqrt
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from station.core.hardware.limits.joint_limits_handle import Clamp, ClampReason
+from station.core.hardware.robot_report import ClampReport
 from station.kernel.doubles import as_doubles
 from station.kernel.speed_check import SpeedCheck
 
 OVERSPEED = 1.015
 """Share of its velocity limit above which a joint is braked."""
+BRAKES = "simulated brakes"
+"""What a report of clamps names in the place of a hardware interface."""
 MAX_SQUARED_VELOCITY = 1e10
 """Sum of squared joint velocities above which a simulation has diverged. No machine
 reaches such velocities; MuJoCo itself gives up at 1e10 for a single velocity."""
@@ -47,6 +51,8 @@ class OverspeedBrakes:
         forces: Mean force of the brakes in the last step [Nm or N], one per degree of
             freedom of the model, shape (nv,); in place.
         braked_steps: Steps in which a brake acted.
+        counts: The same for each degree of freedom, shape (nv,).
+        asked: Velocities before the brakes acted the last time, shape (nv,).
         has_acted: Whether a brake acted in the last step.
         are_sane: Return whether all velocities are possible and within their limits.
             The answer False alone does not mean that a joint is too fast.
@@ -68,6 +74,24 @@ class OverspeedBrakes:
         self.has_acted = False
         self.forces = np.zeros(model.nv)
         self.braked_steps = 0
+        self.counts = np.zeros(model.nv, dtype=np.int64)
+        self.asked = np.zeros(model.nv)
+
+    def clamps(self, names: Iterable[str]) -> list[ClampReport]:
+        """Return which of some joints were braked. Any thread.
+
+        Args:
+            names: Joints with one degree of freedom.
+        """
+        reports = []
+        for name in names:
+            dof = int(self._model.joint(name).dofadr[0])
+            if count := int(self.counts[dof]):
+                asked = float(self.asked[dof])
+                given = copysign(float(self._bounds[dof]), asked)
+                last = Clamp(name, asked, given, ClampReason.VELOCITY)
+                reports.append(ClampReport(BRAKES, count, last))
+        return reports
 
     def set_limits(self, limits: Mapping[int, float]) -> None:
         """Set the velocity limits of some joints.
@@ -93,6 +117,9 @@ class OverspeedBrakes:
         # too: the world reports a NaN as a divergence.
         if not relative.dot(relative) > 1.0 or not np.abs(relative).max() > 1.0:
             return
+        fast = np.abs(relative) > 1.0
+        self.asked[fast] = self._qvel[fast]
+        self.counts += fast
         braked = np.flatnonzero(self._shares)
         response = self._response(braked)
         impulses = _find_impulses(

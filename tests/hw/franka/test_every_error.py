@@ -314,6 +314,7 @@ def test_error_is_raised_by_its_cause(cause: Cause, unlimited: str) -> None:
     parameters = {
         "arm_id": "panda",
         "robot_description": unlimited,
+        "realism": "ideal",
         "rate_limiting": False,
         "cutoff_frequency": 1000.0,
         "initial_positions": list(cause.positions),

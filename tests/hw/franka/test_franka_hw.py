@@ -41,7 +41,7 @@ MODES = ["none", *INTERFACES]
 
 
 def make(**parameters: object) -> FrankaHW:
-    tree = ParameterTree({"robot": {**ROBOT, **parameters}})
+    tree = ParameterTree({"robot": {**ROBOT, "realism": "ideal", **parameters}})
     hw = FrankaHW()
     hw.init(Parameters(tree), Parameters(tree, "robot"))
     return hw

@@ -115,3 +115,15 @@ def test_joint_velocity_that_is_not_finite_is_not_braked(bench: Bench) -> None:
     bench.data.qvel[0] = np.nan
     bench.brakes.act()
     assert bench.brakes.braked_steps == 0
+
+
+def test_what_was_braked_is_reported_joint_by_joint(bench: Bench) -> None:
+    assert bench.brakes.clamps("ab") == []
+    for velocity in (3.0, -4.0):
+        bench.data.qvel[:3] = [velocity, 0.0, 0.0]
+        bench.brakes.act()
+    (report,) = [one for one in bench.brakes.clamps("ab") if one.last.joint == "a"]
+    assert report.hardware_interface == "simulated brakes"
+    assert report.count == 2
+    assert report.last.asked == -4.0
+    assert report.last.given == pytest.approx(-OVERSPEED)

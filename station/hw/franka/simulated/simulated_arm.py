@@ -75,7 +75,7 @@ class SimulatedArm(RobotArm):
             motors' controls in a usual cycle; `attend` does in any other.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what an arm can be made with
         self,
         world: World,
         joint_names: Sequence[str],
@@ -160,6 +160,7 @@ class SimulatedArm(RobotArm):
             self._faults,
             cycle.step,
             service_limits or ServiceLimits(),
+            joint_names,
         )
         self._cycle = world.step_count
         self._cycle_of_state = world.step_count

@@ -6,6 +6,7 @@ from typing_extensions import override
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.arm_simulation import ArmSimulation, FaultKind, SimulatedFault
+from station.core.hardware.robot_report import ClampReport
 from station.hw.franka.arm.service_limits import (
     PUSH_DISTANCE,
     ServiceLimits,
@@ -28,6 +29,7 @@ class SimulatedArmControls(ArmSimulation):
         faults: The faults of the arm.
         step: The arm's cycle, which is told that faults are active.
         limits: The largest pushes.
+        joint_names: The arm's joints in the world.
     """
 
     def __init__(
@@ -37,7 +39,9 @@ class SimulatedArmControls(ArmSimulation):
         faults: SensorFaults,
         step: ArmStep,
         limits: ServiceLimits,
+        joint_names: Sequence[str],
     ) -> None:
+        self._joint_names = tuple(joint_names)
         self._step = step
         self._world = world
         self._limits = limits
@@ -105,3 +109,7 @@ class SimulatedArmControls(ArmSimulation):
                 remedy="Choose a duration in this range.",
                 details=field_error("duration", f"must be {allowed}", duration),
             )
+
+    @override
+    def clamps(self) -> list[ClampReport]:
+        return self._world.brakes.clamps(self._joint_names)
