@@ -30,6 +30,15 @@ def test_default_parameters_equal_the_files_of_franka_ros() -> None:
     assert settings.internal_controller is ControllerMode.JOINT_IMPEDANCE
 
 
+def test_a_simulated_arm_errs_unless_it_is_ideal() -> None:
+    assert read_parameters(params()).is_realistic
+    assert not read_parameters(params(realism="ideal")).is_realistic
+    assert read_parameters(params(realism_seed=3)).realism_seed == 3
+    for wrong in ({"realism": "real"}, {"realism_seed": -1}):
+        with pytest.raises(ParameterError, match="realism"):
+            read_parameters(params(**wrong))
+
+
 def test_robot_ip_of_a_real_arms_file_is_accepted() -> None:
     assert read_parameters(params(robot_ip="172.16.0.2")).arm_id == "panda"
 
