@@ -255,6 +255,8 @@ class RobotSession:
 
     def _change_setting(self, request: Request[Command]) -> bytes:
         status = SetterStatus.SUCCESS
+        if self._arm.state.robot_mode is RobotMode.MOVE:
+            return self._say(request, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         try:
             SETTERS[request.command](self._arm, request.values)
         except InvalidCommandError:
