@@ -66,14 +66,14 @@ class ClientPort(Generic[_Session]):
         self._listener: socket.socket | None = None
         try:
             self._udp.bind((address[0], 0))
-            self._udp.setblocking(False)
+            self._udp.settimeout(0.0)
             self._listener = self._listen()
         except OSError as error:
             self._udp.close()
             raise FciPortError(
                 f"{what} cannot be served at {address[0]}:{address[1]}: "
                 f"{error.strerror}.",
-                remedy="End what listens there, or choose another fci.host: libfranka "
+                remedy="End what listens there, or choose another --host: libfranka "
                 "has fixed ports, and 127.0.0.2 is as good a loopback as 127.0.0.1.",
             ) from error
 
@@ -149,7 +149,7 @@ class ClientPort(Generic[_Session]):
         except OSError:
             listener.close()
             raise
-        listener.setblocking(False)
+        listener.settimeout(0.0)
         return listener
 
     def _accept(self) -> None:
@@ -161,7 +161,7 @@ class ClientPort(Generic[_Session]):
             return
         self._listener.close()
         self._listener = None
-        self._connection.setblocking(False)
+        self._connection.settimeout(0.0)
         self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._peer = address[0]
         self.session = self._make_session()

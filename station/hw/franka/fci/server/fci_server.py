@@ -5,10 +5,10 @@ never late, and a client must not lose packets for a server that was.
 """
 
 import select
-import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import RobotArm
@@ -18,6 +18,9 @@ from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSessio
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
+
+if TYPE_CHECKING:
+    import socket
 
 GRIPPER_PERIOD = 10
 """A state of the hand is sent in every tenth cycle of the arm."""
