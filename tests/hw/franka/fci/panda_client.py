@@ -142,7 +142,8 @@ def collision(panda, _host):
 def main(host, names):
     """Run the scenarios one after the other."""
     panda = panda_py.Panda(host)
-    print(json.dumps({name: globals()[name](panda, host) for name in names}))
+    found = {name: globals()[name](panda, host) for name in names}
+    sys.stdout.write(json.dumps(found))
 
 
 if __name__ == "__main__":
