@@ -6,6 +6,7 @@ from pathlib import Path
 import station
 from station.cli.access_arguments import add_access_verbs
 from station.cli.experiment_arguments import add_experiment_verbs
+from station.cli.fci_arguments import add_fci_verb
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
 from station.cli.record_arguments import add_foxglove_option, add_record_verbs
@@ -87,30 +88,6 @@ class Verbs:
         return parser
 
 
-def _add_fci(verbs: Verbs) -> None:
-    fci = verbs.add(
-        "fci",
-        "fci:fci",
-        "serve a simulated Franka arm to programs that use libfranka",
-        is_client=False,
-    )
-    fci.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
-    fci.add_argument(
-        "--host",
-        default="127.0.0.1",
-        help="address to listen at, ports 1337 and 1338; there are no tokens: whoever "
-        "reaches them may do all",
-    )
-    fci.add_argument(
-        "--patience",
-        type=_patience,
-        default=0.0,
-        metavar="S",
-        help="how long the simulated time waits for a late command, 0 to 10 s; a real "
-        "arm does not wait",
-    )
-
-
 def _add_station_verbs(verbs: Verbs) -> None:
     run = verbs.add("run", "run:run", "run a station until Ctrl-C", is_client=False)
     run.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
@@ -150,7 +127,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
         default="text",
         help="json: one object per line, requests that change something among them",
     )
-    _add_fci(verbs)
+    add_fci_verb(verbs)
     ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
     ui.add_argument("--connect", metavar="URL", help="the same as --url")
     ui.add_argument("--host", default="127.0.0.1", help="address to listen at")
@@ -361,18 +338,3 @@ def _add_robot(verbs: Verbs) -> None:
         metavar="NAME=VALUE",
         help="arguments of the service; VALUE is JSON or text, e.g. mass=0.5",
     )
-
-
-def _patience(text: str) -> float:
-    """Return how long to wait for a command [s].
-
-    Raises:
-        ArgumentTypeError: The text is no number from 0 to 10.
-    """
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value <= 10.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of seconds, 0 to 10")
-    return value

@@ -14,7 +14,6 @@ from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.fci.server.message_reader import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
-    NO_CONTROLLER,
     NO_GENERATOR,
     PANDA,
     Architecture,
@@ -81,25 +80,6 @@ def test_other_versions_are_told_the_own_one_and_are_not_connected(arm, version)
 def test_second_connection_in_one_session_is_a_protocol_error(client):
     with pytest.raises(FciProtocolError, match="second time"):
         client.connect()
-
-
-def test_state_has_the_arms_numbers_modes_and_flags(client, arm):
-    arm.state.q, arm.state.m_load = [0.1 * i for i in range(7)], 0.7
-    tool = [*IDENTITY[:12], 0.1, 0.2, 0.3, 1.0]
-    arm.state.O_T_EE = tool
-    arm.state.current_errors[6] = arm.state.last_motion_errors[40] = True
-    arm.state.control_command_success_rate = 0.75
-    state, _ = client.cycle()
-
-    assert list(state["q"]) == pytest.approx([0.1 * i for i in range(7)])
-    assert list(state["O_T_EE"]) == tool
-    assert (state["m_load"], state["message_id"]) == (0.7, 2)
-    assert [i for i, flag in enumerate(state["errors"]) if flag] == [6]
-    assert [i for i, flag in enumerate(state["reflex_reason"]) if flag] == [40]
-    assert state["control_command_success_rate"] == 0.75
-    assert state["robot_mode"] == RobotMode.IDLE.value
-    assert state["motion_generator_mode"] == NO_GENERATOR
-    assert state["controller_mode"] == NO_CONTROLLER
 
 
 @pytest.mark.parametrize("generator", MoveGenerator)
@@ -273,54 +253,6 @@ def test_recovery_of_an_arm_without_errors_succeeds_and_of_a_moving_one_does_not
     assert rejected == [RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED]
 
 
-GOOD = {
-    Command.SET_COLLISION_BEHAVIOR: {
-        f"{bound}_{kind}_thresholds_{phase}": [20.0] * (7 if kind == "torque" else 6)
-        for bound in ("lower", "upper")
-        for kind in ("torque", "force")
-        for phase in ("acceleration", "nominal")
-    },
-    Command.SET_JOINT_IMPEDANCE: {"K_theta": [1000.0] * 7},
-    Command.SET_CARTESIAN_IMPEDANCE: {"K_x": [100.0] * 6},
-    Command.SET_GUIDING_MODE: {"guiding_mode": [True] * 6, "nullspace": False},
-    Command.SET_EE_TO_K: {"EE_T_K": [*IDENTITY]},
-    Command.SET_NE_TO_EE: {"NE_T_EE": [*IDENTITY]},
-    Command.SET_LOAD: {"m_load": 0.5, "I_load": (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01)},
-    Command.SET_FILTERS: {
-        f"{name}_filter_frequency": 1000.0
-        for name in (
-            "joint_position",
-            "joint_velocity",
-            "cartesian_position",
-            "cartesian_velocity",
-            "controller",
-        )
-    },
-}
-BAD = {
-    Command.SET_COLLISION_BEHAVIOR: {},
-    Command.SET_JOINT_IMPEDANCE: {"K_theta": [nan] * 7},
-    Command.SET_CARTESIAN_IMPEDANCE: {"K_x": [1e6] * 6},
-    Command.SET_GUIDING_MODE: {"guiding_mode": [True] * 5 + [False]},
-    Command.SET_EE_TO_K: {},
-    Command.SET_NE_TO_EE: {"NE_T_EE": [nan] * 16},
-    Command.SET_LOAD: {"m_load": -1.0},
-    Command.SET_FILTERS: {},
-}
-
-
-@pytest.mark.parametrize("command", GOOD)
-def test_setter_succeeds_refuses_bad_values_and_waits_for_the_end_of_a_motion(
-    client, command
-):
-    assert client.ask(command, **GOOD[command]) == [SetterStatus.SUCCESS]
-    bad = client.ask(command, **BAD[command])
-    assert bad == [SetterStatus.INVALID_ARGUMENT_REJECTED]
-    begin(client)
-    during = client.ask(command, **GOOD[command])
-    assert during == [SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED]
-
-
 def test_there_are_no_virtual_walls(client):
     assert client.ask(Command.GET_CARTESIAN_LIMIT, id=3) == [SetterStatus.SUCCESS]
     assert client.received[-1][2]["object_activation"] is False
@@ -342,28 +274,6 @@ def test_model_library_follows_its_status_or_is_refused(arm):
     refused = client.ask(Command.LOAD_MODEL_LIBRARY, architecture=Architecture.ARM)
     assert refused == [ModelStatus.ERROR]
     assert asked == [(0, 0), (2, 0)]
-
-
-def test_requests_may_arrive_in_pieces_and_together(client):
-    data = request(Command.STOP_MOVE, 50) + request(Command.GET_CARTESIAN_LIMIT, 51)
-    found = b"".join(client.session.receive(data[i : i + 1]) for i in range(len(data)))
-    assert [HEADER.unpack(found[:12])["command_id"]] == [50]
-    assert len(found) == 13 + 12 + 154
-    assert client.session.receive(data) == found
-
-
-@pytest.mark.parametrize(
-    "head",
-    [
-        {"command": 14, "size": 12},
-        {"command": Command.STOP_MOVE, "size": 11},
-        {"command": Command.STOP_MOVE, "size": 13},
-        {"command": Command.MOVE, "size": 12},
-    ],
-)
-def test_unknown_commands_and_wrong_sizes_are_protocol_errors(client, head):
-    with pytest.raises(FciProtocolError, match="the protocol"):
-        client.session.receive(HEADER.pack(head))
 
 
 def test_client_that_goes_while_its_motion_runs_leaves_the_arm_at_rest(client, arm):

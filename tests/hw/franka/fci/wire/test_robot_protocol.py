@@ -8,19 +8,14 @@ from hypothesis import strategies as st
 
 from station.core.franka.franka_errors import ERROR_NAMES
 from station.core.franka.franka_robot_state import RobotState
-from station.hw.franka.fci.wire.gripper_protocol import (
-    GRIPPER_HEADER,
-    HAND,
-    GripperCommand,
-)
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     PANDA,
     PROTOCOLS,
     Command,
     ConnectStatus,
     MoveStatus,
 )
+from tests.hw.franka.fci.wire.drawn_values import values_of
 
 D, B, BOOL = ctypes.c_double, ctypes.c_uint8, ctypes.c_bool
 
@@ -111,14 +106,6 @@ def test_requests_and_answers_have_their_sizes(command):
     assert (exchange.request.size, exchange.response.size) == SIZES[command]
 
 
-def test_gripper_has_its_sizes():
-    sizes = {c: HAND.exchanges[c].request.size for c in GripperCommand}
-    assert list(sizes.values()) == [4, 0, 40, 16, 0]
-    assert HAND.exchanges[GripperCommand.CONNECT].response.size == 4
-    assert HAND.state.size == 23
-    assert (HEADER.size, GRIPPER_HEADER.size) == (12, 10)
-
-
 def test_numbers_are_those_of_the_header_file():
     assert [c.value for c in Command] == list(range(14))
     assert ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION == 1
@@ -128,7 +115,7 @@ def test_numbers_are_those_of_the_header_file():
         9,
     )
     assert PROTOCOLS == {5: PANDA}
-    assert (PANDA.port, HAND.port, HAND.version) == (1337, 1338, 3)
+    assert PANDA.port == 1337
     assert PANDA.state.counts["errors"] == len(ERROR_NAMES)
 
 
@@ -142,32 +129,9 @@ def test_every_array_of_the_message_is_one_of_the_arms_state_of_the_same_size():
         assert len(state.doubles(name)) == PANDA.state.counts[name]
 
 
-NUMBERS = st.floats(allow_nan=False)
-
-
-@st.composite
-def values_of(draw, structure):
-    """Draw a value for every field, of the field's own kind."""
-    zero = structure.unpack(bytes(structure.size))
-    drawn = {}
-    for name, value in zero.items():
-        kinds = {bool: st.booleans(), float: NUMBERS, int: st.integers(0, 255)}
-        first = value[0] if isinstance(value, tuple) else value
-        one = kinds[type(first)]
-        count = structure.counts[name]
-        tuples = st.lists(one, min_size=count, max_size=count).map(tuple)
-        drawn[name] = draw(tuples if isinstance(value, tuple) else one)
-    return drawn
-
-
 @given(values_of(PANDA.command))
 def test_a_command_comes_back_as_it_went(values):
     assert PANDA.command.unpack(PANDA.command.pack(values)) == values
-
-
-@given(values_of(HAND.state))
-def test_a_state_of_the_hand_comes_back_as_it_went(values):
-    assert HAND.state.unpack(HAND.state.pack(values)) == values
 
 
 @given(
