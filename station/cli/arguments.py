@@ -6,6 +6,7 @@ from pathlib import Path
 import station
 from station.cli.access_arguments import add_access_verbs
 from station.cli.experiment_arguments import add_experiment_verbs
+from station.cli.fci_arguments import add_fci_verb
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
 from station.cli.record_arguments import add_foxglove_option, add_record_verbs
@@ -126,6 +127,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
         default="text",
         help="json: one object per line, requests that change something among them",
     )
+    add_fci_verb(verbs)
     ui = verbs.add("ui", "ui:ui", "run the dashboard alone, for any station")
     ui.add_argument("--connect", metavar="URL", help="the same as --url")
     ui.add_argument("--host", default="127.0.0.1", help="address to listen at")

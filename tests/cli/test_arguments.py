@@ -8,6 +8,7 @@ from station.cli.arguments import build_parser
 
 LINES = {
     "run": "run",
+    "fci": "fci station.yaml --host 127.0.0.2 --patience 0.1",
     "ui": "ui",
     "doctor": "doctor",
     "fetch_robot": "fetch_robot",
@@ -75,7 +76,7 @@ def test_verb_is_parsed_and_has_its_function(verb):
 
 
 ALONE = {
-    *("run", "doctor", "fetch_robot", "recover_file"),
+    *("run", "fci", "doctor", "fetch_robot", "recover_file"),
     *("sweep", "robustness", "identify", "validate"),
 }
 

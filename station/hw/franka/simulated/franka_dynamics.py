@@ -51,7 +51,7 @@ class FrankaDynamics:
     def __init__(self, description: RobotFiles | None) -> None:
         self._bodies = zeros(_MOMENTS * DOF)
         if description is not None:
-            put(self._bodies, _read_bodies(description))
+            put(self._bodies, read_bodies(description))
         self._bare = [*self._bodies[_LAST]]
         self.links = new_links(CHAIN)
         self._kernel = ArmDynamics(CHAIN, self._bodies, self.links)
@@ -167,8 +167,17 @@ def _moments(
     return [mass, *first, *np.diag(second).tolist(), *upper.tolist()]
 
 
-def _read_bodies(description: RobotFiles) -> list[float]:
-    """Return mass and moments of the links 1 to 7 in their own frames, 70 numbers."""
+def read_bodies(description: RobotFiles) -> list[float]:
+    """Return mass and moments of the links 1 to 7 in their own frames, 70 numbers.
+
+    `station.kernel.arm_dynamics` says which.
+
+    Args:
+        description: The URDF of a Franka arm.
+
+    Raises:
+        RobotDescriptionError: The URDF does not describe a Franka arm.
+    """
     prefix, urdf = find_prefix(description), load_urdf(description)
     joints = [urdf.joints[f"{prefix}joint{number}"] for number in range(1, DOF + 1)]
     _check_geometry(description, joints)

@@ -1,0 +1,131 @@
+"""A simulated Franka arm behind the Franka Control Interface, without a station."""
+
+import contextlib
+import logging
+import time
+from collections.abc import Callable
+
+from station.app.composition import ROBOT_NAMESPACE, SCENE_NAMESPACE
+from station.app.shutdown_signals import ShutdownSignals
+from station.config import StationConfig
+from station.core.errors import StationError
+from station.core.loop.scheduling import (
+    realtime_interpreter,
+    request_realtime_priority,
+)
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.arm.arm_description import load_arm_description
+from station.hw.franka.fci.server.fci_server import FciCounts, FciServer, FciSettings
+from station.hw.franka.fci.server.model_library import (
+    ModelLibraryError,
+    build_model_library,
+)
+from station.hw.franka.fci.server.robot_session import ModelLibrary
+from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
+from station.hw.franka.hand.hand_services import HandServices
+from station.hw.franka.simulated.arm_placement import simulate_one
+
+ROBOT_TYPE = "franka_hw/FrankaHW"
+
+_logger = logging.getLogger(__name__)
+
+
+class FciRobotError(StationError, ValueError):
+    """The configured robot is not one that this interface is for."""
+
+    code = "fci_robot"
+
+
+class FciRun:
+    """The server of one simulated arm, from start to end. Main thread.
+
+    Args:
+        config: The configuration; its robot and its scene are used.
+        settings: Where and how clients are served.
+        tell: Takes a line once clients can connect, and one at the end.
+        warn: Takes a line about something that is not as it should be.
+    """
+
+    def __init__(
+        self,
+        config: StationConfig,
+        settings: FciSettings,
+        *,
+        tell: Callable[[str], None],
+        warn: Callable[[str], None],
+    ) -> None:
+        self._config = config
+        self._settings = settings
+        self._tell = tell
+        self._warn = warn
+
+    def run(self) -> FciCounts:
+        """Serve until SIGINT, SIGTERM or SIGHUP; return what was done.
+
+        Raises:
+            StationError: The robot or an address cannot be used.
+        """
+        with ShutdownSignals(lambda: None) as signals:
+            with contextlib.suppress(KeyboardInterrupt):
+                return self._run(lambda: signals.wait(0.0))
+            return FciCounts()
+
+    def _run(self, is_over: Callable[[], bool]) -> FciCounts:
+        root = self._parameters()
+        parameters = read_parameters(root.namespace(ROBOT_NAMESPACE))
+        arm_id = parameters.arm_id
+        world = simulate_one(parameters, root)
+        gripper = world.grippers.get(arm_id)
+        hand = None if gripper is None else HandServices(arm_id, gripper)
+        library = self._model_library(parameters)
+        server = FciServer(world.arms[arm_id], hand, self._settings, library)
+        with contextlib.closing(server), realtime_interpreter():
+            granted = request_realtime_priority()
+            host, protocol = self._settings.host, self._settings.protocol
+            self._tell(
+                f"Franka Control Interface {protocol.version} of arm '{arm_id}' at "
+                f"{host} ({granted})"
+            )
+            started = time.monotonic()
+            try:
+                server.run(is_over)
+            finally:
+                self._report(server.counts, time.monotonic() - started)
+        return server.counts
+
+    def _report(self, counts: FciCounts, duration: float) -> None:
+        self._tell(
+            f"{counts.cycles} cycles in {duration:.1f} s; {counts.commanded} of them "
+            f"commanded by clients, {counts.lost} commands lost"
+        )
+
+    def _parameters(self) -> Parameters:
+        """Return the parameters as a station of this configuration has them.
+
+        Raises:
+            FciRobotError: The robot is no single Franka arm.
+        """
+        kind = self._config.robot.type
+        if kind != ROBOT_TYPE:
+            raise FciRobotError(
+                f"robot.type is '{kind}'; the Franka Control Interface serves "
+                f"{ROBOT_TYPE} alone.",
+                remedy=f"Choose a configuration with robot.type {ROBOT_TYPE}.",
+            )
+        return Parameters(
+            ParameterTree({
+                **self._config.parameters,
+                ROBOT_NAMESPACE: self._config.robot_parameters(),
+                SCENE_NAMESPACE: self._config.scene.model_dump(),
+            })
+        )
+
+    def _model_library(self, parameters: FrankaParameters) -> ModelLibrary:
+        description = load_arm_description(
+            parameters.robot_description, parameters.limits
+        )
+        try:
+            return build_model_library(description)
+        except ModelLibraryError as error:
+            self._warn(f"Clients get no model library: {error} {error.remedy}")
+            return lambda _architecture, _system: None

@@ -1,0 +1,1 @@
+"""The robot's side of the Franka Control Interface, with a simulated arm behind it."""

@@ -1,0 +1,201 @@
+"""One TCP port that serves one client at a time, with the client's UDP datagrams.
+
+While a client is connected nobody listens at the port, so that a second client is
+refused at once: libfranka would otherwise wait for an answer for ever.
+"""
+
+import logging
+import socket
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
+
+from station.core.errors import StationError
+from station.hw.franka.fci.server.message_reader import FciProtocolError
+
+_logger = logging.getLogger(__name__)
+_CHUNK = 65_536
+
+
+class FciPortError(StationError, OSError):
+    """The server cannot listen at an address."""
+
+    code = "fci_port"
+
+
+class Session(Protocol):
+    """What a port needs of the session of its client."""
+
+    udp_port: int | None
+
+    def receive(self, data: bytes) -> bytes:
+        """Take bytes of the TCP stream; return answers."""
+
+    def close(self) -> None:
+        """End what the client has begun."""
+
+
+_Session = TypeVar("_Session", bound=Session)
+
+
+class ClientPort(Generic[_Session]):
+    """Listens, accepts one client, and moves bytes between it and its session.
+
+    Args:
+        what: What is served, for messages.
+        address: Host and TCP port.
+        make_session: Makes the session of a new client.
+
+    Attributes:
+        session: The session of the client; None without a client.
+
+    Raises:
+        FciPortError: The address cannot be used.
+    """
+
+    def __init__(
+        self, what: str, address: tuple[str, int], make_session: Callable[[], _Session]
+    ) -> None:
+        self._what = what
+        self._address = address
+        self._make_session = make_session
+        self._connection: socket.socket | None = None
+        self._peer = ""
+        self._unsent = bytearray()
+        self.session: _Session | None = None
+        self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._listener: socket.socket | None = None
+        try:
+            self._udp.bind((address[0], 0))
+            self._udp.settimeout(0.0)
+            self._listener = self._listen()
+        except OSError as error:
+            self._udp.close()
+            raise FciPortError(
+                f"{what} cannot be served at {address[0]}:{address[1]}: "
+                f"{error.strerror}.",
+                remedy="End what listens there, or choose another --host: libfranka "
+                "has fixed ports, and 127.0.0.2 is as good a loopback as 127.0.0.1.",
+            ) from error
+
+    def readers(self) -> list[socket.socket]:
+        """Return the sockets from which something may arrive."""
+        if self._connection is None:
+            return [] if self._listener is None else [self._listener]
+        return [self._connection, self._udp]
+
+    def writers(self) -> list[socket.socket]:
+        """Return the sockets that still have something to send."""
+        return [self._connection] if self._connection and self._unsent else []
+
+    def handle(self) -> None:
+        """Take what has arrived over TCP, or a new client; send what is left."""
+        if self._connection is None:
+            self._accept()
+        else:
+            self._receive()
+            self.send(b"")
+
+    def datagrams(self) -> list[bytes]:
+        """Return the datagrams that the client has sent since the last call."""
+        found: list[bytes] = []
+        while self._connection is not None:
+            try:
+                data, address = self._udp.recvfrom(_CHUNK)
+            except (BlockingIOError, ConnectionRefusedError):
+                break
+            if address[0] == self._peer:
+                found.append(data)
+        return found
+
+    def send(self, data: bytes) -> None:
+        """Send answers over TCP; what does not fit waits for the next call."""
+        if self._connection is None:
+            return
+        self._unsent += data
+        if not self._unsent:
+            return
+        try:
+            sent = self._connection.send(self._unsent)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._drop(f"the connection broke: {error.strerror}")
+            return
+        del self._unsent[:sent]
+
+    def send_datagram(self, data: bytes | bytearray) -> None:
+        """Send a state to the client; a client that does not listen loses it."""
+        if self.session is None or self.session.udp_port is None:
+            return
+        try:
+            self._udp.sendto(data, (self._peer, self.session.udp_port))
+        except (BlockingIOError, ConnectionRefusedError):
+            return
+
+    def close(self) -> None:
+        """Send the client away and listen no longer."""
+        if self._connection is not None:
+            self._hang_up()
+        if self._listener is not None:
+            self._listener.close()
+        self._udp.close()
+
+    def _listen(self) -> socket.socket:
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind(self._address)
+            listener.listen(1)
+        except OSError:
+            listener.close()
+            raise
+        listener.settimeout(0.0)
+        return listener
+
+    def _accept(self) -> None:
+        if self._listener is None:
+            return
+        try:
+            self._connection, address = self._listener.accept()
+        except BlockingIOError:
+            return
+        self._listener.close()
+        self._listener = None
+        self._connection.settimeout(0.0)
+        self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._peer = address[0]
+        self.session = self._make_session()
+        _logger.info("%s: %s:%d has connected", self._what, *address[:2])
+
+    def _receive(self) -> None:
+        if self._connection is None or self.session is None:
+            return
+        try:
+            data = self._connection.recv(_CHUNK)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._drop(f"the connection broke: {error.strerror}")
+            return
+        if not data:
+            self._drop("the client has gone")
+            return
+        try:
+            answers = self.session.receive(data)
+        except FciProtocolError as error:
+            self._drop(error.message)
+            return
+        self.send(answers)
+
+    def _drop(self, reason: str) -> None:
+        _logger.info("%s: %s", self._what, reason)
+        self._hang_up()
+        self._listener = self._listen()
+
+    def _hang_up(self) -> None:
+        if self.session is not None:
+            self.session.close()
+        if self._connection is not None:
+            self._connection.close()
+        self.session, self._connection = None, None
+        self._unsent.clear()

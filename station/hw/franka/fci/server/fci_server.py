@@ -1,0 +1,189 @@
+"""The robot's side of the Franka Control Interface: the cycle, and two ports.
+
+The cycle is the arm's clock. A cycle that begins late is not caught up: a real arm is
+never late, and a client must not lose packets for a server that was.
+"""
+
+import select
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.fci.server.client_port import ClientPort
+from station.hw.franka.fci.server.gripper_session import GripperSession
+from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
+from station.hw.franka.fci.wire.gripper_protocol import HAND
+from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
+from station.hw.franka.hand.hand_services import HandServices
+
+if TYPE_CHECKING:
+    import socket
+
+GRIPPER_PERIOD = 10
+"""A state of the hand is sent in every tenth cycle of the arm."""
+_SHORTEST_WAIT = 0.5
+"""Part of a period for which a client may answer even when the server is late."""
+
+
+@dataclass(frozen=True, slots=True)
+class FciSettings:
+    """Where and how clients are served.
+
+    Attributes:
+        host: Address to listen at; the ports are libfranka's.
+        patience: How long the arm's time waits for a command of a moving client beyond
+            the end of a cycle, before the command counts as lost [s], >= 0. A real arm
+            does not wait.
+        protocol: The version that is spoken.
+    """
+
+    host: str = "127.0.0.1"
+    patience: float = 0.0
+    protocol: RobotProtocol = PANDA
+
+
+@dataclass(slots=True)
+class FciCounts:
+    """What the server has done since its start.
+
+    Attributes:
+        cycles: Cycles of the arm.
+        commanded: Cycles of a client's motion, from its first command on.
+        lost: Those of them in which no command had arrived.
+    """
+
+    cycles: int = 0
+    commanded: int = 0
+    lost: int = 0
+
+
+class FciServer:
+    """Serves one arm, and its hand if it has one. All in the calling thread.
+
+    Args:
+        arm: The arm; the server calls its `read_once`.
+        hand: The hand; None without a hand.
+        settings: Where and how.
+        model_library: Where model libraries come from.
+        clock: Wall time [s].
+
+    Attributes:
+        counts: What was done so far.
+
+    Raises:
+        FciPortError: An address cannot be used.
+    """
+
+    def __init__(
+        self,
+        arm: RobotArm,
+        hand: HandServices | None,
+        settings: FciSettings,
+        model_library: ModelLibrary,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._arm, self._hand = arm, hand
+        self._settings = settings
+        self._clock = clock
+        self._message_id = 0
+        self.counts = FciCounts()
+        protocol = settings.protocol
+        self._robot_port = ClientPort(
+            "Robot",
+            (settings.host, protocol.port),
+            lambda: RobotSession(arm, model_library, protocol),
+        )
+        self._gripper_port: ClientPort[GripperSession] | None = None
+        if hand is not None:
+            try:
+                self._gripper_port = ClientPort(
+                    "Gripper", (settings.host, HAND.port), lambda: GripperSession(hand)
+                )
+            except OSError:
+                self._robot_port.close()
+                raise
+
+    def run(self, is_over: Callable[[], bool]) -> None:
+        """Serve until `is_over`, which is asked once per cycle."""
+        period = self._arm.cycle_time
+        sent = deadline = self._clock()
+        while not is_over():
+            deadline = max(deadline + period, sent + _SHORTEST_WAIT * period)
+            self._wait(deadline)
+            self._cycle()
+            sent = self._clock()
+
+    def close(self) -> None:
+        """Send the clients away."""
+        self._robot_port.close()
+        if self._gripper_port is not None:
+            self._gripper_port.close()
+
+    def _cycle(self) -> None:
+        """Let the arm make a step, and tell the clients."""
+        port, counts = self._robot_port, self.counts
+        session = port.session
+        counts.cycles += 1
+        if session is not None:
+            if session.is_answering:
+                counts.commanded += 1
+                counts.lost += not session.has_command
+            port.send(session.before_cycle())
+        self._arm.read_once()
+        self._message_id += 1
+        session = port.session
+        if session is not None and session.udp_port is not None:
+            self._arm.refresh_state()
+            # The answer goes first: a client that sees its motion end asks for it.
+            port.send(session.after_cycle())
+            port.send_datagram(session.state(self._message_id))
+        if self._hand is not None:
+            self._hand.advance()
+        self._serve_gripper()
+
+    def _serve_gripper(self) -> None:
+        port = self._gripper_port
+        if port is None or port.session is None:
+            return
+        port.send(port.session.after_cycle())
+        if port.session is not None and not self._message_id % GRIPPER_PERIOD:
+            port.send_datagram(port.session.state(self._message_id))
+
+    def _wait(self, deadline: float) -> None:
+        """Serve the sockets until the cycle ends, and once more for what came late."""
+        while (left := deadline - self._clock()) > 0.0:
+            self._poll(left)
+        self._poll(0.0)
+        given_up = deadline + self._settings.patience
+        while self._misses_a_command() and (left := given_up - self._clock()) > 0.0:
+            self._poll(left)
+
+    def _misses_a_command(self) -> bool:
+        session = self._robot_port.session
+        return (
+            session is not None
+            and session.is_answering
+            and not session.has_command
+            and self._arm.state.robot_mode is RobotMode.MOVE
+        )
+
+    def _poll(self, timeout: float) -> None:
+        ports = [self._robot_port, self._gripper_port]
+        present = [port for port in ports if port is not None]
+        readers: list[socket.socket] = []
+        writers: list[socket.socket] = []
+        for port in present:
+            readers += port.readers()
+            writers += port.writers()
+        ready = select.select(readers, writers, [], timeout)
+        found = {*ready[0], *ready[1]}
+        for port in present:
+            if found.intersection(port.readers()):
+                port.handle()
+        session = self._robot_port.session
+        if session is not None:
+            for datagram in self._robot_port.datagrams():
+                session.receive_command(datagram)

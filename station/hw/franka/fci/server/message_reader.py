@@ -1,0 +1,115 @@
+"""Cut a stream of TCP bytes into requests, and put answers together."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Generic, TypeVar
+
+from station.core.errors import StationError
+from station.hw.franka.fci.wire.robot_protocol import Exchange
+from station.hw.franka.fci.wire.structure import Structure
+
+_Command = TypeVar("_Command", bound=IntEnum)
+
+
+class FciProtocolError(StationError):
+    """A client sent what the protocol does not have; the connection ends."""
+
+    code = "fci_protocol"
+
+
+@dataclass(frozen=True, slots=True)
+class Request(Generic[_Command]):
+    """One request of a client.
+
+    Attributes:
+        command: What is asked for.
+        command_id: Number of the request, which its answers repeat.
+        values: The fields of the request.
+    """
+
+    command: _Command
+    command_id: int
+    values: Mapping[str, Any]
+
+
+class MessageReader(Generic[_Command]):
+    """Reads the requests of one client, however TCP has cut them.
+
+    Args:
+        header: Head of every message.
+        exchanges: Request and answer of every command.
+    """
+
+    def __init__(
+        self, header: Structure, exchanges: Mapping[_Command, Exchange]
+    ) -> None:
+        self._header = header
+        self._exchanges = exchanges
+        self._received = bytearray()
+
+    def feed(self, data: bytes) -> Iterator[Request[_Command]]:
+        """Return the requests that are complete now; the rest waits for more bytes.
+
+        Args:
+            data: The next bytes of the stream.
+
+        Raises:
+            FciProtocolError: A command is unknown, or its size is another one than the
+                protocol has.
+        """
+        self._received += data
+        while len(self._received) >= self._header.size:
+            head = self._header.unpack(self._received[: self._header.size])
+            command, size = self._command_of(head)
+            if len(self._received) < size:
+                return
+            payload = bytes(self._received[self._header.size : size])
+            del self._received[:size]
+            values = self._exchanges[command].request.unpack(payload)
+            yield Request(command, head["command_id"], values)
+
+    def answer(
+        self, request: Request[_Command], status: int, values: Mapping[str, Any]
+    ) -> bytes:
+        """Return an answer as bytes.
+
+        Args:
+            request: What is answered.
+            status: The status, one of those of the command.
+            values: The fields of the answer behind the status.
+        """
+        response = self._exchanges[request.command].response
+        data = response.pack({"status": status, **values})
+        return self.head(request, len(data)) + data
+
+    def head(self, request: Request[_Command], payload: int) -> bytes:
+        """Return the head of an answer.
+
+        Args:
+            request: What is answered.
+            payload: Size of what follows the head [bytes].
+        """
+        return self._header.pack({
+            "command": request.command,
+            "command_id": request.command_id,
+            "size": self._header.size + payload,
+        })
+
+    def _command_of(self, head: Mapping[str, int]) -> tuple[_Command, int]:
+        number, size = head["command"], head["size"]
+        command = next((c for c in self._exchanges if c == number), None)
+        if command is None:
+            raise FciProtocolError(
+                f"The client sent the command {number}, which the protocol does not "
+                "have.",
+                remedy="Use a client of protocol version 5, e.g. libfranka 0.9.",
+            )
+        expected = self._header.size + self._exchanges[command].request.size
+        if size != expected:
+            raise FciProtocolError(
+                f"The client sent {command.name} with a size of {size} bytes; the "
+                f"protocol has {expected}.",
+                remedy="Use a client of protocol version 5, e.g. libfranka 0.9.",
+            )
+        return command, size

@@ -1,0 +1,332 @@
+"""One client of an arm: its requests, its motion, and the answers; no sockets.
+
+    CONNECT, once and first          -> SUCCESS, or INCOMPATIBLE_LIBRARY_VERSION
+    MOVE                             -> MOTION_STARTED now, and how it ended later
+    the client finishes the motion   -> SUCCESS
+    STOP_MOVE                        -> PREEMPTED to the motion, SUCCESS to the stop
+    an error of the arm              -> REFLEX_ABORTED
+    the user stop                    -> EMERGENCY_ABORTED
+    a command that is no command     -> INPUT_ERROR_ABORTED
+    AUTOMATIC_ERROR_RECOVERY         -> when the recovery is over
+
+Source: libfranka@0.9.2 src/robot_impl.cpp, src/robot_impl.h, what the client expects;
+differs: a motion that is finished while the arm still moves is slowed down to rest.
+"""
+
+from collections.abc import Callable, Mapping
+from math import isfinite
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+from station.core.errors import ArmCommandError, InvalidCommandError
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.arm.franka_kinematics import IDENTITY
+from station.hw.franka.arm.robot_arm import (
+    ControllerMode,
+    MotionGeneratorMode,
+    RobotArm,
+)
+from station.hw.franka.fci.server.arm_settings import SETTERS
+from station.hw.franka.fci.server.message_reader import (
+    FciProtocolError,
+    MessageReader,
+    Request,
+)
+from station.hw.franka.fci.server.state_writer import StateWriter
+from station.hw.franka.fci.wire.robot_protocol import (
+    HEADER,
+    NO_CONTROLLER,
+    NO_GENERATOR,
+    PANDA,
+    Command,
+    ConnectStatus,
+    ModelStatus,
+    MoveController,
+    MoveGenerator,
+    MoveStatus,
+    RecoveryStatus,
+    RobotProtocol,
+    SetterStatus,
+    StopMoveStatus,
+)
+
+ModelLibrary: TypeAlias = Callable[[int, int], bytes | None]
+"""Returns the model library for an architecture and a system; None if there is none."""
+
+_CONTROLLERS = dict(zip(MoveController, ControllerMode, strict=True))
+_GENERATORS = {g: MotionGeneratorMode[g.name] for g in MoveGenerator}
+_ENDS = {
+    RobotMode.REFLEX: MoveStatus.REFLEX_ABORTED,
+    RobotMode.USER_STOPPED: MoveStatus.EMERGENCY_ABORTED,
+    RobotMode.OTHER: MoveStatus.ABORTED,
+    RobotMode.IDLE: MoveStatus.PREEMPTED,
+}
+_RECOVERIES = {
+    RobotMode.IDLE: RecoveryStatus.SUCCESS,
+    RobotMode.REFLEX: RecoveryStatus.REFLEX_ABORTED,
+    RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
+    RobotMode.OTHER: RecoveryStatus.ABORTED,
+}
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+def _no_library(_architecture: int, _system: int) -> None:
+    """Have no library for anybody."""
+
+
+class RobotSession:
+    """Serves one client; a new one for the next client. Control thread.
+
+    Per cycle of the arm: `before_cycle`, the arm's `read_once`, `after_cycle`, and then
+    `state` once. `receive` and `receive_command` in between, with what has arrived.
+
+    Args:
+        arm: The arm.
+        model_library: Where model libraries come from.
+        protocol: The version that is spoken.
+
+    Attributes:
+        udp_port: The client's UDP port; None until it has connected.
+    """
+
+    def __init__(
+        self,
+        arm: RobotArm,
+        model_library: ModelLibrary = _no_library,
+        protocol: RobotProtocol = PANDA,
+    ) -> None:
+        self._arm = arm
+        self._model_library = model_library
+        self._protocol = protocol
+        self._reader = MessageReader(HEADER, protocol.exchanges)
+        self._writer = StateWriter(arm.state, protocol)
+        self._motion: Request[Command] | None = None
+        self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
+        self._recovery: Request[Command] | None = None
+        self._command: Mapping[str, Any] | None = None
+        self._answered = 0  # message_id of the newest command
+        self._is_finishing = False
+        self.udp_port: int | None = None
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether this client's motion runs."""
+        return self._motion is not None
+
+    @property
+    def has_command(self) -> bool:
+        """Whether a command has arrived since the last cycle."""
+        return self._command is not None
+
+    @property
+    def is_answering(self) -> bool:
+        """Whether the client has sent a first command to its motion."""
+        return self._motion is not None and self._answered > 0
+
+    def receive(self, data: bytes) -> bytes:
+        """Take bytes of the TCP stream; return the answers that are due at once.
+
+        Args:
+            data: The next bytes.
+
+        Raises:
+            FciProtocolError: The connection must end.
+        """
+        return b"".join(self._answer(request) for request in self._reader.feed(data))
+
+    def receive_command(self, datagram: bytes) -> None:
+        """Take a UDP datagram; what is no command, or older than the last, is dropped.
+
+        Args:
+            datagram: The datagram.
+        """
+        layout = self._protocol.command
+        if self._motion is None or len(datagram) != layout.size:
+            return
+        command = layout.unpack(datagram)
+        if command["message_id"] > self._answered:
+            self._answered = command["message_id"]
+            self._command = command
+
+    def before_cycle(self) -> bytes:
+        """Pass the client's newest command on; return answers that became due."""
+        command, self._command = self._command, None
+        if command is None or self._motion is None:
+            return b""
+        if self._arm.state.robot_mode is not RobotMode.MOVE:
+            return b""
+        try:
+            self._send(command)
+        except InvalidCommandError:
+            self._arm.stop_motion()
+            return self._end_motion(MoveStatus.INPUT_ERROR_ABORTED)
+        self._is_finishing = command["motion_generation_finished"]
+        return b""
+
+    def after_cycle(self) -> bytes:
+        """Return the answers that the new state of the arm makes due."""
+        answers = b""
+        mode = self._arm.state.robot_mode
+        if self._motion is not None:
+            if mode is not RobotMode.MOVE:
+                answers += self._end_motion(_ENDS.get(mode, MoveStatus.ABORTED))
+            elif self._is_finishing:
+                self._arm.stop_motion()
+                answers += self._end_motion(MoveStatus.SUCCESS)
+        return answers + self._advance_recovery()
+
+    def state(self, message_id: int) -> bytearray:
+        """Return the arm's state as a message; the same memory at every call.
+
+        Args:
+            message_id: Its number, which grows by 1 per cycle of the arm.
+        """
+        return self._writer.write(message_id, self._generator, self._controller)
+
+    def close(self) -> None:
+        """End the client's motion: it has gone."""
+        if self._motion is not None:
+            self._arm.stop_motion()
+            self._end_motion(MoveStatus.ABORTED)
+
+    def _answer(self, request: Request[Command]) -> bytes:
+        command = request.command
+        if command is Command.CONNECT:
+            return self._connect(request)
+        if self.udp_port is None:
+            raise FciProtocolError(
+                f"The client sent {command.name} before it had connected.",
+                remedy="Connect first, with a version that the robot speaks.",
+            )
+        if command in SETTERS:
+            return self._change_setting(request)
+        answers = {
+            Command.MOVE: self._start_motion,
+            Command.STOP_MOVE: self._stop_motion,
+            Command.GET_CARTESIAN_LIMIT: self._cartesian_limit,
+            Command.AUTOMATIC_ERROR_RECOVERY: self._recover,
+            Command.LOAD_MODEL_LIBRARY: self._load_model,
+        }
+        return answers[command](request)
+
+    def _connect(self, request: Request[Command]) -> bytes:
+        if self.udp_port is not None:
+            raise FciProtocolError(
+                "The client connected a second time.", remedy="Connect once."
+            )
+        own = self._protocol.version
+        if request.values["version"] == own:
+            self.udp_port = request.values["udp_port"]
+            status = ConnectStatus.SUCCESS
+        else:
+            status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        return self._say(request, status, {"version": own})
+
+    def _start_motion(self, request: Request[Command]) -> bytes:
+        values = request.values
+        try:
+            controller = MoveController(values["controller_mode"])
+            generator = MoveGenerator(values["motion_generator_mode"])
+        except ValueError:
+            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        allowed = (*values["maximum_path_deviation"],)
+        allowed += (*values["maximum_goal_pose_deviation"],)
+        if not all(isfinite(value) and value >= 0.0 for value in allowed):
+            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        try:
+            self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
+        except ArmCommandError:
+            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        self._motion, self._command = request, None
+        self._answered, self._is_finishing = 0, False
+        self._generator, self._controller = 1 + generator, controller
+        return self._say(request, MoveStatus.MOTION_STARTED)
+
+    def _stop_motion(self, request: Request[Command]) -> bytes:
+        answers = b""
+        mode = self._arm.state.robot_mode
+        if self._motion is not None and mode is RobotMode.MOVE:
+            self._arm.stop_motion()
+            answers = self._end_motion(MoveStatus.PREEMPTED)
+        elif mode is not RobotMode.IDLE:
+            rejected = StopMoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._say(request, rejected)
+        return answers + self._say(request, StopMoveStatus.SUCCESS)
+
+    def _change_setting(self, request: Request[Command]) -> bytes:
+        status = SetterStatus.SUCCESS
+        if self._arm.state.robot_mode is RobotMode.MOVE:
+            return self._say(request, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        try:
+            SETTERS[request.command](self._arm, request.values)
+        except InvalidCommandError:
+            status = SetterStatus.INVALID_ARGUMENT_REJECTED
+        except ArmCommandError:
+            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+        return self._say(request, status)
+
+    def _cartesian_limit(self, request: Request[Command]) -> bytes:
+        """Answer that there are no virtual walls: a simulated arm has none."""
+        wall = {"object_frame": IDENTITY}
+        return self._say(request, SetterStatus.SUCCESS, wall)
+
+    def _recover(self, request: Request[Command]) -> bytes:
+        arm = self._arm
+        rejected = RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED
+        if arm.state.robot_mode is RobotMode.MOVE or self._recovery is not None:
+            return self._say(request, rejected)
+        try:
+            arm.automatic_error_recovery()
+        except ArmCommandError:
+            return self._say(request, rejected)
+        self._recovery = request
+        return self._advance_recovery()
+
+    def _advance_recovery(self) -> bytes:
+        request, mode = self._recovery, self._arm.state.robot_mode
+        if request is None or mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            return b""
+        self._recovery = None
+        return self._say(request, _RECOVERIES.get(mode, RecoveryStatus.ABORTED))
+
+    def _load_model(self, request: Request[Command]) -> bytes:
+        values = request.values
+        library = self._model_library(values["architecture"], values["system"])
+        if library is None:
+            return self._say(request, ModelStatus.ERROR)
+        body = bytes([ModelStatus.SUCCESS]) + library
+        return self._reader.head(request, len(body)) + body
+
+    def _end_motion(self, status: MoveStatus) -> bytes:
+        request, self._motion = self._motion, None
+        self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
+        self._command, self._is_finishing = None, False
+        return b"" if request is None else self._say(request, status)
+
+    def _send(self, command: Mapping[str, Any]) -> None:
+        """Pass a command on to the arm.
+
+        Raises:
+            InvalidCommandError: A number is not finite, or a pose is no transform.
+        """
+        arm = self._arm
+        if self._controller == MoveController.EXTERNAL_CONTROLLER:
+            arm.command_joint_torques([*command["tau_J_d"]])
+        elbow = [*command["elbow_c"]] if command["valid_elbow"] else None
+        match MoveGenerator(self._generator - 1):
+            case MoveGenerator.JOINT_POSITION:
+                arm.command_joint_positions([*command["q_c"]])
+            case MoveGenerator.JOINT_VELOCITY:
+                arm.command_joint_velocities([*command["dq_c"]])
+            case MoveGenerator.CARTESIAN_POSITION:
+                arm.command_cartesian_pose([*command["O_T_EE_c"]], elbow)
+            case MoveGenerator.CARTESIAN_VELOCITY:
+                arm.command_cartesian_velocity([*command["O_dP_EE_c"]], elbow)
+
+    def _say(
+        self,
+        request: Request[Command],
+        status: int,
+        values: Mapping[str, Any] = _NOTHING,
+    ) -> bytes:
+        return self._reader.answer(request, status, values)

@@ -1,0 +1,66 @@
+"""A simulated arm behind the Franka Control Interface, from its configuration."""
+
+import os
+
+import pytest
+
+from station.app import fci_run
+from station.app.fci_run import FciRobotError, FciRun
+from station.config import load_config
+from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
+from station.hw.franka.fci.server.model_library import ModelLibraryError
+
+# A loopback address of this process alone: libfranka's ports are fixed.
+HOST = f"127.19.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
+
+
+@pytest.fixture
+def make(tmp_path, monkeypatch):
+    """Make a run of a configuration that ends after three cycles; collect its lines."""
+    serve = FciServer.run
+
+    def run(server, is_over):
+        left = iter(range(3))
+        serve(server, lambda: is_over() or next(left, None) is None)
+
+    monkeypatch.setattr(FciServer, "run", run)
+    told, warned = [], []
+
+    def build(text=""):
+        file = tmp_path / "station.yaml"
+        file.write_text(text, encoding="utf-8")
+        config = load_config(file, controller_files=[], flags={})
+        settings = FciSettings(HOST)
+        made = FciRun(config, settings, tell=told.append, warn=warned.append)
+        return made, told, warned
+
+    return build
+
+
+def test_the_configured_arm_is_served_and_the_cycles_are_told(make):
+    run, told, warned = make("robot: {arm_id: left}\n")
+    assert run.run().cycles == 3
+    assert told[0].startswith("Franka Control Interface 5 of arm 'left' at 127.19.")
+    assert told[1].startswith("3 cycles in ")
+    assert told[1].endswith("0 of them commanded by clients, 0 commands lost")
+    assert warned == []
+
+
+def test_other_robots_are_refused(make):
+    run, told, _ = make("robot: {type: mock_hw/MockRobotHW}\n")
+    with pytest.raises(FciRobotError, match="mock_hw/MockRobotHW") as error:
+        run.run()
+    assert "franka_hw/FrankaHW" in error.value.remedy
+    assert told == []
+
+
+def test_without_a_compiler_the_arm_is_served_without_a_model(make, monkeypatch):
+    def fail(_description):
+        raise ModelLibraryError("There is no C compiler.", remedy="Install one.")
+
+    monkeypatch.setattr(fci_run, "build_model_library", fail)
+    run, _, warned = make()
+    assert run.run().cycles == 3
+    assert warned == [
+        "Clients get no model library: There is no C compiler. Install one."
+    ]

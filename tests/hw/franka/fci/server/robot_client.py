@@ -1,0 +1,90 @@
+"""The client's side of the protocol for one session, without sockets."""
+
+from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.wire.robot_protocol import (
+    HEADER,
+    PANDA,
+    Command,
+    MoveController,
+    MoveGenerator,
+)
+
+UDP_PORT = 4711
+
+
+def request(command, command_id, values=None, protocol=PANDA):
+    """Return a request as bytes."""
+    body = protocol.exchanges[command].request.pack(values or {})
+    head = {"command": command, "command_id": command_id, "size": 12 + len(body)}
+    return HEADER.pack(head) + body
+
+
+def answers(data, protocol=PANDA):
+    """Return (command, command_id, fields) of every answer in some bytes."""
+    found = []
+    while data:
+        head = HEADER.unpack(data[:12])
+        body, data = data[12 : head["size"]], data[head["size"] :]
+        command = Command(head["command"])
+        response = protocol.exchanges[command].response
+        fields = response.unpack(body[: response.size])
+        found.append((command, head["command_id"], fields))
+    return found
+
+
+class RobotClient:
+    """Talks to a session as libfranka does, one cycle after the other.
+
+    Args:
+        arm: The arm behind the session.
+        model_library: Where libraries come from.
+    """
+
+    def __init__(self, arm, model_library=lambda _a, _s: None):
+        self.arm = arm
+        self.session = RobotSession(arm, model_library)
+        self.ids = 0
+        self.messages = 0
+        self.received = []
+
+    def ask(self, command, **values):
+        """Send a request; return the statuses of the answers that come at once."""
+        self.ids += 1
+        found = answers(self.session.receive(request(command, self.ids, values)))
+        self.received += found
+        return [fields["status"] for _, _, fields in found]
+
+    def connect(self, version=5):
+        return self.ask(Command.CONNECT, version=version, udp_port=UDP_PORT)
+
+    def move(self, controller=None, generator=None):
+        """Ask for a motion; by default for positions with joint impedance."""
+        controller = (
+            MoveController.JOINT_IMPEDANCE if controller is None else controller
+        )
+        generator = MoveGenerator.JOINT_POSITION if generator is None else generator
+        return self.ask(
+            Command.MOVE,
+            controller_mode=controller,
+            motion_generator_mode=generator,
+            maximum_path_deviation=(10.0, 3.12, 6.28),
+            maximum_goal_pose_deviation=(10.0, 3.12, 6.28),
+        )
+
+    def send(self, message_id=None, **values):
+        """Send a command, as the answer to the newest state."""
+        number = self.messages if message_id is None else message_id
+        self.session.receive_command(
+            PANDA.command.pack({"message_id": number, **values})
+        )
+
+    def cycle(self):
+        """Let a cycle pass; return (the state, statuses of answers that came)."""
+        data = self.session.before_cycle()
+        self.arm.read_once()
+        data += self.session.after_cycle()
+        self.messages += 1
+        found = answers(data)
+        self.received += found
+        state = PANDA.state.unpack(self.session.state(self.messages))
+        return state, [fields["status"] for _, _, fields in found]

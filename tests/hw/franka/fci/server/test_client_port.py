@@ -1,0 +1,82 @@
+"""The port of a client: one at a time, broken connections, what does not disturb."""
+
+import contextlib
+import socket
+
+import pytest
+
+from station.hw.franka.fci.server.client_port import FciPortError
+from station.hw.franka.fci.wire.robot_protocol import HEADER, Command
+from tests.hw.franka.fci.server.robot_client import answers, request
+from tests.hw.franka.fci.server.server_bench import ROBOT, Bench, command, newest
+
+
+@pytest.fixture
+def bench():
+    made = Bench()
+    yield made
+    made.close()
+
+
+def test_second_client_is_refused_until_the_first_has_gone(bench):
+    tcp, _ = bench.connect()
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(ROBOT, timeout=1.0)
+    tcp.close()
+    bench.run()
+    bench.connect()
+
+
+@pytest.mark.parametrize("size", [1, 11, 12, 15])
+def test_client_that_goes_within_a_message_disturbs_nobody(bench, size):
+    tcp, _ = bench.open()
+    tcp.sendall(request(Command.CONNECT, 1, {"version": 5})[:size])
+    bench.run()
+    tcp.close()
+    bench.run()
+    bench.connect()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        HEADER.pack({"command": 77, "size": 12}),
+        HEADER.pack({"command": Command.CONNECT, "size": 12}),
+        request(Command.STOP_MOVE, 1),
+    ],
+    ids=["unknown command", "wrong size", "not connected"],
+)
+def test_client_that_breaks_the_protocol_is_hung_up_on(bench, data):
+    tcp, _ = bench.open()
+    tcp.sendall(data)
+    bench.run()
+    with contextlib.suppress(ConnectionResetError):
+        assert tcp.recv(100) == b""
+    bench.connect()
+
+
+def test_commands_from_elsewhere_are_no_commands(bench):
+    tcp, udp = bench.connect()
+    bench.move(tcp)
+    state, server = newest(udp)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.bind(("127.18.251.251", 0))
+        stranger.sendto(command(state["message_id"], [0.5] * 7), server)
+        bench.run()
+    assert bench.arm.sent == []
+
+
+def test_client_that_does_not_listen_disturbs_nobody(bench):
+    tcp, udp = bench.connect()
+    udp.close()
+    bench.run(10)
+    tcp.sendall(request(Command.STOP_MOVE, 3))
+    bench.run()
+    assert answers(tcp.recv(100)) == [(Command.STOP_MOVE, 3, {"status": 0})]
+
+
+def test_address_that_is_taken_is_told(bench):
+    with pytest.raises(FciPortError, match="1337: Address already in use"):
+        Bench()
+    tcp, _ = bench.connect()
+    tcp.close()
