@@ -187,11 +187,13 @@ async def _serve(
         await serving
     finally:
         await dashboard.stop()
+        # Its connections belong to Viser's event loop, which ends with Viser.
+        closing = asyncio.run_coroutine_threadsafe(pusher.close(), viser_loop)
+        await asyncio.wrap_future(closing)
         guarded.stop()
         await relay.close()
         await forwarded.close()
         await sessions.close()
-        await pusher.close()
         await api.close()
 
 

@@ -29,7 +29,7 @@ class Timeline extends Panel {
     this.record.addEventListener("click", () => this.toggleRecording());
     this.list = h("div", { class: "log", tabIndex: 0 });
     this.list.setAttribute("aria-label", "What happened");
-    this.append(h("div", { class: "line" }, ...this.buttons, this.record), this.buildReplay(), this.list);
+    this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.buildReplay(), this.list);
     store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
     alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
