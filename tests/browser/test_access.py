@@ -76,9 +76,11 @@ def test_tab_reaches_everything_and_moves_nothing(all_open, enabled):
     asked = []
     page.on(
         "request",
-        lambda r: r.method != "GET"
-        and '"dry_run":true' not in (r.post_data or "")
-        and asked.append(r.url),
+        lambda r: (
+            r.method != "GET"
+            and '"dry_run":true' not in (r.post_data or "")
+            and asked.append(r.url)
+        ),
     )
     wanted = page.evaluate(
         """(focusable) => {

@@ -6,10 +6,14 @@ import pytest
 
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
+from tests.browser.viser_page import ViserPage
 
 pytestmark = pytest.mark.slow
 
 CONTROLLER = "effort_group_position_controller"
+
+
+TRIANGLES = "() => window.__viserTestpoints.rendererInfo.render.triangles"
 
 
 def _position(client, joint):
@@ -27,6 +31,14 @@ def _wait_until(holds, seconds=15.0):
 
 def _state(client, name):
     return client.controller(name).state
+
+
+@pytest.fixture(scope="module")
+def scene(page):
+    """What Viser draws, with the robot in it."""
+    view = ViserPage(page)
+    view.wait_for_scene()
+    return view.frame
 
 
 @pytest.fixture
@@ -54,6 +66,60 @@ def test_login_leaves_no_token_in_the_address(page, running_station):
     assert page.url == f"{running_station.ui}/"
     page.wait_for_selector('#bar[data-link="live"]')
     assert page.locator("#rate").inner_text().endswith("Hz")
+
+
+def test_the_tools_of_the_view_turn_the_camera_and_lay_layers_over_the_robot(
+    page, scene
+):
+    page.get_by_role("button", name="Skip the tour").click()
+    tools = page.locator("#view-tools")
+    with page.expect_response("**/ui/camera") as answer:
+        tools.get_by_role("button", name="Front", exact=True).click()
+    assert answer.value.json() == {"preset": "front"}
+    for layer in ("Trail", "Frames", "Collision"):
+        before = scene.evaluate(TRIANGLES)
+        with page.expect_response("**/ui/layers") as answer:
+            tools.get_by_role("button", name=layer, exact=True).click()
+        assert layer.lower() in answer.value.json()["shown"]
+        if layer != "Trail":  # The arm stands still, so there is no trail to draw.
+            scene.wait_for_function(f"n => ({TRIANGLES})() > n", arg=before)
+        tools.get_by_role("button", name=layer, exact=True).click()
+    keep_screenshot(page, "dashboard_view.png")
+
+
+def test_a_ghost_is_drawn_beside_the_robot_and_leaves_no_trace(page, scene):
+    before = scene.evaluate(TRIANGLES)
+    pose = "{method: 'POST', headers: {'Content-Type': 'application/json'}, body: "
+    pose += "JSON.stringify({positions: {panda_joint1: 1.2}, label: 'planned'})}"
+    page.evaluate(f"() => fetch('/ui/ghost', {pose})")
+    scene.wait_for_function(f"n => ({TRIANGLES})() > 1.3 * n", arg=before)
+    keep_screenshot(page, "dashboard_ghost.png")
+    page.evaluate("() => fetch('/ui/ghost', {method: 'DELETE'})")
+    scene.wait_for_function(f"n => ({TRIANGLES})() < 1.3 * n", arg=before)
+
+
+def test_a_link_is_pulled_with_the_pointer(page, scene, idle):
+    tools = page.locator("#view-tools")
+    tools.get_by_role("button", name="Fit", exact=True).click()
+    before = scene.evaluate(TRIANGLES)
+    tools.get_by_role("button", name="Push", exact=True).click()
+    scene.wait_for_function(f"n => ({TRIANGLES})() > n", arg=before)
+    view = page.locator("#view").bounding_box()
+    panda = idle.robot("panda")
+
+    def force():
+        return max(map(abs, panda.state().O_F_ext_hat_K[:3]))
+
+    x, y = view["x"] + view["width"] / 2, view["y"] + view["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 12):
+        page.mouse.move(x + 12 * step, y - 4 * step)
+    pulled = _wait_until(lambda: force() > 0.5)
+    page.mouse.up()
+    assert pulled
+    assert _wait_until(lambda: force() < 0.1)
+    tools.get_by_role("button", name="Push", exact=True).click()
 
 
 def test_a_controller_is_started_by_clicking_and_a_slider_moves_the_joint(

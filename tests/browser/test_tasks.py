@@ -110,7 +110,7 @@ def test_a_controller_is_loaded_with_parameters_and_started(person, client):
     person.page.keyboard.type("effort_controllers/JointGroupPosition")
     person.click("effort_controllers/JointGroupPositionController", "option")
     name = person.page.get_by_label("Name of the controller").input_value()
-    person.field("gains / panda_joint1 / p", "555", "Tab")
+    person.field("panda_joint1 / pid / p", "555", "Tab")
     person.click("Load and start")
     assert wait_until(
         lambda: name in [c.name for c in client.controllers() if c.state == "running"]
@@ -125,15 +125,15 @@ def test_a_controller_is_loaded_with_parameters_and_started(person, client):
 def test_p_is_changed_and_two_runs_are_compared(person, client):
     enable(person)
     person.fold("tuning")
-    figures = person.page.locator(".metrics tr")
+    figures = person.page.locator("st-tuning > div .metrics tbody tr")
     person.click("Run test")
-    figures.first.wait_for(timeout=20_000)
+    figures.first.wait_for()
     before = client.gains(CONTROLLER).values["panda_joint1/p"]
     person.field("p of panda_joint1", "400")
     assert wait_until(lambda: client.gains(CONTROLLER).values["panda_joint1/p"] == 400)
     person.click("Run test")
-    two = person.page.locator(".metrics tr:has(td:nth-child(3))")
-    two.first.wait_for(timeout=20_000)
+    figures.nth(1).wait_for()
+    assert "p 400" in figures.nth(1).inner_text()
     client.set_gains(CONTROLLER, {"panda_joint1/p": before})
     assert person.clicks == counted("change p and compare two runs") <= 8
 
