@@ -51,10 +51,9 @@ def station() -> Iterator[str]:
             env={**os.environ, **places},
         )
         try:
-            assert process.stdout is not None
             told: dict[str, str] = {}
-            for _ in range(_READY_LINES):
-                told.update(json.loads(process.stdout.readline()))
+            for line, _ in zip(process.stdout or (), range(_READY_LINES), strict=False):
+                told.update(json.loads(line))
                 if "ui_ready" in told:
                     break
             token = json.loads(Path(told["runtime_file"]).read_text())["token"]
