@@ -188,8 +188,9 @@ async def _serve(
     finally:
         await dashboard.stop()
         # Its connections belong to Viser's event loop, which ends with Viser.
-        closing = asyncio.run_coroutine_threadsafe(pusher.close(), viser_loop)
-        await asyncio.wrap_future(closing)
+        await asyncio.wrap_future(
+            asyncio.run_coroutine_threadsafe(pusher.close(), viser_loop)
+        )
         guarded.stop()
         await relay.close()
         await forwarded.close()

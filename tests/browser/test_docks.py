@@ -20,10 +20,9 @@ def test_a_path_is_kept_by_the_station_and_played_in_a_loop(workspace, enabled):
         workspace.button("joints", "rad").click()
         workspace.type_into("joints", "Command of joint1", f"{here + 0.15:.3f}")
         wait_until(lambda h=here: position(enabled, "panda_joint1") > h + 0.1)
-    ghosts = []
-    page.on("request", lambda r: r.url.endswith("/ui/ghost") and ghosts.append(r))
-    workspace.button("move", "Preview").click()
-    assert wait_until(lambda: any(r.method == "POST" for r in ghosts))
+    with page.expect_response("**/ui/ghost") as ghost:
+        workspace.button("move", "Preview").click()
+    assert ghost.value.json() == {"shown": True}
     workspace.button("move", "Preview").click()
     page.reload()
     workspace = WorkspacePage(page)
