@@ -22,7 +22,7 @@ from station.core.loop.snapshot import Snapshot
 from station.core.ports.goal import Goal, GoalStatus
 from station.core.ports.set_point import SetPoint
 from station.core.trajectory import PosVelAccState
-from station.events import Event, EventLogState
+from station.events import Alarm, Event, EventLogState
 from station.wire.base import finite_or_none
 
 
@@ -209,6 +209,12 @@ def status(
             "last": found.last_command_violation,
         },
     })
+
+
+def alarm(found: Alarm) -> wire.Alarm:
+    """Return an alarm with its cause."""
+    known = asdict(found)
+    return wire.Alarm.model_validate({**known, **known.pop("cause")})
 
 
 def event(found: Event) -> wire.Event:

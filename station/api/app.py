@@ -21,7 +21,7 @@ from station.api.routes import PREFIX, api_router, metrics, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
-from station.events import EventLog
+from station.events import Alarms, EventLog
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
@@ -93,6 +93,7 @@ def create_app(
     app.state.failed_logins = FailedLogins()
     kept = Kept() if kept is None else kept
     event_recorder = app.state.event_recorder = EventRecorder(kept.events)
+    app.state.alarms = Alarms(station, kept.events)
     app.state.control = Control(event_recorder.log, station.motion.let_go)
     app.state.command_streams = 0
     app.state.idempotent_answers = IdempotentAnswers()

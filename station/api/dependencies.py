@@ -13,6 +13,7 @@ from station.api.errors import ProblemError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
+from station.events import Alarms
 from station.web.failed_logins import FailedLogins
 
 _bearer = HTTPBearer(
@@ -68,6 +69,15 @@ async def get_event_recorder(request: Request) -> EventRecorder:
 
 
 EventRecorderDep = Annotated[EventRecorder, Depends(get_event_recorder)]
+
+
+async def get_alarms(request: Request) -> Alarms:
+    """Return the alarms of the station."""
+    alarms: Alarms = request.app.state.alarms
+    return alarms
+
+
+AlarmsDep = Annotated[Alarms, Depends(get_alarms)]
 
 
 async def access(

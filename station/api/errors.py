@@ -18,6 +18,7 @@ from station.api.named_tokens import (
 )
 from station.api.validation_words import explain, explain_json
 from station.core import errors
+from station.events import AlarmNotFoundError
 from station.trials.errors import (
     ExperimentError,
     ExperimentNotFoundError,
@@ -78,6 +79,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     UnknownParameterError: 422,
     ImpossibleRangeError: 422,
     TooManyExperimentsError: 422,
+    AlarmNotFoundError: 404,
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from station.api.audit import EventRecorder
     from station.api.control import Control
+    from station.events import Alarms
     from station.records.record_store import RecordingInfo
     from station.records.recorder import Recorder
 
@@ -105,10 +106,12 @@ class Journal:
         if app.state.experiments is not None:
             app.state.experiments.tell = self._follow_experiments()
         control: Control = app.state.control
+        alarms: Alarms = app.state.alarms
 
         def look_also() -> None:
             recorder.repeats.flush()
             control.look()
+            alarms.look()
 
         watcher = StateWatcher(self._station, self.log, look_also)
         watcher.start()

@@ -1,6 +1,17 @@
 """What happened at a station: kept on disk, told to whoever listens."""
 
+from station.events.alarms import Alarm, AlarmNotFoundError, Alarms
 from station.events.event import Event, EventKind, Origin, Severity
 from station.events.event_log import EventLog, EventLogState
 
-__all__ = ["Event", "EventKind", "EventLog", "EventLogState", "Origin", "Severity"]
+__all__ = [
+    "Alarm",
+    "AlarmNotFoundError",
+    "Alarms",
+    "Event",
+    "EventKind",
+    "EventLog",
+    "EventLogState",
+    "Origin",
+    "Severity",
+]

@@ -64,6 +64,8 @@ class EventKind(Enum):
     """The cycles around an incident were kept."""
     EXPERIMENT = "experiment"
     """An experiment began, came further or ended."""
+    ALARM = "alarm"
+    """Somebody has acknowledged an alarm."""
     EVENTS = "events"
     """The event log itself: events could not be written, or can be again."""
 

@@ -178,6 +178,10 @@ class EventLog:
 
         return end
 
+    def wall_time(self) -> float:
+        """Return wall time, as events have it [s since 1970, UTC]."""
+        return self._now()
+
     @property
     def newest_id(self) -> int:
         """Number of the newest event; 0 when there is none."""

@@ -68,6 +68,8 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/experiments/{}/preview"),
     (("POST",), "/experiments/{}/apply"),
     (_READ, "/events"),
+    (_READ, "/alarms"),
+    (("POST",), "/alarms/{}/acknowledge"),
     (("GET", "POST"), "/recordings"),
     (_READ, "/recordings/{}"),
     (("POST",), "/recordings/{}/stop"),

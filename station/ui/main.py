@@ -187,11 +187,14 @@ async def _serve(
         await serving
     finally:
         await dashboard.stop()
+        # Its connections belong to Viser's event loop, which ends with Viser.
+        await asyncio.wrap_future(
+            asyncio.run_coroutine_threadsafe(pusher.close(), viser_loop)
+        )
         guarded.stop()
         await relay.close()
         await forwarded.close()
         await sessions.close()
-        await pusher.close()
         await api.close()
 
 

@@ -13,6 +13,7 @@ from station.wire.access import (
     TokenRequest,
     Tokens,
 )
+from station.wire.alarms import Alarm, Alarms
 from station.wire.base import (
     ControllerName,
     RequestModel,
@@ -50,12 +51,7 @@ from station.wire.events import (
     SeverityName,
 )
 from station.wire.experiments import ExperimentRequest
-from station.wire.gain_sets import (
-    GainsChanges,
-    GainSet,
-    GainSetRequest,
-    GainSets,
-)
+from station.wire.gain_sets import GainsChanges, GainSet, GainSetRequest, GainSets
 from station.wire.goals import (
     DesiredState,
     Goal,
@@ -175,6 +171,8 @@ __all__ = [
     "CLOSE_UNKNOWN_TOPIC",
     "PROBLEM_MEDIA_TYPE",
     "ActiveFault",
+    "Alarm",
+    "Alarms",
     "ArmError",
     "ArmLog",
     "ArmModel",

@@ -25,6 +25,7 @@ EventKindName = Literal[
     "recording",
     "incident",
     "experiment",
+    "alarm",
     "events",
 ]
 
@@ -41,7 +42,7 @@ class Event(ResponseModel):
             `login`, `login_failed`, `token`, `control`, `command_stream`, `stop`,
             `switch`, `controller` (its state), `fault` (of a controller),
             `robot_mode`, `overrun`, `loop`, `recording`, `incident`, `experiment` (its
-            progress), `station`, and `events` (the log itself).
+            progress), `alarm` (acknowledged), `station`, and `events` (the log itself).
         severity: `info`; `warning`: refused, stopped or too late; `error`: failed.
         who: Name of the token or person; empty for the station itself.
         where: Address that the request came from; empty for the station itself.

@@ -5,6 +5,7 @@ import os
 import socket
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -43,10 +44,16 @@ def browser():
 @pytest.fixture(scope="module")
 def running_station(tmp_path_factory):
     """`station run` with its dashboard on free ports."""
-    home = tmp_path_factory.mktemp("station")
+    with run_station(tmp_path_factory.mktemp("station")) as running:
+        yield running
+
+
+@contextmanager
+def run_station(home, *arguments):
+    """`station run` with more arguments, with its files in `home`."""
     command = [sys.executable, "-m", "station", "run", "--port", "0", "--ui-port", "0"]
     with subprocess.Popen(
-        [*command, "--json"],
+        [*command, "--json", *arguments],
         stdout=subprocess.PIPE,
         text=True,
         env={

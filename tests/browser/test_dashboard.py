@@ -6,10 +6,14 @@ import pytest
 
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
+from tests.browser.viser_page import ViserPage
 
 pytestmark = pytest.mark.slow
 
 CONTROLLER = "effort_group_position_controller"
+
+
+TRIANGLES = "() => window.__viserTestpoints.rendererInfo.render.triangles"
 
 
 def _position(client, joint):
@@ -27,6 +31,16 @@ def _wait_until(holds, seconds=15.0):
 
 def _state(client, name):
     return client.controller(name).state
+
+
+@pytest.fixture
+def scene(page):
+    """What Viser draws, with the robot in it; small, so that it is drawn soon."""
+    page.set_viewport_size({"width": 1280, "height": 600})
+    view = ViserPage(page)
+    view.wait_for_scene()
+    yield view.frame
+    page.set_viewport_size({"width": 1280, "height": 800})
 
 
 @pytest.fixture
@@ -54,6 +68,68 @@ def test_login_leaves_no_token_in_the_address(page, running_station):
     assert page.url == f"{running_station.ui}/"
     page.wait_for_selector('#bar[data-link="live"]')
     assert page.locator("#rate").inner_text().endswith("Hz")
+
+
+def _press(page, name):
+    """Click a tool; drawn in software, the page is too slow to be waited for."""
+    tools = page.locator("#view-tools")
+    tools.get_by_role("button", name=name, exact=True).dispatch_event("click")
+
+
+def test_a_link_is_pulled_with_the_pointer(page, scene, idle):
+    page.get_by_role("button", name="Skip the tour").dispatch_event("click")
+    before = scene.evaluate(TRIANGLES)
+    _press(page, "Push")
+    scene.wait_for_function(f"n => ({TRIANGLES})() > n", arg=before)
+    view = page.locator("#view").bounding_box()
+    since = idle.events(limit=1)[-1].id
+
+    def pushes():
+        what = "POST /robots/panda/external_force"
+        found = idle.events(since, kinds=["request"], limit=1000)
+        return [e.result for e in found if e.what == what]
+
+    # The elbow, as the camera stands at first.
+    x = view["x"] + view["width"] / 2 - 0.06 * view["height"]
+    y = view["y"] + 0.53 * view["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 8):
+        page.mouse.move(x + 12 * step, y - 4 * step)
+    pulled = _wait_until(lambda: pushes() and "200" in pushes()[0])
+    keep_screenshot(page, "dashboard_pull.png")
+    page.mouse.up()
+    assert pulled
+    panda = idle.robot("panda")
+    assert _wait_until(lambda: max(map(abs, panda.state().O_F_ext_hat_K)) < 0.1)
+    _press(page, "Push")
+
+
+def test_a_ghost_is_drawn_beside_the_robot_and_removed(page, scene):
+    before = scene.evaluate(TRIANGLES)
+    pose = "{method: 'POST', headers: {'Content-Type': 'application/json'}, body: "
+    pose += "JSON.stringify({positions: {panda_joint1: 1.2}, label: 'planned'})}"
+    page.evaluate(f"() => fetch('/ui/ghost', {pose})")
+    scene.wait_for_function(f"n => ({TRIANGLES})() > n", arg=before)
+    keep_screenshot(page, "dashboard_ghost.png")
+    shown = scene.evaluate(TRIANGLES)
+    page.evaluate("() => fetch('/ui/ghost', {method: 'DELETE'})")
+    scene.wait_for_function(f"n => ({TRIANGLES})() < n", arg=shown)
+
+
+def test_the_tools_of_the_view_turn_the_camera_and_lay_layers_over_the_robot(
+    page, scene
+):
+    with page.expect_response("**/ui/camera") as answer:
+        _press(page, "Front")
+    assert answer.value.json() == {"preset": "front"}
+    before = scene.evaluate(TRIANGLES)
+    with page.expect_response("**/ui/layers") as answer:
+        _press(page, "Collision")
+    assert "collision" in answer.value.json()["shown"]
+    scene.wait_for_function(f"n => ({TRIANGLES})() > n", arg=before)
+    _press(page, "Collision")
+    scene.wait_for_function(f"n => ({TRIANGLES})() <= n", arg=before)
 
 
 def test_a_controller_is_started_by_clicking_and_a_slider_moves_the_joint(

@@ -20,6 +20,10 @@ def test_a_path_is_kept_by_the_station_and_played_in_a_loop(workspace, enabled):
         workspace.button("joints", "rad").click()
         workspace.type_into("joints", "Command of joint1", f"{here + 0.15:.3f}")
         wait_until(lambda h=here: position(enabled, "panda_joint1") > h + 0.1)
+    with page.expect_response("**/ui/ghost") as ghost:
+        workspace.button("move", "Preview").click()
+    assert ghost.value.json() == {"shown": True}
+    workspace.button("move", "Preview").click()
     page.reload()
     workspace = WorkspacePage(page)
     rows = workspace.dock("move").locator("ol.waypoints li")
@@ -66,18 +70,39 @@ def test_the_load_form_has_what_the_type_declares(workspace, client):
 def test_a_plot_draws_rates_and_one_channel_over_another(workspace):
     dock = workspace.dock("plots")
     box = dock.locator(".plot").first
-    box.locator(".picker summary").click()
+    box.locator(".picker > summary").click()
     box.get_by_role("button", name="rate of change of q joint1", exact=True).click()
     box.get_by_role("button", name="XY", exact=True).click()
-    box.locator(".picker summary").click()
+    box.locator(".picker > summary").click()
     assert "d/dt q joint1" in box.locator("canvas").get_attribute("aria-label")
     kept = workspace.page.evaluate("() => localStorage.getItem('station.plots-2')")
     assert '"xy":true' in kept
     assert "d/dt position/panda_joint1" in kept
-    box.locator(".picker summary").click()
+    box.locator(".picker > summary").click()
     box.get_by_role("button", name="XY", exact=True).click()
     box.get_by_role("button", name="rate of change of q joint1", exact=True).click()
-    box.locator(".picker summary").click()
+    box.locator(".picker > summary").click()
+
+
+def test_every_number_of_a_stream_can_be_plotted_and_is_kept(workspace):
+    box = workspace.dock("plots").locator(".plot").first
+    box.locator(".picker > summary").click()
+    box.get_by_label("Search channels").fill("loop total p99")
+    choice = box.get_by_role("button", name="loop loop total p99 [s]", exact=True)
+    choice.click()
+    kept = "() => localStorage.getItem('station.plots-2')"
+    assert "loop|loop/total/p99" in workspace.page.evaluate(kept)
+    workspace.page.wait_for_function(
+        "() => document.querySelector('st-plots').history('loop|loop/total/p99')"
+        ".values.at(-1) > 0"
+    )
+    box.get_by_label("Search channels").fill("gripper width")
+    box.get_by_role("button", name="gripper/panda width [m]", exact=True).wait_for()
+    box.get_by_label("Search channels").fill("panda tau_J_d [6]")
+    box.get_by_role("button", name="panda tau_J_d [6] [Nm]", exact=True).wait_for()
+    box.get_by_label("Search channels").fill("loop total p99")
+    choice.click()
+    box.locator(".picker > summary").click()
 
 
 def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):

@@ -193,10 +193,10 @@ def test_the_simulation_pauses_and_steps(workspace, client):
 
 def test_a_plot_takes_other_channels(workspace):
     dock = workspace.dock("plots")
-    dock.locator(".picker summary").first.click()
+    dock.locator(".picker > summary").first.click()
     dock.get_by_role("button", name="hand z [m]").first.click()
     assert "hand z" in dock.locator(".legend").first.inner_text()
-    dock.locator(".picker summary").first.click()
+    dock.locator(".picker > summary").first.click()
 
 
 def test_events_come_as_they_happen(workspace, client):

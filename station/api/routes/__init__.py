@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
+    alarms,
     control,
     controllers,
     events,
@@ -56,6 +57,7 @@ for _module in (
     control,
     tokens,
     events,
+    alarms,
     streams,
 ):
     api_router.include_router(_module.router)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from station.client._async.alarms_client import AsyncAlarmsClient
 from station.client._async.connection import AsyncConnection
 from station.client._async.experiments_client import AsyncExperimentsClient
 from station.client._async.gain_sets_client import AsyncGainSetsClient
@@ -115,7 +116,7 @@ class AsyncIncidentsClient(_AsyncFiles):
         super().__init__(connection, _INCIDENTS)
 
 
-def kept_on_disk(
+def kept_by_station(
     connection: AsyncConnection,
 ) -> tuple[
     AsyncGainSetsClient,
@@ -123,8 +124,9 @@ def kept_on_disk(
     AsyncIncidentsClient,
     AsyncExperimentsClient,
     AsyncWaypointPathsClient,
+    AsyncAlarmsClient,
 ]:
-    """Return the clients of what a station keeps on its disk.
+    """Return the clients of what a station keeps, on its disk or while it runs.
 
     Args:
         connection: The connection to the station.
@@ -135,4 +137,5 @@ def kept_on_disk(
         AsyncIncidentsClient(connection),
         AsyncExperimentsClient(connection),
         AsyncWaypointPathsClient(connection),
+        AsyncAlarmsClient(connection),
     )

@@ -16,7 +16,7 @@ from station.client._async.controller_changes import load, switch, unload
 from station.client._async.goal_handle import AsyncGoalHandle
 from station.client._async.lease_client import AsyncLeaseClient
 from station.client._async.motion import move_to, start_move
-from station.client._async.recordings_client import kept_on_disk
+from station.client._async.recordings_client import kept_by_station
 from station.client._async.robot_client import AsyncRobotClient
 from station.client._async.simulation_client import AsyncSimulationClient
 from station.client._async.tokens_client import AsyncTokensClient
@@ -74,6 +74,7 @@ class AsyncStationClient:
         gain_sets: Named sets of gains on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        alarms: What asks for a person, and who has seen it.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: What the station kept of stops, reflexes and faults.
@@ -94,9 +95,9 @@ class AsyncStationClient:
             url.rstrip("/"), token, timeout, transport, trust(url, ca)
         )
         self.simulation = AsyncSimulationClient(self._connection)
-        kept = kept_on_disk(self._connection)
+        kept = kept_by_station(self._connection)
         self.gain_sets, self.recordings, self.incidents = kept[:3]
-        self.experiments, self.waypoint_paths = kept[3:]
+        self.experiments, self.waypoint_paths, self.alarms = kept[3:]
         self.tokens = AsyncTokensClient(self._connection)
         self.lease = AsyncLeaseClient(self._connection)
 

@@ -3,6 +3,7 @@
 
 from pathlib import Path
 
+from station.client._sync.alarms_client import SyncAlarmsClient
 from station.client._sync.connection import Connection
 from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
@@ -116,7 +117,7 @@ class IncidentsClient(_Files):
         super().__init__(connection, _INCIDENTS)
 
 
-def kept_on_disk(
+def kept_by_station(
     connection: Connection,
 ) -> tuple[
     GainSetsClient,
@@ -124,8 +125,9 @@ def kept_on_disk(
     IncidentsClient,
     ExperimentsClient,
     SyncWaypointPathsClient,
+    SyncAlarmsClient,
 ]:
-    """Return the clients of what a station keeps on its disk.
+    """Return the clients of what a station keeps, on its disk or while it runs.
 
     Args:
         connection: The connection to the station.
@@ -136,4 +138,5 @@ def kept_on_disk(
         IncidentsClient(connection),
         ExperimentsClient(connection),
         SyncWaypointPathsClient(connection),
+        SyncAlarmsClient(connection),
     )

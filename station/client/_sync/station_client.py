@@ -17,7 +17,7 @@ from station.client._sync.controller_changes import load, switch, unload
 from station.client._sync.goal_handle import GoalHandle
 from station.client._sync.lease_client import LeaseClient
 from station.client._sync.motion import move_to, start_move
-from station.client._sync.recordings_client import kept_on_disk
+from station.client._sync.recordings_client import kept_by_station
 from station.client._sync.robot_client import RobotClient
 from station.client._sync.simulation_client import SimulationClient
 from station.client._sync.tokens_client import TokensClient
@@ -75,6 +75,7 @@ class StationClient:
         gain_sets: Named sets of gains on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        alarms: What asks for a person, and who has seen it.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: What the station kept of stops, reflexes and faults.
@@ -95,9 +96,9 @@ class StationClient:
             url.rstrip("/"), token, timeout, transport, trust(url, ca)
         )
         self.simulation = SimulationClient(self._connection)
-        kept = kept_on_disk(self._connection)
+        kept = kept_by_station(self._connection)
         self.gain_sets, self.recordings, self.incidents = kept[:3]
-        self.experiments, self.waypoint_paths = kept[3:]
+        self.experiments, self.waypoint_paths, self.alarms = kept[3:]
         self.tokens = TokensClient(self._connection)
         self.lease = LeaseClient(self._connection)
 

@@ -23,11 +23,11 @@ from station.ui.layers.layer import Layer
 from station.ui.layers.scene_facts import PlacedRobot, SceneFacts, Vector
 from station.wire import ExternalForce
 
-PUSH_TIME = 0.25
+PUSH_TIME = 0.2
 """How long one request pushes [s]."""
 PUSH_PERIOD = 0.1
 """Time between two requests [s]."""
-ALIVE_FOR = 1.5
+ALIVE_FOR = 0.3
 """How long a page counts as living after it said so [s]."""
 STIFFNESS = 80.0
 """Force for each metre between the link and the pointer [N/m]."""

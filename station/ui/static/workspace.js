@@ -1,5 +1,6 @@
 // The workspace: where the docks are, their sizes and folds, and what the strip's log,
 // the first minute and the progress line show. Each panel is a file in `panels/`.
+import { alarms } from "./lib/alarms.js";
 import { h, kept, number, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
@@ -242,6 +243,10 @@ function start() {
   store.start();
   setInterval(showAge, 100);
   control.start();
+  alarms.start(element("alarms"), () => {
+    openDock("timeline");
+    element("dock-timeline").choose("alarms");
+  });
   watchScene(element("view"), element("progress"));
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);

@@ -6,13 +6,13 @@ import httpx
 import pytest
 
 from station.client._async.connection import AsyncConnection
-from station.client._async.recordings_client import kept_on_disk
+from station.client._async.recordings_client import kept_by_station
 from station.client.errors import ApiError
 
 
 def _recordings(answer):
     transport = httpx.MockTransport(answer)
-    return kept_on_disk(AsyncConnection("http://station", "t", 1.0, transport))[1]
+    return kept_by_station(AsyncConnection("http://station", "t", 1.0, transport))[1]
 
 
 def test_a_file_is_written_as_it_comes(tmp_path):

@@ -34,7 +34,7 @@ function group(name, ...children) {
 }
 
 const PUSH_S = 0.3; // one request pushes so long; a held button repeats it sooner
-const ALIVE_MS = 200;
+const ALIVE_MS = 100;
 const DIRECTIONS = [
   ["−x", [-1, 0, 0]],
   ["+x", [1, 0, 0]],

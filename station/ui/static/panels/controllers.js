@@ -54,7 +54,7 @@ class Controllers extends Panel {
       if (look) for (const name of ["pointerenter", "focus"]) made.addEventListener(name, look);
       return made;
     };
-    const update = h("td", {});
+    const update = h("td", { class: "update" });
     this.cells.set(c.name, update);
     const actions =
       c.state === "running"
@@ -106,6 +106,7 @@ class Controllers extends Panel {
     const search = h("input", { type: "search", placeholder: "search a type, e.g. group position" });
     search.setAttribute("aria-label", "Search controller types");
     const list = h("div", { class: "types", role: "listbox" });
+    list.setAttribute("aria-label", "Controller types");
     const fill = () => {
       const words = search.value.toLowerCase().split(/\s+/);
       const fits = store.docks.types.filter((type) => words.every((word) => type.toLowerCase().includes(word)));

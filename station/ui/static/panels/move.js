@@ -34,11 +34,13 @@ class Move extends Panel {
       return input;
     });
     this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation" }, "Go there");
-    this.reach.addEventListener("click", () => {
+    const go = () => {
       const position = this.targets.map((input) => typed(input.value));
       if (position.includes(null)) refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres." });
       else desk.say({ do: "reach", position });
-    });
+    };
+    this.reach.addEventListener("click", go);
+    for (const input of this.targets) input.addEventListener("keydown", (event) => event.key === "Enter" && go());
     const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is" }, "Here");
     here.addEventListener("click", () => {
       const pose = Object.values(store.arms)[0]?.O_T_EE;

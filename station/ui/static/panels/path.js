@@ -1,4 +1,5 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
+import { hideGhost, showGhost } from "../lib/ghost.js";
 import { h, number, show, sharedPrefix, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
@@ -7,6 +8,7 @@ import { store, switchTo } from "../lib/store.js";
 
 const LOOK_MS = 250;
 const LIST_MS = 2000;
+const PREVIEW_MS = 60;
 const FIRST_NAME = "path-1";
 
 class Path extends Panel {
@@ -22,6 +24,8 @@ class Path extends Panel {
     this.newName.addEventListener("keydown", (event) => event.key === "Enter" && this.make());
     this.captureButton = button("+ Capture", "Keep the present joints as the next waypoint", () => this.capture());
     this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(), "s primary");
+    this.previewButton = button("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview());
+    this.previewButton.setAttribute("aria-pressed", "false");
     this.pauseButton = button("Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: this.playback.state === "playing" }));
     this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
     this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
@@ -36,7 +40,7 @@ class Path extends Panel {
     this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
     this.append(
       h("div", { class: "line" }, this.choice, this.newName, button("New", "Begin a path of this name", () => this.make()), button("Delete", "Delete the chosen path from the station", () => this.remove())),
-      h("div", { class: "line" }, this.captureButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
+      h("div", { class: "line" }, this.captureButton, this.previewButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
       h("div", { class: "line" }, h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.progress),
       this.list,
       this.state,
@@ -158,7 +162,7 @@ class Path extends Panel {
       name,
       seconds,
       " s ",
-      button("Go", "Move to this waypoint", () => this.play(i)),
+      this.shown(button("Go", "Move to this waypoint", () => this.play(i)), point),
       button("Set", "Replace by where the arm is now", () => {
         const positions = Object.fromEntries(Object.keys(point.positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
         this.save(changed({ positions }));
@@ -167,6 +171,41 @@ class Path extends Panel {
       button("↓", "Move down", swap(i + 1), i === waypoints.length - 1),
       button("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i))),
     );
+  }
+
+  /** Show a waypoint as a ghost while the pointer or the focus is on its button. */
+  shown(button, point) {
+    const isFree = () => !this.previewTimer;
+    for (const name of ["pointerenter", "focus"]) button.addEventListener(name, () => isFree() && showGhost(point.positions, `waypoint ${point.name}`));
+    for (const name of ["pointerleave", "blur"]) button.addEventListener(name, () => isFree() && hideGhost());
+    return button;
+  }
+
+  /** Let the ghost pass the waypoints once, straight between them, at the chosen speed. */
+  preview() {
+    if (this.previewTimer) return this.endPreview();
+    const { waypoints } = this.path;
+    if (!waypoints.length) return show(this.state, "There is no waypoint yet: Capture where the arm is.");
+    const here = Object.fromEntries(Object.keys(waypoints[0].positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
+    const began = performance.now();
+    this.previewButton.setAttribute("aria-pressed", "true");
+    this.previewTimer = setInterval(() => {
+      let time = ((performance.now() - began) / 1000) * (this.speed.value / 100);
+      let from = here;
+      for (const { name, duration, positions } of waypoints) {
+        if (time < duration) return showGhost(blend(from, positions, time / duration), `preview, to ${name}`);
+        time -= duration;
+        from = { ...from, ...positions };
+      }
+      this.endPreview();
+    }, PREVIEW_MS);
+  }
+
+  endPreview() {
+    clearInterval(this.previewTimer);
+    this.previewTimer = null;
+    this.previewButton.setAttribute("aria-pressed", "false");
+    hideGhost();
   }
 
   /** Play the path, or with `only` go to one waypoint; starts a controller if none runs. */
@@ -241,6 +280,11 @@ class Path extends Panel {
     if (playback.state !== this.shownState || active) show(this.state, texts[playback.state]);
     this.shownState = playback.state;
   }
+}
+
+/** Return positions between two others, at a part from 0 to 1 of the way. */
+function blend(from, to, part) {
+  return Object.fromEntries(Object.entries(to).map(([joint, q]) => [joint, from[joint] + part * (q - from[joint])]));
 }
 
 customElements.define("st-path", Path);

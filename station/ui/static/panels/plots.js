@@ -1,4 +1,5 @@
 // Plots: any channels of the streams, several plots, pause, zoom, cursor, markers, CSV.
+import { Channels, described, numbersIn, sample, sources } from "../lib/channels.js";
 import { h, kept, sharedPrefix, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History, Plot, download } from "../lib/plot.js";
@@ -14,6 +15,7 @@ class Plots extends Panel {
   build() {
     this.channels = new Map(); // key to {label, unit, group, read(frame data)}
     this.histories = new Map();
+    this.streamed = new Channels((key, time, value) => this.history(key).add(time, value));
     this.plots = [];
     this.paused = false;
     this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on" }, "Pause");
@@ -55,6 +57,7 @@ class Plots extends Panel {
     const key = [joints, arms.map((a) => a.arm_id), operated.name].join("|");
     if (key === this.listed) return;
     this.listed = key;
+    this.streamed.want(this.wanted ?? []);
     const before = [...this.channels.keys()].join();
     this.channels.clear();
     const prefix = sharedPrefix(joints);
@@ -88,7 +91,7 @@ class Plots extends Panel {
     if (!store.joints) return;
     for (const key of this.wanted ?? []) {
       const [first, second, index] = key.split("/");
-      if (first === "sample") continue;
+      if (first === "sample" || key.includes("|")) continue;
       if (first in store.joints) {
         const i = store.joints.name.indexOf(second);
         this.history(key).add(store.stationTime, store.joints[first][i]);
@@ -150,25 +153,59 @@ class Plots extends Panel {
     this.apply(entry);
   }
 
+  /** Fill a plot's menu: the usual channels, then every number of every stream. */
   fillMenu(entry) {
     const list = entry.menu.querySelector(".choices");
-    list.replaceChildren(
-      ...[...this.channels].map(([key, { label, unit }]) => {
-        const choose = (wanted, name, look) => {
-          const choice = h("button", { class: look, type: "button" }, name);
-          choice.setAttribute("aria-label", wanted === key ? name : `rate of change of ${label}`);
-          choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
-          choice.addEventListener("click", () => {
-            entry.keys = entry.keys.includes(wanted) ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
-            choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
-            this.apply(entry);
-            this.keep();
-          });
-          return choice;
-        };
-        return h("div", { class: "channel" }, choose(key, `${label} [${unit}]`, "choice"), choose(DERIVATIVE + key, "d/dt", "choice rate"));
-      }),
-    );
+    const search = h("input", { type: "search", placeholder: "search, e.g. tau_J_d or p99" });
+    search.setAttribute("aria-label", "Search channels");
+    const usual = h("div", {}, ...[...this.channels].map(([key, { label, unit }]) => this.choice(entry, key, label, unit)));
+    const groups = sources().map((source) => this.sourceGroup(entry, source));
+    const find = async () => {
+      const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const fits = (text) => words.every((word) => text.toLowerCase().includes(word));
+      for (const row of usual.children) row.hidden = !fits(row.textContent);
+      for (const group of groups) if (words.length) await group.load();
+      for (const { details } of groups) {
+        const rows = [...details.querySelectorAll(".channel")];
+        for (const row of rows) row.hidden = !fits(row.textContent);
+        details.hidden = words.length > 0 && rows.every((row) => row.hidden);
+        if (words.length) details.open = !details.hidden;
+      }
+    };
+    search.addEventListener("input", find);
+    list.replaceChildren(search, usual, h("p", { class: "hint" }, "Everything that is streamed:"), ...groups.map(({ details }) => details));
+  }
+
+  /** Return a foldable list of all numbers of a source, asked for when it is opened. */
+  sourceGroup(entry, source) {
+    const rows = h("div", {}, h("p", { class: "hint" }, "Asking the station …"));
+    const details = h("details", { class: "source" }, h("summary", {}, source.title), rows);
+    let asked = null;
+    const load = () =>
+      (asked ??= sample(source).then((data) => {
+        const keys = data ? numbersIn(data).map((path) => `${source.id}|${path}`) : [];
+        rows.replaceChildren(...keys.map((key) => this.choice(entry, key, described(key).label, described(key).unit)));
+        if (!keys.length) rows.append(h("p", { class: "hint" }, "No numbers at the moment: a controller that does not run has none."));
+      }));
+    details.addEventListener("toggle", () => details.open && load());
+    return { details, load };
+  }
+
+  /** Return the row of a channel: a button for it, and one for its rate of change. */
+  choice(entry, key, label, unit) {
+    const choose = (wanted, name, look) => {
+      const choice = h("button", { class: look, type: "button" }, name);
+      choice.setAttribute("aria-label", wanted === key ? name : `rate of change of ${label}`);
+      choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
+      choice.addEventListener("click", () => {
+        entry.keys = entry.keys.includes(wanted) ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
+        choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
+        this.apply(entry);
+        this.keep();
+      });
+      return choice;
+    };
+    return h("div", { class: "channel" }, choose(key, unit ? `${label} [${unit}]` : label, "choice"), choose(DERIVATIVE + key, "d/dt", "choice rate"));
   }
 
   zoom(entry, factor) {
@@ -178,19 +215,20 @@ class Plots extends Panel {
 
   /** Return what a key stands for: a channel, or its rate of change. */
   channel(key) {
-    if (!key.startsWith(DERIVATIVE)) return this.channels.get(key);
-    const of = this.channels.get(key.slice(DERIVATIVE.length));
-    return of && { ...of, label: `d/dt ${of.label}`, unit: of.unit.endsWith("/s") ? `${of.unit}²` : `${of.unit}/s` };
+    const known = (name) => (name.includes("|") ? described(name) : this.channels.get(name));
+    if (!key.startsWith(DERIVATIVE)) return known(key);
+    const of = known(key.slice(DERIVATIVE.length));
+    return of && { ...of, label: `d/dt ${of.label}`, unit: !of.unit ? "1/s" : of.unit.endsWith("/s") ? `${of.unit}²` : `${of.unit}/s` };
   }
 
   apply(entry) {
     const known = entry.keys.filter((key) => this.channel(key));
     entry.plot.traces = known.map((key) => ({ ...this.channel(key), history: this.history(key) }));
-    const units = [...new Set(entry.plot.traces.map((t) => t.unit))].join(", ");
+    const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
     entry.legend.replaceChildren(
-      h("b", {}, units ? `${shared} [${units}]` : "no channel chosen"),
+      h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared),
       ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, label.slice(shared.length))),
     );
     entry.plot.canvas.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
@@ -207,6 +245,7 @@ class Plots extends Panel {
     const keys = this.plots.flatMap((entry) => entry.keys);
     this.derived = new Set(keys.filter((key) => key.startsWith(DERIVATIVE)));
     this.wanted = new Set(keys.map((key) => key.replace(DERIVATIVE, "")));
+    this.streamed.want(this.wanted);
   }
 
   /** Add the newest slopes; the newest sample itself has only one neighbour yet. */

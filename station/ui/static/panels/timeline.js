@@ -1,4 +1,5 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
+import { alarmRows, alarms } from "../lib/alarms.js";
 import { h, show } from "../lib/dom.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { Panel } from "../lib/panel.js";
@@ -10,6 +11,7 @@ const SHOWN = 60;
 const KEPT = 500;
 const SOURCES = [
   { id: "events", title: "Events" },
+  { id: "alarms", title: "Alarms" },
   { id: "recordings", title: "Recordings" },
   { id: "incidents", title: "Incidents" },
 ];
@@ -27,8 +29,9 @@ class Timeline extends Panel {
     this.record.addEventListener("click", () => this.toggleRecording());
     this.list = h("div", { class: "log", tabIndex: 0 });
     this.list.setAttribute("aria-label", "What happened");
-    this.append(h("div", { class: "line" }, ...this.buttons, this.record), this.buildReplay(), this.list);
+    this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.buildReplay(), this.list);
     store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
+    alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
     this.look();
@@ -120,8 +123,19 @@ class Timeline extends Panel {
     setTimeout(() => this.look(), LOOK_MS);
   }
 
+  drawAlarms() {
+    const key = JSON.stringify(alarms.list) + store.isOperator;
+    if (key === this.drawn) return;
+    this.drawn = key;
+    this.list.replaceChildren(...alarmRows());
+  }
+
   async ask() {
     const id = this.chosen;
+    if (id === "alarms") {
+      this.record.hidden = true;
+      return this.drawAlarms();
+    }
     try {
       const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
       const told = await api("GET", path, undefined, { Accept: "application/json" });

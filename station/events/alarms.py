@@ -1,0 +1,206 @@
+"""Alarms: what asks for a person now, and what did until a person has seen it.
+
+An alarm stays in the list until its cause is gone and somebody has acknowledged it, in
+either order, as in ISA-18.2. Acknowledging says "seen"; it clears and moves nothing.
+"""
+
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from station.core.errors import StationError
+from station.core.facade.station import Station
+from station.core.franka.arms import Arms
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.loop.stop_latch import StopState
+from station.events.event import STATION, EventKind, Origin, Severity
+from station.events.event_log import EventLog
+
+MAX_ALARMS = 200
+"""Alarms that are kept; beyond, the oldest whose cause is gone are given up."""
+
+
+class AlarmNotFoundError(StationError, KeyError):
+    """There is no alarm of that number, or no more."""
+
+    code = "alarm_not_found"
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Something that asks for a person, as it is now.
+
+    Attributes:
+        subject: What is in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.
+        severity: `ERROR` for a failure, `WARNING` for what somebody wanted.
+        text: What is wrong, a sentence for people.
+        remedy: What to do about it, in full sentences.
+    """
+
+    subject: str
+    severity: Severity
+    text: str
+    remedy: str
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    """A cause, since when it has been there, and who has seen it.
+
+    Attributes:
+        id: Number of the alarm, from 1; a cause that returns gets a new one.
+        cause: What asks for a person.
+        raised_at: Wall time at which it was noticed [s since 1970, UTC].
+        cleared_at: Wall time at which the cause was gone [s since 1970]; None before.
+        acknowledged_by: Name of who has seen it; empty before.
+        acknowledged_at: When that was, as wall time [s since 1970]; None before.
+    """
+
+    id: int
+    cause: Cause
+    raised_at: float
+    cleared_at: float | None = None
+    acknowledged_by: str = ""
+    acknowledged_at: float | None = None
+
+
+class Alarms:
+    """The alarms of a run of the station. Any thread but the control thread.
+
+    Args:
+        station: Whose state is looked at.
+        log: Takes the acknowledgements, and gives the wall time. The causes have
+            events of their own.
+    """
+
+    def __init__(self, station: Station, log: EventLog) -> None:
+        self._station = station
+        self._log = log
+        self._arms = Arms(station.robots)
+        self._lock = threading.Lock()
+        self._alarms: dict[int, Alarm] = {}
+        self._newest = 0
+
+    def look(self) -> None:
+        """Compare the station with the list: raise what is new, clear what is gone."""
+        now = self._log.wall_time()
+        with self._lock:
+            causes = {cause.subject: cause for cause in self._causes()}
+            for alarm in list(self._alarms.values()):
+                if alarm.cleared_at is not None:
+                    continue
+                cause = causes.get(alarm.cause.subject)
+                if cause == alarm.cause:
+                    del causes[cause.subject]
+                elif cause is not None and alarm.acknowledged_at is None:
+                    self._keep(replace(alarm, cause=causes.pop(cause.subject)))
+                else:
+                    # What was acknowledged was another cause, so this one is new.
+                    self._keep(replace(alarm, cleared_at=now))
+            for cause in causes.values():
+                self._newest += 1
+                self._alarms[self._newest] = Alarm(self._newest, cause, now)
+            self._bound()
+
+    def all(self) -> list[Alarm]:
+        """Look, and return the alarms, newest first."""
+        self.look()
+        with self._lock:
+            return list(self._alarms.values())[::-1]
+
+    def acknowledge(self, number: int, origin: Origin = STATION) -> Alarm:
+        """Note that somebody has seen an alarm; return it.
+
+        Seeing it again changes nothing: the first name and time stay.
+
+        Args:
+            number: Number of the alarm.
+            origin: Who has seen it.
+
+        Raises:
+            AlarmNotFoundError: There is no such alarm, or no more.
+        """
+        with self._lock:
+            alarm = self._alarms.get(number)
+            if alarm is None:
+                raise AlarmNotFoundError(
+                    f"There is no alarm {number}.",
+                    remedy="GET /alarms lists the alarms there are. One that was "
+                    "acknowledged leaves when its cause is gone, and one that returns "
+                    "has a new number.",
+                )
+            if alarm.acknowledged_at is not None:
+                return alarm
+            alarm = replace(
+                alarm,
+                acknowledged_by=origin.who or "station",
+                acknowledged_at=self._log.wall_time(),
+            )
+            self._keep(alarm)
+        self._log.record(
+            EventKind.ALARM,
+            f"Alarm {number} was acknowledged: {alarm.cause.text}",
+            what=alarm.cause.subject,
+            result="acknowledged",
+            details={"alarm": number, "raised_at": alarm.raised_at},
+            origin=origin,
+        )
+        return alarm
+
+    def _keep(self, alarm: Alarm) -> None:
+        """Put a changed alarm into the list, or take it out when it is done with."""
+        self._alarms[alarm.id] = alarm
+        if alarm.cleared_at is not None and alarm.acknowledged_at is not None:
+            del self._alarms[alarm.id]
+
+    def _bound(self) -> None:
+        gone = [each.id for each in self._alarms.values() if each.cleared_at]
+        for number in gone[: max(0, len(self._alarms) - MAX_ALARMS)]:
+            del self._alarms[number]
+
+    def _causes(self) -> Iterator[Cause]:
+        dead = self._station.dead()
+        if dead is not None:
+            yield Cause("loop", Severity.ERROR, dead, "Restart the station.")
+        latch = self._station.loop.stop_latch
+        if latch.state is StopState.STOPPED:
+            yield Cause(
+                "stop",
+                Severity.WARNING,
+                f"The station is stopped: {latch.reason}",
+                "Remove the reason, then release the stop and allow motion.",
+            )
+        yield from self._causes_of_arms()
+        for status in self._station.manager.conditions():
+            if status.fault is not None:
+                yield Cause(
+                    f"controller {status.name}",
+                    Severity.ERROR,
+                    f"Controller '{status.name}' was stopped: {status.fault}",
+                    "Correct what the fault names, then start the controller again, "
+                    "or unload it.",
+                )
+        failure = self._log.state().failure
+        if failure is not None:
+            yield Cause(
+                "events",
+                Severity.ERROR,
+                f"Events are kept in memory alone: {failure}",
+                "Free the disk or give the station its directory; events are then "
+                "written by themselves.",
+            )
+
+    def _causes_of_arms(self) -> Iterator[Cause]:
+        for arm in self._arms.reports():
+            if arm.remedy is None:
+                continue
+            errors = ", ".join(error.description for error in arm.errors)
+            mode = arm.robot_mode.name.lower()
+            yield Cause(
+                f"robot {arm.arm_id}",
+                Severity.ERROR
+                if arm.robot_mode is RobotMode.REFLEX
+                else Severity.WARNING,
+                f"{arm.arm_id} is in mode {mode}{f': {errors}' if errors else ''}.",
+                arm.remedy,
+            )

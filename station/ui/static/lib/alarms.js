@@ -1,0 +1,83 @@
+// The alarms of the station: what asks for a person, and who has seen it. The strip counts
+// those that nobody has seen; the dock Timeline lists and acknowledges them.
+import { h, show } from "./dom.js";
+import { act, api, follow } from "./station.js";
+import { store } from "./store.js";
+
+const LOOK_MS = 2000;
+
+class Alarms extends EventTarget {
+  constructor() {
+    super();
+    this.list = [];
+  }
+
+  /** Begin to look; `button` is the count on the strip, `open` shows the list. */
+  start(button, open) {
+    this.button = button;
+    button.addEventListener("click", open);
+    // Every change of an alarm's cause is an event; the timer finds what was missed.
+    follow("events", "rate=10", (frame) => frame.data.kind !== "request" && this.look());
+    setInterval(() => this.look(), LOOK_MS);
+    this.look();
+  }
+
+  async look() {
+    try {
+      const told = await api("GET", "/alarms");
+      this.list = told.alarms;
+      this.draw(told.unacknowledged);
+    } catch {
+      // The strip says that the station does not answer.
+    }
+  }
+
+  draw(unseen) {
+    this.button.hidden = !this.list.length;
+    this.button.dataset.unseen = unseen ? "some" : "";
+    show(this.button, unseen ? `▲ Alarms ${unseen}` : `Alarms, ${this.list.length} seen`);
+    this.dispatchEvent(new Event("change"));
+  }
+
+  async acknowledge(alarms) {
+    for (const alarm of alarms) await act("POST", `/alarms/${alarm.id}/acknowledge`);
+    await this.look();
+  }
+
+  unseen() {
+    return this.list.filter((alarm) => alarm.acknowledged_at === null);
+  }
+}
+
+export const alarms = new Alarms();
+
+const clock = (time) => new Date(time * 1e3).toLocaleTimeString("en-GB");
+
+function row(alarm) {
+  const seen = alarm.acknowledged_at !== null;
+  const state = [
+    alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`,
+    seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged",
+  ].join(", ");
+  const button = h("button", { class: "s", type: "button", title: "Say that you have seen it; it moves and clears nothing", disabled: !store.isOperator }, "Acknowledge");
+  button.setAttribute("aria-label", `Acknowledge ${alarm.text}`);
+  button.addEventListener("click", () => alarms.acknowledge([alarm]));
+  return h(
+    "div",
+    { class: `row ${alarm.severity}` },
+    h("time", { title: new Date(alarm.raised_at * 1e3).toISOString() }, clock(alarm.raised_at)),
+    h("b", {}, `${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} `),
+    h("span", { class: "remedy" }, alarm.remedy),
+    h("small", {}, ` ${state} `),
+    seen ? null : button,
+  );
+}
+
+/** Return the rows of the list, and one button for all that nobody has seen. */
+export function alarmRows() {
+  if (!alarms.list.length) return [h("p", { class: "hint" }, "Nothing asks for attention, and everything that did was seen.")];
+  const all = h("button", { class: "s", type: "button", disabled: !store.isOperator }, "Acknowledge all");
+  all.addEventListener("click", () => alarms.acknowledge(alarms.unseen()));
+  const rows = alarms.list.map(row);
+  return alarms.unseen().length > 1 ? [h("div", { class: "line" }, all), ...rows] : rows;
+}

@@ -1,0 +1,194 @@
+"""Tasks that a person does from a page just opened, and how many clicks they take.
+
+The table in docs/dashboard.md has the same numbers.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from station.wire import Fault
+from tests.browser.conftest import run_station
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    WorkspacePage,
+    position,
+    wait_until,
+)
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[2]
+CUBE_X, CUBE_Z = "0.5", "0.02"
+
+
+class Person:
+    """Uses the page with the mouse, and counts the clicks; typing is free.
+
+    Attributes:
+        clicks: How often the mouse was pressed.
+    """
+
+    def __init__(self, page):
+        self.page = page
+        self.clicks = 0
+
+    def click(self, name, role="button"):
+        """Click what has this name."""
+        self.clicks += 1
+        self.page.get_by_role(role, name=name, exact=True).first.click()
+
+    def fold(self, dock):
+        """Open or close a dock by its title."""
+        self.clicks += 1
+        self.page.locator(f'.dock[data-dock="{dock}"] .fold').click()
+
+    def field(self, label, text, end="Enter"):
+        """Click a field, replace what is in it, and press a key."""
+        self.clicks += 1
+        field = self.page.get_by_label(label, exact=True)
+        field.click()
+        self.write(text, end)
+
+    def write(self, text, end="Enter"):
+        """Type over what is in the focused field."""
+        self.page.keyboard.press("Control+a")
+        self.page.keyboard.type(text)
+        self.page.keyboard.press(end)
+
+
+@pytest.fixture(scope="module")
+def running_station(tmp_path_factory):
+    """A station with a cube beside the arm."""
+    home = tmp_path_factory.mktemp("station")
+    with run_station(home, str(ROOT / "examples/cube.yaml")) as running:
+        yield running
+
+
+@pytest.fixture
+def person(workspace_tab, client):
+    """Somebody in front of a page just opened; nothing but the states runs."""
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    others = [name for name in running if name != "joint_state_controller"]
+    if others:
+        client.switch_controllers(stop=others)
+    client.simulation.reset()
+    workspace_tab.evaluate(
+        "() => { localStorage.clear(); localStorage['station.tour'] = '\"done\"'; }"
+    )
+    workspace_tab.reload()
+    WorkspacePage(workspace_tab)
+    return Person(workspace_tab)
+
+
+def counted(task):
+    """Return the clicks of a task in the table of the docs."""
+    page = (ROOT / "docs/dashboard.md").read_text()
+    return int(re.search(rf"^\| {re.escape(task)} \| (\d+) \|", page, re.M)[1])
+
+
+def enable(person):
+    """Click the button of the first minute."""
+    person.click("Enable sliders")
+    person.page.wait_for_function(
+        "() => !document.querySelector('.joints input').disabled"
+    )
+
+
+def test_joint_3_is_moved_by_10_degrees(person, client):
+    enable(person)
+    person.field("Command of joint3", "10")
+    wanted = math.radians(10)
+    assert wait_until(lambda: abs(position(client, "panda_joint3") - wanted) < 0.01)
+    assert person.clicks == counted("move joint 3 by 10°") <= 3
+
+
+def test_a_controller_is_loaded_with_parameters_and_started(person, client):
+    person.click("Load …")
+    person.page.keyboard.type("effort_controllers/JointGroupPosition")
+    person.click("effort_controllers/JointGroupPositionController", "option")
+    name = person.page.get_by_label("Name of the controller").input_value()
+    person.field("panda_joint1 / pid / p", "555", "Tab")
+    person.click("Load and start")
+    assert wait_until(
+        lambda: name in [c.name for c in client.controllers() if c.state == "running"]
+    )
+    assert client.gains(name).values["panda_joint1/p"] == 555
+    client.switch_controllers(stop=[name])
+    client.unload_controller(name)
+    task = "load a controller with parameters and start it"
+    assert person.clicks == counted(task) <= 6
+
+
+def test_p_is_changed_and_two_runs_are_compared(person, client):
+    enable(person)
+    person.fold("tuning")
+    figures = person.page.locator("st-tuning > div .metrics tbody tr")
+    person.click("Run test")
+    figures.first.wait_for()
+    before = client.gains(CONTROLLER).values["panda_joint1/p"]
+    person.field("p of panda_joint1", "400")
+    assert wait_until(lambda: client.gains(CONTROLLER).values["panda_joint1/p"] == 400)
+    person.click("Run test")
+    figures.nth(1).wait_for()
+    assert "p 400" in figures.nth(1).inner_text()
+    client.set_gains(CONTROLLER, {"panda_joint1/p": before})
+    assert person.clicks == counted("change p and compare two runs") <= 8
+
+
+def test_a_path_is_recorded_and_played(person, client):
+    enable(person)
+    person.fold("move")
+    person.click("+ Capture")
+    person.field("Command of joint1", "10")
+    assert wait_until(lambda: position(client, "panda_joint1") > 0.15)
+    person.click("+ Capture")
+    person.page.locator("ol.waypoints li").nth(1).wait_for()
+    person.click("▶ Play")
+    paths = client.waypoint_paths
+    assert wait_until(lambda: (p := paths.playback()) and p.state == "succeeded", 20)
+    paths.delete("path-1")
+    assert person.clicks == counted("record two waypoints and play them") <= 8
+
+
+def test_the_cube_is_grasped_and_lifted(person, client):
+    person.fold("move")
+    person.clicks += 1
+    person.page.get_by_text("Hand: jog and target").click()
+    person.click("Start hand targets")
+    person.page.wait_for_function(
+        "() => ![...document.querySelectorAll('st-move button')]"
+        ".find((b) => b.textContent === 'Go there').disabled"
+    )
+    person.field("Hand x [m]", CUBE_X, "Tab")
+    person.write("0", "Tab")
+    person.write(CUBE_Z)
+    hand = client.robot("panda")
+
+    def distance():
+        pose = hand.state().O_T_EE
+        return math.dist(pose[12:15], (float(CUBE_X), 0.0, float(CUBE_Z)))
+
+    assert wait_until(lambda: distance() < 0.01, 25)
+    person.click("Grasp")
+    assert wait_until(lambda: hand.gripper.state().is_grasped)
+    assert person.clicks == counted("grasp the cube") <= 6
+    person.page.get_by_label("Hand z [m]").focus()
+    person.write("0.2")
+    assert wait_until(lambda: client.scene()[0].position[2] > 0.1, 20)
+
+
+def test_a_collision_is_recovered_from_and_its_alarm_acknowledged(person, client):
+    client.robot("panda").inject(Fault(kind="collision", cycles=30))
+    person.page.locator("#alarms").get_by_text("Alarms 1").wait_for()
+    person.click("Recover panda")
+    assert wait_until(lambda: client.status().robots[0].robot_mode == "idle")
+    assert person.clicks == counted("recover after a collision") <= 2
+    person.page.locator("#alarms").click()
+    assert client.alarms.list()[0].cleared_at is not None
+    dock = person.page.locator('.dock[data-dock="timeline"]')
+    dock.get_by_role("button", name=re.compile("^Acknowledge panda")).click()
+    assert wait_until(lambda: client.alarms.list() == [])
+    person.page.locator("#alarms").wait_for(state="hidden")

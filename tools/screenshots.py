@@ -1,0 +1,165 @@
+"""Take pictures of every dock of the dashboard, to be looked at: `artifacts/docks/`.
+
+A station of its own is started and ended. `--readme` renews the picture of the docs.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+SIZES = ((1280, 800), (1920, 1080), (390, 844))
+DOCKS = (
+    "joints",
+    "controllers",
+    "gripper",
+    "move",
+    "tuning",
+    "plots",
+    "timeline",
+    "simulation",
+)
+PLACE = Path("artifacts/docks")
+README = Path("docs/images/dashboard.png")
+FLAGS = ["--no-sandbox", "--use-gl=swiftshader", "--enable-unsafe-swiftshader"]
+SCENE_MS = 90_000
+NARROW = 700
+_READY_LINES = 20
+
+
+@contextmanager
+def station() -> Iterator[str]:
+    """Run a station on free ports; yields the address that logs in."""
+    command = [sys.executable, "-m", "station", "run", "--port", "0", "--ui-port", "0"]
+    with tempfile.TemporaryDirectory() as home:
+        places = {
+            "XDG_RUNTIME_DIR": home,
+            "XDG_DATA_HOME": f"{home}/data",
+            "XDG_STATE_HOME": f"{home}/state",
+        }
+        process = subprocess.Popen(
+            [*command, "--json"],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **places},
+        )
+        try:
+            told: dict[str, str] = {}
+            for line, _ in zip(process.stdout or (), range(_READY_LINES), strict=False):
+                told.update(json.loads(line))
+                if "ui_ready" in told:
+                    break
+            token = json.loads(Path(told["runtime_file"]).read_text())["token"]
+            yield f"{told['ui_url']}/login?token={token}"
+        finally:
+            process.terminate()
+            process.wait(15)
+
+
+def opened(browser: Browser, login: str, size: tuple[int, int], scheme: str) -> Page:
+    """Return the page, logged in, with the robot drawn and the tour skipped."""
+    width, height = size
+    context = browser.new_context(
+        viewport={"width": width, "height": height},
+        color_scheme="dark" if scheme == "dark" else "light",
+    )
+    page = context.new_page()
+    page.goto(login)
+    page.wait_for_selector(".joints tbody tr", state="attached")
+    page.get_by_role("button", name="Skip the tour").click()
+    page.wait_for_function(
+        "() => document.getElementById('progress').hidden", timeout=SCENE_MS
+    )
+    return page
+
+
+def show_dock(page: Page, dock: str, size: tuple[int, int]) -> None:
+    """Unfold a dock and fold the others beside it; choose it on a narrow screen."""
+    if size[0] <= NARROW:
+        page.locator(f'#docks-nav [data-dock="{dock}"]').click()
+    for other in page.locator(".dock").all():
+        name = other.get_attribute("data-dock")
+        fold = other.locator(".fold")
+        is_open = fold.get_attribute("aria-expanded") == "true"
+        is_beside = other.evaluate("e => e.parentElement.id") == "side"
+        if is_open != (name == dock or not is_beside) and fold.is_visible():
+            fold.click()
+    page.locator(f'.dock[data-dock="{dock}"]').scroll_into_view_if_needed()
+
+
+def move(page: Page, size: tuple[int, int]) -> None:
+    """Enable the sliders and move two joints, so that plots have something to show."""
+    enable = page.locator("#enable")
+    if enable.is_visible():
+        enable.click()
+    show_dock(page, "joints", size)
+    page.wait_for_function("() => !document.querySelector('.joints input').disabled")
+    for joint, value in (("joint1", "18"), ("joint4", "-120"), ("joint1", "-10")):
+        field = page.get_by_label(f"Command of {joint}")
+        field.fill(value)
+        field.press("Enter")
+        page.wait_for_timeout(2500)
+
+
+def take(page: Page, name: str) -> None:
+    """Keep a picture of the page."""
+    page.wait_for_timeout(600)
+    path = PLACE / f"{name}.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(page.screenshot())
+
+
+def all_docks(browser: Browser, login: str, size: tuple[int, int], scheme: str) -> None:
+    """Take a picture of the page as it opens, and of each dock."""
+    page = opened(browser, login, size, scheme)
+    end = f"{size[0]}x{size[1]}-{scheme}"
+    take(page, f"00-first-{end}")
+    move(page, size)
+    take(page, f"01-moving-{end}")
+    for i, dock in enumerate(DOCKS):
+        show_dock(page, dock, size)
+        take(page, f"{i + 2:02}-{dock}-{end}")
+    page.context.close()
+
+
+def readme(browser: Browser, login: str) -> None:
+    """Renew the picture of the docs: the robot, docks, and plots with data."""
+    page = opened(browser, login, SIZES[0], "light")
+    page.locator("#enable").click()
+    page.wait_for_function("() => !document.querySelector('.joints input').disabled")
+    for joint, value in (("joint1", "25"), ("joint4", "-115"), ("joint1", "-5")):
+        field = page.get_by_label(f"Command of {joint}")
+        field.fill(value)
+        field.press("Enter")
+        page.wait_for_timeout(2200)
+    README.write_bytes(page.screenshot())
+
+
+def main() -> None:
+    """Take the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--readme", action="store_true")
+    parser.add_argument("--schemes", nargs="+", default=["light", "dark"])
+    chosen = parser.parse_args()
+    with station() as login, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path="/usr/bin/chromium", args=FLAGS
+        )
+        if chosen.readme:
+            readme(browser, login)
+        else:
+            for size in SIZES:
+                for scheme in chosen.schemes:
+                    all_docks(browser, login, size, scheme)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()
