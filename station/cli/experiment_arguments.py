@@ -188,13 +188,13 @@ def _add_experiments(verbs: "Verbs") -> None:
     experiments = verbs.add(
         "experiments",
         "experiment_results:experiments",
-        "look at, watch, cancel, draw, compare, export and apply experiments",
+        "look at, watch, cancel, draw, compare, replay, export and apply experiments",
     )
     experiments.add_argument(
         "action",
         choices=(
             *("list", "show", "plot", "best", "apply", "export", "compare"),
-            *("watch", "cancel"),
+            *("replay", "watch", "cancel"),
         ),
     )
     experiments.add_argument("name", nargs="?", metavar="NAME", help="the experiment")
@@ -203,7 +203,7 @@ def _add_experiments(verbs: "Verbs") -> None:
         nargs="*",
         metavar="WORD",
         help="plot, export: a file; apply: a trial's hash, the best when left out; "
-        "compare: another experiment",
+        "replay: one likewise, the worst when left out; compare: another experiment",
     )
     experiments.add_argument(
         "--metric", nargs="+", action="extend", default=[], help=METRIC
