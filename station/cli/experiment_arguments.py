@@ -63,7 +63,8 @@ def _add_setup(parser: "Parser") -> None:
         "--script",
         type=Path,
         metavar="SCRIPT.yaml",
-        help="what happens in a trial; without it all joints move to and fro for 2 s",
+        help="what happens in a trial, or a recording (.mcap) whose set-points are "
+        "given again; without it all joints move to and fro for 2 s",
     )
     parser.add_argument(
         "--with",
@@ -168,7 +169,10 @@ def _add_identify(verbs: "Verbs") -> None:
     )
     identify.add_argument("joint", metavar="JOINT")
     identify.add_argument(
-        "--recording", type=Path, metavar="FILE.npz", help="a motion that was recorded"
+        "--recording",
+        type=Path,
+        metavar="FILE.mcap",
+        help="a recording of a station, or FILE.npz of --record",
     )
     identify.add_argument(
         "--controller",

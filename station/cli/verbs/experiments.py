@@ -22,6 +22,7 @@ from station.experiments.experiment import (
     prepare,
 )
 from station.experiments.pools import make_pool
+from station.experiments.recordings import SUFFIX, recorded_script
 from station.experiments.runner import Progress, Watcher
 from station.experiments.tuning import Tuned
 from station.trials.analysis import summary
@@ -180,14 +181,17 @@ def _request(options: Namespace, kind: ExperimentKind) -> ExperimentRequest:
 
 
 def _script_fields(options: Namespace) -> dict[str, object]:
-    """Return what a script says, as fields of a request.
+    """Return what a script or a recording says, as fields of a request.
 
     Raises:
         UsageError: The script is one of another controller.
     """
     if options.script is None:
         return {}
-    script = read_script(options.script)
+    if options.script.suffix == SUFFIX:
+        script = recorded_script(options.script, options.controller)
+    else:
+        script = read_script(options.script)
     if script.controller != options.controller:
         raise UsageError(
             f"{options.script} is a script of '{script.controller}', not of "

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from station.app.in_process import InProcessStation
 from station.cli.main import main
 from station.trials.results import Results, file_of
 
@@ -85,6 +86,16 @@ def test_script_of_another_controller_is_refused(script, capsys):
     assert (
         "is a script of 'effort_group_position_controller'" in capsys.readouterr().err
     )
+
+
+def test_recording_without_the_controller_is_refused_by_name(tmp_path, capsys):
+    """What a recording becomes is tested with `station.experiments.recordings`."""
+    with InProcessStation() as station, station.record(tmp_path) as path:
+        station.step(5)
+    words = ["sweep", GROUP, "load=0:1", "--script", str(path)]
+
+    assert main(words) == 1
+    assert f"'{GROUP}' had no set-points in {path}" in capsys.readouterr().err
 
 
 def test_robustness_keeps_its_worst_trials(run):
