@@ -51,6 +51,9 @@ class Search:
         spread: First standard deviation of the logarithms of the gains, > 0.
         farthest: Largest factor by which a gain may change either way, > 1.
         patience: Ends after so many generations without a better trial, >= 1.
+
+    Raises:
+        ExperimentError: There are too few trials.
     """
 
     trials: int = 300
@@ -58,6 +61,13 @@ class Search:
     spread: float = 0.4
     farthest: float = 20.0
     patience: int = 15
+
+    def __post_init__(self) -> None:
+        if self.trials < 2:
+            raise ExperimentError(
+                f"A search of {self.trials} trials finds nothing; allowed are 2 or "
+                "more."
+            )
 
 
 def tunable_gains(
@@ -114,10 +124,6 @@ def tune(
     Raises:
         ExperimentError: The first trial fails, or lacks a metric of the goal.
     """
-    if search.trials < 2:
-        raise ExperimentError(
-            f"A search of {search.trials} trials finds nothing; allowed are 2 or more."
-        )
     strategy = _strategy(len(gains), search)
     runner = Runner(results, executor, _counted(results, search.trials, watch))
     found = _begin(first, goal, search, results, runner)

@@ -1,6 +1,7 @@
 """Verb `experiments`: what experiments have found, and what follows from it."""
 
 from argparse import Namespace
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +12,9 @@ from station.experiments.exports import export, table, write_gains
 from station.trials.analysis import compare, gains_of, ranked, summary
 from station.trials.results import Results, default_folder, file_of, names
 from station.wire.experiments import Experiment
+
+_MOST_REASONS = 5
+"""So many reasons of failed trials are printed, the most frequent ones."""
 
 
 def experiments(options: Namespace) -> int:
@@ -77,8 +81,10 @@ def say_summary(results: Results) -> None:
     rows = results.rows()
     failed = [row for row in rows if row.result.state == "failed"]
     say(f"{len(rows)} trials, {len(failed)} failed.")
-    for row in failed[:3]:
-        say(f"  {row.result.describe()}")
+    reasons = Counter(row.result.reason for row in failed)
+    for reason, count in reasons.most_common(_MOST_REASONS):
+        first = next(row.result.hash for row in failed if row.result.reason == reason)
+        say(f"  {first}{f' and {count - 1} more' if count > 1 else ''}: {reason}")
 
 
 def _best(options: Namespace) -> int:

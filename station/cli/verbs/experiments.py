@@ -53,9 +53,7 @@ def _sweep(options: Namespace, kind: ExperimentKind) -> int:
     if options.background:
         return _start(options, request)
     experiment = prepare(_setup(options), request)
-    with _results(options, experiment) as results:
-        with _executor(options, experiment.setup) as executor, _watching() as watch:
-            progress = carry_out(experiment, results, executor, watch)
+    with _running(options, experiment) as (results, progress):
         return _tell(results, progress, options)
 
 
@@ -67,9 +65,7 @@ def tune(options: Namespace) -> int:
     live = _live_gains(options) if options.live else None
     experiment = prepare(_setup(options), request, live)
     began = time.monotonic()
-    with _results(options, experiment) as results:
-        with _executor(options, experiment.setup) as executor, _watching() as watch:
-            progress = carry_out(experiment, results, executor, watch)
+    with _running(options, experiment) as (results, progress):
         if isinstance(experiment, TuneExperiment) and experiment.tuned is not None:
             _tell_tuned(results, experiment.tuned, time.monotonic() - began, options)
         return INTERRUPTED if progress.is_interrupted else 0
@@ -217,6 +213,21 @@ def _bound(word: str) -> ExperimentBound:
     return ExperimentBound(metric=name, limit=limit, is_relative=is_relative)
 
 
+@contextmanager
+def _running(
+    options: Namespace, experiment: Experiment
+) -> Iterator[tuple[Results, Progress]]:
+    """Run an experiment to its end; yields what it has found, and how far it came."""
+    # The executor first: without one there is no experiment, and no file of it.
+    with (
+        _executor(options, experiment.setup) as executor,
+        _results(options, experiment) as results,
+    ):
+        with _watching() as watch:
+            progress = carry_out(experiment, results, executor, watch)
+        yield results, progress
+
+
 def _results(options: Namespace, experiment: Experiment) -> Results:
     name = options.name or time.strftime(f"{experiment.kind}-%Y%m%d-%H%M%S")
     results = Results.create(
@@ -301,7 +312,9 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
         if progress.is_interrupted:
             say(f"{progress.ended} of {progress.total} trials are kept.")
             say(f"Repeat the command with --name {results.path.stem} to go on.")
-    return INTERRUPTED if progress.is_interrupted else 0
+    if progress.is_interrupted:
+        return INTERRUPTED
+    return 0 if results.count("done") else 1
 
 
 def _say_refused(progress: Progress) -> None:
