@@ -94,11 +94,11 @@ def test_trials_that_fail_are_told_with_all_of_their_reason(script, capsys):
     gain = f"gains/{GROUP}/panda_joint1/p"
     words = ("--script", script, "--workers", "0", "--method", "grid")
 
-    assert main(["sweep", GROUP, f"{gain}=600,1e9,2e9", *words]) == 0
+    assert main(["sweep", GROUP, f"{gain}=600,1e9,2e9", *words, "--name", "a"]) == 0
     out = capsys.readouterr().out
     assert "3 trials, 2 failed." in out
     assert "is 1000000000.0; allowed is 0.0 to 10000.0 Nm/rad" in out
-    assert main(["sweep", GROUP, f"{gain}=1e9", "load=0,1", *words]) == 1
+    assert main(["sweep", GROUP, f"{gain}=1e9", "load=0,1", *words, "--name", "b"]) == 1
     assert " and 1 more: Gain 'panda_joint1/p' is 1000" in capsys.readouterr().out
 
 
