@@ -6,7 +6,8 @@ Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
   friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
   worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
-- `cluster`: trials per second on four Dask workers over those on two processes.
+- `cluster`: trials per second on four Dask workers over those on two processes, all of
+  the same low priority; about a minute.
 - `cost`: wall and processor time of one trial of 2 s of the default effort trajectory
   controller, one after the other, and what a million of them cost. docs/experiments.md
   has it.
@@ -27,9 +28,10 @@ from measuring import print_table, print_title
 
 from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
-from station.experiments.pools import make_pool
+from station.experiments.pools import NICENESS, make_pool
 from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
 from station.experiments.trial_world import TrialWorld
+from station.experiments.workers import be_polite
 from station.trials.analysis import ranked, summary
 from station.trials.results import Results
 from station.trials.script import Script
@@ -103,6 +105,8 @@ def cluster(trials: int, folder: Path) -> None:
 
     from station.experiments.cluster import ClusterExecutor
 
+    # Processes of the pool have a low priority; workers of Dask inherit this one's.
+    be_polite(NICENESS)
     setup = Setup.load()
     base = short(setup, 1.0)
     rates: dict[str, list[float]] = {"2 processes": [], "4 Dask workers": []}

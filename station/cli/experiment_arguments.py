@@ -63,7 +63,8 @@ def _add_setup(parser: "Parser") -> None:
         "--script",
         type=Path,
         metavar="SCRIPT.yaml",
-        help="what happens in a trial; without it all joints move to and fro for 2 s",
+        help="what happens in a trial, or a recording (.mcap) whose set-points are "
+        "given again; without it all joints move to and fro for 2 s",
     )
     parser.add_argument(
         "--with",
@@ -168,7 +169,10 @@ def _add_identify(verbs: "Verbs") -> None:
     )
     identify.add_argument("joint", metavar="JOINT")
     identify.add_argument(
-        "--recording", type=Path, metavar="FILE.npz", help="a motion that was recorded"
+        "--recording",
+        type=Path,
+        metavar="FILE.mcap",
+        help="a recording of a station, or FILE.npz of --record",
     )
     identify.add_argument(
         "--controller",
@@ -188,13 +192,13 @@ def _add_experiments(verbs: "Verbs") -> None:
     experiments = verbs.add(
         "experiments",
         "experiment_results:experiments",
-        "look at, watch, cancel, draw, compare, export and apply experiments",
+        "look at, watch, cancel, draw, compare, replay, export and apply experiments",
     )
     experiments.add_argument(
         "action",
         choices=(
             *("list", "show", "plot", "best", "apply", "export", "compare"),
-            *("watch", "cancel"),
+            *("replay", "watch", "cancel"),
         ),
     )
     experiments.add_argument("name", nargs="?", metavar="NAME", help="the experiment")
@@ -203,7 +207,7 @@ def _add_experiments(verbs: "Verbs") -> None:
         nargs="*",
         metavar="WORD",
         help="plot, export: a file; apply: a trial's hash, the best when left out; "
-        "compare: another experiment",
+        "replay: one likewise, the worst when left out; compare: another experiment",
     )
     experiments.add_argument(
         "--metric", nargs="+", action="extend", default=[], help=METRIC

@@ -6,6 +6,7 @@ from concurrent.futures import Executor, Future
 from typing import ClassVar, ParamSpec, TypeVar
 
 from distributed import Client, KilledWorker
+from distributed.comm import parse_address, parse_host_port
 from typing_extensions import override
 
 from station.core.errors import StationError
@@ -36,7 +37,8 @@ class ClusterExecutor(Executor):
         worker_losses: What a future ends with when worker after worker died of it.
 
     Raises:
-        ExperimentError: The scheduler does not answer, or has no worker that fits.
+        ExperimentError: The address is none, the scheduler does not answer, or has no
+            worker that fits.
     """
 
     worker_losses: ClassVar[tuple[type[BaseException], ...]] = (KilledWorker,)
@@ -47,9 +49,10 @@ class ClusterExecutor(Executor):
         self._expected = identity(setup_text)
         self._good: set[str] = set()
         self._looked = -_LOOK
+        _check_address(address)
         try:
             self._client = Client(address, timeout=timeout, set_as_default=False)
-        except (OSError, ValueError) as error:
+        except OSError as error:
             raise ExperimentError(
                 f"The scheduler {address} does not answer in {timeout:g} s: {error}.",
                 remedy="Start one with `dask scheduler`; docs/experiments.md says how.",
@@ -113,9 +116,27 @@ class ClusterExecutor(Executor):
     def _difference(self, worker: str, answer: object) -> str | None:
         """Return why a worker does not fit; None when it does."""
         if not isinstance(answer, Identity):
-            return f"Worker {worker} cannot run these trials: {answer!r}."
+            return (
+                f"Worker {worker} cannot run these trials: {answer}. Install the "
+                "station there as it is here, and start it again."
+            )
         try:
             compare(self._expected, answer, worker)
         except StationError as error:
             return f"{error.message} {error.remedy}"
         return None
+
+
+def _check_address(address: str) -> None:
+    """Refuse what is no address.
+
+    Raises:
+        ExperimentError: It is none.
+    """
+    try:
+        parse_host_port(parse_address(address)[1])
+    except ValueError as error:
+        raise ExperimentError(
+            f"{address!r} is no address of a scheduler: {error}.",
+            remedy="Write it like tcp://host:8786.",
+        ) from error

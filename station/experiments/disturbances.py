@@ -110,11 +110,11 @@ class Mechanics:
         if load > 0.0 or any(friction.values()) or any(damping.values()):
             mujoco.mj_setConst(model, self._scratch)
 
-    def _dof(self, joint: str) -> int:
-        """Return the index of a joint's velocity.
+    def check_joint(self, joint: str) -> None:
+        """Refuse a joint that is not one of the robot's.
 
         Raises:
-            UnknownParameterError: The joint is not one of the robot's.
+            UnknownParameterError: It is not.
         """
         if joint not in self._dofs:
             raise UnknownParameterError(
@@ -122,6 +122,14 @@ class Mechanics:
                 remedy=suggest(joint, self._dofs),
                 details={"joint": joint},
             )
+
+    def _dof(self, joint: str) -> int:
+        """Return the index of a joint's velocity.
+
+        Raises:
+            UnknownParameterError: The joint is not one of the robot's.
+        """
+        self.check_joint(joint)
         return self._dofs[joint]
 
 

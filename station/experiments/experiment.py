@@ -93,6 +93,17 @@ class SweepExperiment(Experiment):
         self._has_seeds = method == "random"
         self.plan |= {"ranges": texts, "method": method, "trials": len(self._points)}
 
+    def check(self, world: TrialWorld) -> None:
+        """Refuse parameters that no trial could have.
+
+        A value that is out of the range of a gain fails its own trial alone.
+
+        Raises:
+            StationError: There is no such controller, gain or joint.
+        """
+        # All points have the same names.
+        world.check({**self._base.parameters, **self._points[0]})
+
     @override
     def run(
         self, results: Results, executor: Executor, watch: Watcher = lambda _: None
@@ -121,6 +132,7 @@ class TuneExperiment(Experiment):
         start: Mapping[str, float],
     ) -> None:
         super().__init__(request, base, gains)
+        self._search = Search(request.trials, request.seed)
         prefix = f"gains/{request.controller}/"
         chosen = tunable_gains(_of_joints(start, request.joints), request.gains)
         self._gains = {f"{prefix}{name}": value for name, value in chosen.items()}
@@ -146,9 +158,9 @@ class TuneExperiment(Experiment):
     def run(
         self, results: Results, executor: Executor, watch: Watcher = lambda _: None
     ) -> Progress:
-        search = Search(self._request.trials, self._request.seed)
         self.tuned = tune(
-            self._first, self._gains, self._goal, search, results, executor, watch
+            *(self._first, self._gains, self._goal, self._search),
+            *(results, executor, watch),
         )
         return self.tuned.progress
 
@@ -207,12 +219,14 @@ def prepare(
         present = {**world.gains(controller), **(live or {}).get(controller, {})}
         script = _script(world, request)
         trial = Trial(setup, script, request.parameters)
+        world.check(request.parameters)
         scaled = world.gains_of(trial).get(controller, {})
         if request.kind != "tune":
             parameters = {**_changed(controller, present, configured)}
             base = trial.with_parameters({**parameters, **request.parameters})
-            world.gains_of(base)
-            return SweepExperiment(request, base, configured)
+            experiment = SweepExperiment(request, base, configured)
+            experiment.check(world)
+            return experiment
         start = {**present, **_rescaled(request, present, scaled)}
         kept = {
             name: value

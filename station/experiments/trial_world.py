@@ -201,6 +201,18 @@ class TrialWorld:
         }
         return {controller: gains for controller, gains in changed.items() if gains}
 
+    def check(self, parameters: Mapping[str, float]) -> None:
+        """Refuse parameters of things that the robot and its controllers lack.
+
+        Raises:
+            StationError: A name or value is not allowed.
+        """
+        wanted = sort_out(parameters)
+        self._wanted_gains(wanted)
+        for joint in (*wanted.friction, *wanted.damping):
+            if joint:
+                self._mechanics.check_joint(joint)
+
     def _wanted_gains(self, wanted: Overrides) -> dict[str, dict[str, float]]:
         """Return the gains of all controllers under a trial's parameters.
 

@@ -1,9 +1,10 @@
 """Search for better gains with CMA-ES, beginning at the present ones."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from station.core.errors import suggest
 from station.experiments.runner import Progress, Runner, Watcher
@@ -11,6 +12,9 @@ from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.goal import Goal
 from station.trials.results import Results
 from station.trials.trial import Trial, TrialResult
+
+if TYPE_CHECKING:
+    import cma
 
 
 @dataclass(slots=True)
@@ -47,6 +51,9 @@ class Search:
         spread: First standard deviation of the logarithms of the gains, > 0.
         farthest: Largest factor by which a gain may change either way, > 1.
         patience: Ends after so many generations without a better trial, >= 1.
+
+    Raises:
+        ExperimentError: There are too few trials.
     """
 
     trials: int = 300
@@ -54,6 +61,13 @@ class Search:
     spread: float = 0.4
     farthest: float = 20.0
     patience: int = 15
+
+    def __post_init__(self) -> None:
+        if self.trials < 2:
+            raise ExperimentError(
+                f"A search of {self.trials} trials finds nothing; allowed are 2 or "
+                "more."
+            )
 
 
 def tunable_gains(
@@ -110,13 +124,38 @@ def tune(
     Raises:
         ExperimentError: The first trial fails, or lacks a metric of the goal.
     """
-    import cma
-
-    if search.trials < 2:
-        raise ExperimentError(
-            f"A search of {search.trials} trials finds nothing; allowed are 2 or more."
-        )
+    strategy = _strategy(len(gains), search)
     runner = Runner(results, executor, _counted(results, search.trials, watch))
+    found = _begin(first, goal, search, results, runner)
+    seen, idle = {first.hash}, 0
+    while not found.progress.is_interrupted:
+        if len(seen) + strategy.popsize > search.trials:
+            return found
+        points = strategy.ask()
+        candidates = [_at(point, first, gains) for point in points]
+        best_before = found.best
+        found.progress = runner.run(candidates, search.trials)
+        costs = _judge(candidates, goal, results, found)
+        if len(costs) < len(candidates):
+            break
+        seen.update(trial.hash for trial in candidates)
+        strategy.tell(points, costs)
+        idle = idle + 1 if found.best is best_before else 0
+        if idle >= search.patience or strategy.stop():
+            found.stopped = f"no better trial in {max(idle, 1)} generations"
+            return found
+    found.stopped = "interrupted"
+    return found
+
+
+def _begin(
+    first: Trial, goal: Goal, search: Search, results: Results, runner: Runner
+) -> Tuned:
+    """Run the first trial; return the search with it as the best.
+
+    Raises:
+        ExperimentError: It fails, or lacks a metric of the goal.
+    """
     progress = runner.run([first], search.trials)
     begun = results.find(first.hash)
     if begun is None or begun.state == "failed":
@@ -125,51 +164,42 @@ def tune(
             f"The search cannot begin: the first trial {first.hash} has failed. {why}",
             remedy="Begin with gains under which the robot carries the script out.",
         )
-    names = list(gains)
+    cost = goal.cost(begun, begun.metrics)
+    return Tuned(first, begun, first, begun, cost, progress, "all trials have been run")
+
+
+def _strategy(count: int, search: Search) -> "cma.CMAEvolutionStrategy":
+    """Return the search over the logarithms of so many factors, which begin at 1."""
+    import cma
+
     edge = math.log(search.farthest)
-    strategy = cma.CMAEvolutionStrategy(
-        [0.0] * len(names),
-        search.spread,
-        # A seed of 0 means the clock to cma.
-        {"seed": search.seed + 1, "bounds": [-edge, edge], "verbose": -9},
-    )
-    found = Tuned(
-        *(first, begun, first, begun, goal.cost(begun, begun.metrics), progress),
-        "all trials have been run",
-    )
-    seen, idle = {first.hash}, 0
-    size = strategy.popsize
-    while len(seen) + size <= search.trials and not progress.is_interrupted:
-        points = strategy.ask()
-        candidates = [
-            first.with_parameters({
-                name: float(f"{gains[name] * math.exp(x):.6g}")
-                for name, x in zip(names, point, strict=True)
-            })
-            for point in points
-        ]
-        progress = runner.run(candidates, search.trials)
-        seen.update(trial.hash for trial in candidates)
-        costs = []
-        for trial in candidates:
-            result = results.find(trial.hash)
-            if result is None:
-                break
-            costs.append(goal.cost(result, begun.metrics))
-            if costs[-1] < found.best_cost:
-                found.best, found.best_result = trial, result
-                found.best_cost, idle = costs[-1], -1
-        found.progress = progress
-        if len(costs) < len(candidates):
+    # A seed of 0 means the clock to cma.
+    options = {"seed": search.seed + 1, "bounds": [-edge, edge], "verbose": -9}
+    return cma.CMAEvolutionStrategy([0.0] * count, search.spread, options)
+
+
+def _at(point: Iterable[float], first: Trial, gains: Mapping[str, float]) -> Trial:
+    """Return the trial at a point: the logarithms of factors on the gains."""
+    return first.with_parameters({
+        name: float(f"{gains[name] * math.exp(x):.6g}")
+        for name, x in zip(gains, point, strict=True)
+    })
+
+
+def _judge(
+    candidates: Sequence[Trial], goal: Goal, results: Results, found: Tuned
+) -> list[float]:
+    """Return the costs up to the first trial that has not ended; note a better one."""
+    costs: list[float] = []
+    for trial in candidates:
+        result = results.find(trial.hash)
+        if result is None:
             break
-        strategy.tell(points, costs)
-        idle += 1
-        if idle >= search.patience or strategy.stop():
-            found.stopped = f"no better trial in {max(idle, 1)} generations"
-            break
-    if progress.is_interrupted:
-        found.stopped = "interrupted"
-    return found
+        costs.append(goal.cost(result, found.first_result.metrics))
+        if costs[-1] < found.best_cost:
+            found.best, found.best_result = trial, result
+            found.best_cost = costs[-1]
+    return costs
 
 
 def _counted(results: Results, total: int, watch: Watcher) -> Watcher:

@@ -1,7 +1,7 @@
 """A recording as a table: CSV, NPZ for NumPy, Parquet."""
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ _LEFT_OUT = frozenset({
 })
 
 
-def columns(path: Path) -> Columns:
+def columns(path: Path, topics: Iterable[str] | None = None) -> Columns:
     """Return a recording as columns with one row per cycle.
 
     A column is called after its channel, its field and what the number belongs to, e.g.
@@ -33,6 +33,7 @@ def columns(path: Path) -> Columns:
 
     Args:
         path: The file.
+        topics: Which channels, `/cycles` among them; all when None.
 
     Raises:
         RecordingFileError: The file is no whole recording.
@@ -41,7 +42,7 @@ def columns(path: Path) -> Columns:
     rows: dict[int, int] = {}
     cells: dict[str, list[tuple[int, float]]] = {}
     waiting: list[tuple[int, str, Values]] = []
-    for topic, message in read_messages(path):
+    for topic, message in read_messages(path, topics):
         stamp = _stamp(message)
         if topic == _CYCLES:
             rows[stamp] = len(cycles)

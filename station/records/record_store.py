@@ -22,6 +22,8 @@ from station.core.errors import (
 
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 """Names of recordings; they become part of the name of a file."""
+_MOST_NAMED = 5
+"""So many candidates are named when several recordings have a name, the newest."""
 RECORDING, STOPPED, FAILED, RECOVERED = "recording", "stopped", "failed", "recovered"
 
 
@@ -147,19 +149,33 @@ class RecordStore:
     def info(self, identifier: str) -> RecordingInfo:
         """Return one recording.
 
+        Args:
+            identifier: Which one; or its name, if no other one has it.
+
         Raises:
             RecordingNotFoundError: There is none of that name.
+            RecordingRefusedError: Several have that name.
         """
         path = self._description(identifier)
         found = self._read(path) if NAME.fullmatch(identifier[:80]) else None
-        if found is None or "/" in identifier:
-            known = [one.identifier for one in self.infos()]
-            raise RecordingNotFoundError(
-                f"There is no recording '{identifier}'.",
-                remedy=suggest(identifier, known),
-                details={"id": identifier},
+        if found is not None and "/" not in identifier:
+            return found
+        infos = self.infos()
+        named = [one for one in infos if identifier and one.name == identifier]
+        if len(named) == 1:
+            return named[0]
+        if named:
+            which = [one.identifier for one in named]
+            raise RecordingRefusedError(
+                f"{len(named)} recordings are called '{identifier}'.",
+                remedy=f"Say which one: {', '.join(which[-_MOST_NAMED:])}.",
+                details={"id": identifier, "candidates": which},
             )
-        return found
+        raise RecordingNotFoundError(
+            f"There is no recording '{identifier}'.",
+            remedy=suggest(identifier, [one.identifier for one in infos]),
+            details={"id": identifier},
+        )
 
     def file(self, identifier: str) -> Path:
         """Return where the file of a recording is."""
@@ -170,15 +186,15 @@ class RecordStore:
 
         Raises:
             RecordingNotFoundError: There is none of that name.
-            RecordingRefusedError: It is being recorded.
+            RecordingRefusedError: It is being recorded, or several have that name.
         """
         info = self.info(identifier)
         if info.state == RECORDING:
             raise RecordingRefusedError(
-                f"'{identifier}' is being recorded.", remedy="Stop it first."
+                f"'{info.identifier}' is being recorded.", remedy="Stop it first."
             )
-        self.file(identifier).unlink(missing_ok=True)
-        self._description(identifier).unlink(missing_ok=True)
+        self.file(info.identifier).unlink(missing_ok=True)
+        self._description(info.identifier).unlink(missing_ok=True)
         return info
 
     def usage(self) -> int:

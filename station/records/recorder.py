@@ -161,15 +161,17 @@ class Recorder:
         """End the recording; return what is known of it.
 
         Args:
-            identifier: Which one; the present one when None.
+            identifier: Which one, or its name; the present one when None.
 
         Raises:
             RecordingNotFoundError: There is no such recording.
-            RecordingRefusedError: It does not run.
+            RecordingRefusedError: It does not run, or several have that name.
         """
         with self._lock:
             present = self._recording
-            if identifier is not None:
+            # Older recordings may have the name of the one that runs.
+            is_present = present is not None and identifier == present.info.name != ""
+            if identifier is not None and not is_present:
                 info = self.store.info(identifier)
                 if present is None or info.identifier != present.info.identifier:
                     raise RecordingRefusedError(
@@ -202,13 +204,20 @@ class Recorder:
     def info(self, identifier: str) -> RecordingInfo:
         """Return what is known of a recording now.
 
+        Args:
+            identifier: Which one; or its name, if no other one has it.
+
         Raises:
             RecordingNotFoundError: There is no such recording.
+            RecordingRefusedError: Several have that name.
         """
         last = self.last
         if last is not None and last.identifier == identifier:
             return last
-        return self.store.info(identifier)
+        found = self.store.info(identifier)
+        if last is not None and last.identifier == found.identifier:
+            return last
+        return found
 
     def infos(self) -> list[RecordingInfo]:
         """Return all recordings, the oldest first."""

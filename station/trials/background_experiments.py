@@ -83,13 +83,18 @@ class BackgroundExperiments:
         return replace(state, seconds=time.monotonic() - self._began)
 
     def start(
-        self, request: ExperimentRequest, gains: Mapping[str, Mapping[str, float]]
+        self,
+        request: ExperimentRequest,
+        gains: Mapping[str, Mapping[str, float]],
+        loaded: Mapping[str, Mapping[str, object]] | None = None,
     ) -> str:
         """Start an experiment; return its name once all that was asked is checked.
 
         Args:
             request: What is asked for.
             gains: The gains in force, by controller and name.
+            loaded: Parameters of the controllers that are loaded now, by name; those
+                of the configuration when None.
 
         Raises:
             ExperimentRunningError: Another one runs.
@@ -109,12 +114,15 @@ class BackgroundExperiments:
                 remedy="Wait for its end, or cancel it.",
             )
         try:
-            return self._start(request, gains)
+            return self._start(request, gains, loaded or {})
         finally:
             self._starting.release()
 
     def _start(
-        self, request: ExperimentRequest, gains: Mapping[str, Mapping[str, float]]
+        self,
+        request: ExperimentRequest,
+        gains: Mapping[str, Mapping[str, float]],
+        loaded: Mapping[str, Mapping[str, object]],
     ) -> str:
         name = request.name or time.strftime(f"{request.kind}-%Y%m%d-%H%M%S")
         self._check_free(name)
@@ -125,7 +133,7 @@ class BackgroundExperiments:
             self._command,
             {
                 "request": request.model_dump(mode="json"),
-                "setup": self._setup.text,
+                "setup": self._setup.with_controllers(loaded).text,
                 "gains": live if request.is_live else {},
             },
         )

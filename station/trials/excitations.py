@@ -40,6 +40,8 @@ def offsets(motion: Motion, times: Array, duration: float) -> Array:
             return np.where(times >= motion.at, motion.amplitude, 0.0)
         case Waypoints():
             return _waypoints(motion.times, motion.values, times)
+        case Recorded(between="smooth"):
+            return _through(motion.times, motion.values, times)
         case Recorded():
             index = np.searchsorted(np.array(motion.times), times, side="right")
             return np.array((0.0, *motion.values))[index]
@@ -96,3 +98,24 @@ def _waypoints(times: Sequence[float], values: Sequence[float], at: Array) -> Ar
         found += (target - value) * least_jerk(share)
         begin, value = end, target
     return found
+
+
+def _through(times: Sequence[float], values: Sequence[float], at: Array) -> Array:
+    """Return a curve through some values, with continuous rates; 0 before the first.
+
+    Cubic Hermite pieces, whose slopes at the values are their central differences.
+    """
+    knots, heights = np.array(times), np.array(values)
+    if len(knots) == 1:
+        return np.where(at >= knots[0], heights[0], 0.0)
+    slopes = np.gradient(heights, knots)
+    left = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+    width = knots[left + 1] - knots[left]
+    share = np.clip((at - knots[left]) / width, 0.0, 1.0)
+    rest = 1.0 - share
+    found: Array = (
+        heights[left] * (1.0 + 2.0 * share) * rest**2
+        + heights[left + 1] * (1.0 + 2.0 * rest) * share**2
+        + width * share * rest * (slopes[left] * rest - slopes[left + 1] * share)
+    )
+    return np.where(at >= knots[0], found, 0.0)

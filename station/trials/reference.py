@@ -140,12 +140,13 @@ class _Trajectory(Reference):
             np.tile(begin, (len(times), 1)) for _ in range(3)
         ]  # before, at and after each point
         for motion in script.motions:
-            if isinstance(motion, Step | Recorded | Relay):
+            is_held = isinstance(motion, Recorded) and motion.between == "hold"
+            if is_held or isinstance(motion, Step | Relay):
                 raise ExperimentError(
                     f"Controller '{script.controller}' follows trajectories, which "
                     f"have no jumps; the script has a {motion.kind}.",
-                    remedy="Use waypoints, sine, chirp or multisine, or a group "
-                    "controller that takes set-points.",
+                    remedy="Use waypoints, sine, chirp, multisine or what was recorded "
+                    "with `between: smooth`, or a controller that takes set-points.",
                 )
             column = _column(motion, names)
             for values, shift in zip(around, (-1, 0, 1), strict=True):

@@ -3,12 +3,13 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Self
 
 from station.config import StationConfig, load_config
+from station.config.models import Controller
 
 _NOT_OF_A_TRIAL = ("api", "ui", "watchdog")
 """Sections that serve and draw. They stay at their defaults: a trial has neither, and
@@ -53,6 +54,24 @@ class Setup:
         values = config.model_dump(mode="json", exclude=set(_NOT_OF_A_TRIAL))
         values["parameters"] = config.parameters
         return cls(canonical(values))
+
+    def with_controllers(self, loaded: Mapping[str, Mapping[str, object]]) -> Self:
+        """Return the setup with the controllers that a station has loaded.
+
+        Args:
+            loaded: Their parameters by name, `type` among them. They replace those of
+                the configuration that have the same name.
+        """
+        values = json.loads(self.text)
+        values["controllers"] = {
+            **values.get("controllers", {}),
+            # As a configuration with these controllers would have them.
+            **{
+                name: Controller.model_validate(parameters).model_dump(mode="json")
+                for name, parameters in loaded.items()
+            },
+        }
+        return replace(self, text=canonical(values))
 
     @cached_property
     def digest(self) -> str:

@@ -13,6 +13,8 @@ from station.wire.base import RequestModel
 
 Time = Annotated[float, Field(ge=0.0, le=3600.0)]
 Frequency = Annotated[float, Field(gt=0.0, le=500.0)]
+MOST_RECORDED = 100_000
+"""Most values of a motion that was recorded."""
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=3, max_length=3)]
 
 
@@ -162,21 +164,24 @@ class Waypoints(_Tagged):
 
 
 class Recorded(_Tagged):
-    """Offsets that somebody recorded, e.g. before an incident; held in between.
+    """Offsets that somebody recorded, e.g. before an incident.
 
     Attributes:
         kind: Which excitation it is.
         joint: Joint, or element of the set-point.
         times: When each value begins [s], increasing.
         values: Offsets [unit of the set-point].
+        between: Whether a value is held until the next one (`hold`), or a smooth curve
+            goes through them (`smooth`).
     """
 
     kind: Literal["recorded"] = "recorded"
     joint: str
     times: Annotated[
-        tuple[Time, ...], Field(strict=False, min_length=1, max_length=100_000)
+        tuple[Time, ...], Field(strict=False, min_length=1, max_length=MOST_RECORDED)
     ]
     values: Annotated[tuple[float, ...], Field(strict=False)]
+    between: Literal["hold", "smooth"] = "hold"
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -122,6 +122,17 @@ def test_cycles_that_were_overwritten_are_counted(station, recorder):
     assert stopped.lost >= 5000 - 4096
 
 
+def test_the_recording_that_runs_is_stopped_by_a_name_that_older_ones_have(recorder):
+    older = recorder.start("pick")
+    assert recorder.stop("pick").identifier == older.identifier
+    newer = recorder.start("pick")
+
+    assert recorder.info(newer.identifier).state == "recording"
+    assert recorder.stop("pick").identifier == newer.identifier
+    with pytest.raises(RecordingRefusedError, match="2 recordings are called 'pick'"):
+        recorder.stop("pick")
+
+
 def test_one_recording_runs_at_a_time(recorder):
     first = recorder.start()
     with pytest.raises(RecordingRefusedError, match=first.identifier):

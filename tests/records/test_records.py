@@ -1,19 +1,24 @@
 """Rows, messages and the reader of recordings, in small."""
 
 from array import array
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from mcap_ros2._dynamic import generate_dynamic
 
 from station.core.control.controller import ControllerSample
-from station.core.errors import RecordingFileError, RecordingNotFoundError
+from station.core.errors import (
+    RecordingFileError,
+    RecordingNotFoundError,
+    RecordingRefusedError,
+)
 from station.core.franka.franka_errors import ERROR_NAMES
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.records import messages
 from station.records.cycle_messages import CycleMessages
 from station.records.cycle_row import RowPacker
+from station.records.record_store import STOPPED
 from station.records.recording_reader import Trajectory, read_trajectory
 
 
@@ -103,3 +108,38 @@ def test_what_is_no_recording_cannot_be_read(tmp_path):
 def test_an_unknown_recording_is_refused(store, identifier):
     with pytest.raises(RecordingNotFoundError, match="There is no recording"):
         store.info(identifier)
+
+
+def test_a_recording_is_found_by_its_name_while_no_other_has_it(store):
+    pick, _ = store.begin("pick")
+    store.begin("my-pick")
+    store.begin()
+
+    assert store.info("pick") == store.info(pick.identifier) == pick
+    other, _ = store.begin("pick")
+    with pytest.raises(
+        RecordingRefusedError, match="2 recordings are called 'pick'"
+    ) as e:
+        store.info("pick")
+    for one in (pick, other):
+        assert one.identifier in e.value.remedy
+    with pytest.raises(RecordingNotFoundError):
+        store.info("")
+
+
+def test_a_recording_that_has_the_name_as_its_id_is_meant(store):
+    first, _ = store.begin("pick")
+    store.begin(first.identifier)
+
+    assert store.info(first.identifier) == first
+
+
+def test_a_recording_is_deleted_by_its_name(store):
+    info, path = store.begin("pick")
+    store.keep(replace(info, state=STOPPED))
+    path.touch()
+
+    store.delete("pick")
+
+    assert not path.exists()
+    assert store.infos() == []

@@ -45,3 +45,17 @@ def test_result_describes_itself():
 
     assert done.describe() == "ab done: energy 1.5"
     assert failed.describe() == "ab failed: 'It fell.'"
+
+
+def test_setup_with_controllers_that_are_loaded_already_is_the_same():
+    """An infinite parameter is one that the text of a setup has as null."""
+    name = "effort_group_position_controller"
+    setup = Setup.load(settings={f"controllers.{name}.farthest": float("inf")})
+    parameters = setup.config().controller_parameters()
+    parameters[name]["farthest"] = float("inf")
+    other = {"type": "effort_controllers/JointGroupPositionController", "joints": []}
+
+    assert setup.with_controllers(parameters) == setup
+    more = setup.with_controllers({"other": other})
+    assert more.config().controller_parameters()["other"] == other
+    assert more.digest != setup.digest

@@ -96,9 +96,15 @@ def start_experiment(
     """Start an experiment in a process of its own; one runs at a time.
 
     Everything asked for is checked before the answer. The robot does not move: the
-    trials run in simulated copies of the station.
+    trials run in simulated copies of the station, which have the controllers that are
+    loaded now.
     """
-    name = background.start(request, station.tuning.all_gains())
+    loaded = {}
+    for status in station.controllers():
+        parameters = station.parameters.get(status.name)
+        if isinstance(parameters, dict):
+            loaded[status.name] = parameters
+    name = background.start(request, station.tuning.all_gains(), loaded)
     return _experiment(name, background)
 
 

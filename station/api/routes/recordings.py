@@ -9,7 +9,7 @@ from station.api.dependencies import Operator, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.errors import RecordingRefusedError
-from station.records.record_store import RECORDING, RecordStore
+from station.records.record_store import RECORDING, RecordingInfo, RecordStore
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 from station.wire.recordings import RecordingId
 
@@ -21,7 +21,8 @@ MEDIA_TYPE = "application/octet-stream"
 Id = Annotated[
     RecordingId,
     Path(
-        description="Name of the recording, as its start answered.",
+        description="Id of the recording, as its start answered; or the name that it "
+        "was given, if no other one has it.",
         examples=["20261122T091500123-walk"],
     ),
 ]
@@ -177,9 +178,11 @@ def get_incident_trajectory(
 
 
 def _file(store: RecordStore, identifier: str) -> FileResponse:
-    _check_ended(store, identifier)
+    info = _ended(store, identifier)
     return FileResponse(
-        store.file(identifier), media_type=MEDIA_TYPE, filename=f"{identifier}.mcap"
+        store.file(info.identifier),
+        media_type=MEDIA_TYPE,
+        filename=f"{info.identifier}.mcap",
     )
 
 
@@ -187,8 +190,8 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     # Imported late: an application without a recorder needs no reader of MCAP.
     from station.records.recording_reader import read_trajectory
 
-    _check_ended(store, identifier)
-    found = read_trajectory(store.file(identifier)).decimated(rate)
+    info = _ended(store, identifier)
+    found = read_trajectory(store.file(info.identifier)).decimated(rate)
     return Trajectory.model_validate({
         "name": list(found.names),
         "cycle": found.cycle.tolist(),
@@ -197,21 +200,23 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     })
 
 
-def _check_ended(store: RecordStore, identifier: str) -> None:
-    """Refuse a file that is being written.
+def _ended(store: RecordStore, identifier: str) -> RecordingInfo:
+    """Return a recording that has ended, and whose file is there.
 
     Raises:
-        RecordingRefusedError: It is, or it is no longer there.
+        RecordingRefusedError: It is being recorded, or its file is gone.
     """
-    if store.info(identifier).state == RECORDING:
+    info = store.info(identifier)
+    if info.state == RECORDING:
         raise RecordingRefusedError(
-            f"'{identifier}' is being recorded; its file is not whole yet.",
+            f"'{info.identifier}' is being recorded; its file is not whole yet.",
             remedy="Stop it first.",
-            details={"id": identifier},
+            details={"id": info.identifier},
         )
-    if not store.file(identifier).exists():
+    if not store.file(info.identifier).exists():
         raise RecordingRefusedError(
-            f"The file of '{identifier}' is gone.",
+            f"The file of '{info.identifier}' is gone.",
             remedy="Somebody has deleted it; delete the recording, too.",
-            details={"id": identifier},
+            details={"id": info.identifier},
         )
+    return info

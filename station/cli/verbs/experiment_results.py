@@ -1,6 +1,7 @@
 """Verb `experiments`: what experiments have found, and what follows from it."""
 
 from argparse import Namespace
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,9 +13,12 @@ from station.trials.analysis import compare, gains_of, ranked, summary
 from station.trials.results import Results, default_folder, file_of, names
 from station.wire.experiments import Experiment
 
+_MOST_REASONS = 5
+"""So many reasons of failed trials are printed, the most frequent ones."""
+
 
 def experiments(options: Namespace) -> int:
-    """List, show, draw, rank, apply, export or compare experiments.
+    """List, show, draw, rank, replay, apply, export or compare experiments.
 
     Raises:
         UsageError: A word is missing or too much.
@@ -26,7 +30,7 @@ def experiments(options: Namespace) -> int:
             f"The words after `experiments {options.action}` are too few or too many.",
             remedy="station experiments list, show|best|watch|cancel NAME, "
             "plot|export NAME FILE, "
-            "apply NAME [HASH], compare NAME OTHER.",
+            "apply|replay NAME [HASH], compare NAME OTHER.",
         )
     return action(options)
 
@@ -77,8 +81,10 @@ def say_summary(results: Results) -> None:
     rows = results.rows()
     failed = [row for row in rows if row.result.state == "failed"]
     say(f"{len(rows)} trials, {len(failed)} failed.")
-    for row in failed[:3]:
-        say(f"  {row.result.describe()}")
+    reasons = Counter(row.result.reason for row in failed)
+    for reason, count in reasons.most_common(_MOST_REASONS):
+        first = next(row.result.hash for row in failed if row.result.reason == reason)
+        say(f"  {first}{f' and {count - 1} more' if count > 1 else ''}: {reason}")
 
 
 def _best(options: Namespace) -> int:
@@ -116,6 +122,50 @@ def _plot(options: Namespace) -> int:
         plot(results, options.kind, Path(options.words[0]), options.metric)
     say(f"Wrote {options.words[0]}.")
     return 0
+
+
+def _replay(options: Namespace) -> int:
+    """Run a trial again, the worst when none is named, and compare its numbers."""
+    # Imported late: a list of experiments needs no simulation.
+    from station.experiments.trial_world import TrialWorld
+
+    with Results.open(file_of(options.name)) as results:
+        if options.words:
+            trial = results.trial(options.words[0])
+        else:
+            trial = results.trial(ranked(results, _metric(options))[-1].result.hash)
+        kept = results.find(trial.hash)
+        with TrialWorld(results.setup) as world:
+            now, trace = world.record(trial)
+        if trace is not None:
+            results.keep_recording(trial.hash, trace)
+    before = {} if kept is None else dict(kept.metrics)
+    is_same = (
+        kept is not None
+        and (kept.state, kept.reason) == (now.state, now.reason)
+        and before == dict(now.metrics)
+    )
+    if options.json:
+        say_json({
+            "hash": trial.hash,
+            "is_same": is_same,
+            "state": now.state,
+            "reason": now.reason,
+            "parameters": dict(trial.parameters),
+            "metrics": dict(now.metrics),
+        })
+        return int(not is_same)
+    say_table(
+        ["metric", "kept", "now"],
+        [
+            [name, f"{before.get(name, float('nan')):.6g}", f"{value:.6g}"]
+            for name, value in now.metrics.items()
+        ],
+    )
+    shown = " ".join(f"{k}={v:.4g}" for k, v in trial.parameters.items())
+    say(f"Trial {trial.hash} {shown}: {now.state}. {now.reason or ''}".rstrip())
+    say("The numbers are the same, bit for bit." if is_same else "THEY DIFFER.")
+    return int(not is_same)
 
 
 def _export(options: Namespace) -> int:
@@ -214,6 +264,7 @@ _ACTIONS: dict[str, tuple[Callable[[Namespace], int], int, int]] = {
     "plot": (_plot, 2, 2),
     "best": (_best, 1, 1),
     "apply": (_apply, 1, 2),
+    "replay": (_replay, 1, 2),
     "export": (_export, 2, 2),
     "compare": (_compare, 2, 2),
     "watch": (_watch, 1, 1),

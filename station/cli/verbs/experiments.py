@@ -22,6 +22,7 @@ from station.experiments.experiment import (
     prepare,
 )
 from station.experiments.pools import make_pool
+from station.experiments.recordings import SUFFIX, recorded_script
 from station.experiments.runner import Progress, Watcher
 from station.experiments.tuning import Tuned
 from station.trials.analysis import summary
@@ -52,9 +53,7 @@ def _sweep(options: Namespace, kind: ExperimentKind) -> int:
     if options.background:
         return _start(options, request)
     experiment = prepare(_setup(options), request)
-    with _results(options, experiment) as results:
-        with _executor(options, experiment.setup) as executor, _watching() as watch:
-            progress = carry_out(experiment, results, executor, watch)
+    with _running(options, experiment) as (results, progress):
         return _tell(results, progress, options)
 
 
@@ -66,9 +65,7 @@ def tune(options: Namespace) -> int:
     live = _live_gains(options) if options.live else None
     experiment = prepare(_setup(options), request, live)
     began = time.monotonic()
-    with _results(options, experiment) as results:
-        with _executor(options, experiment.setup) as executor, _watching() as watch:
-            progress = carry_out(experiment, results, executor, watch)
+    with _running(options, experiment) as (results, progress):
         if isinstance(experiment, TuneExperiment) and experiment.tuned is not None:
             _tell_tuned(results, experiment.tuned, time.monotonic() - began, options)
         return INTERRUPTED if progress.is_interrupted else 0
@@ -180,14 +177,17 @@ def _request(options: Namespace, kind: ExperimentKind) -> ExperimentRequest:
 
 
 def _script_fields(options: Namespace) -> dict[str, object]:
-    """Return what a script says, as fields of a request.
+    """Return what a script or a recording says, as fields of a request.
 
     Raises:
         UsageError: The script is one of another controller.
     """
     if options.script is None:
         return {}
-    script = read_script(options.script)
+    if options.script.suffix == SUFFIX:
+        script = recorded_script(options.script, options.controller)
+    else:
+        script = read_script(options.script)
     if script.controller != options.controller:
         raise UsageError(
             f"{options.script} is a script of '{script.controller}', not of "
@@ -211,6 +211,21 @@ def _bound(word: str) -> ExperimentBound:
     is_relative = word.endswith("x")
     name, limit = read_number(word.removesuffix("x"))
     return ExperimentBound(metric=name, limit=limit, is_relative=is_relative)
+
+
+@contextmanager
+def _running(
+    options: Namespace, experiment: Experiment
+) -> Iterator[tuple[Results, Progress]]:
+    """Run an experiment to its end; yields what it has found, and how far it came."""
+    # The executor first: without one there is no experiment, and no file of it.
+    with (
+        _executor(options, experiment.setup) as executor,
+        _results(options, experiment) as results,
+    ):
+        with _watching() as watch:
+            progress = carry_out(experiment, results, executor, watch)
+        yield results, progress
 
 
 def _results(options: Namespace, experiment: Experiment) -> Results:
@@ -297,7 +312,9 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
         if progress.is_interrupted:
             say(f"{progress.ended} of {progress.total} trials are kept.")
             say(f"Repeat the command with --name {results.path.stem} to go on.")
-    return INTERRUPTED if progress.is_interrupted else 0
+    if progress.is_interrupted:
+        return INTERRUPTED
+    return 0 if results.count("done") else 1
 
 
 def _say_refused(progress: Progress) -> None:

@@ -7,6 +7,7 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_table
 from station.experiments.identification import Estimate, JointModel
 from station.experiments.identification import identify as fit
+from station.experiments.recordings import SUFFIX, recorded_trace
 from station.experiments.trial_world import TrialWorld
 from station.trials.errors import ExperimentError
 from station.trials.parameters import check
@@ -24,6 +25,8 @@ def identify(options: Namespace) -> int:
     """Fit friction and inertia of a joint to a motion."""
     if options.recording is None:
         trace = _excite(options)
+    elif options.recording.suffix == SUFFIX:
+        trace = recorded_trace(options.recording)
     else:
         trace = read_trace(options.recording)
     found = fit(trace, options.joint)

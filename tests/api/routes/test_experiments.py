@@ -1,5 +1,6 @@
 """Experiments over HTTP; the process that runs one plays its part."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -68,6 +69,16 @@ def searched():
             results.keep_recording(trial.hash, trace)
         results.set_outcome("done", "no better trial in 15 generations")
     return first, better
+
+
+@pytest.mark.usefixtures("spring")
+def test_trials_have_the_controllers_that_are_loaded_now(client):
+    """Of a setup without any, the one that the station has loaded is in the trials."""
+    client.experiments.start(REQUEST)
+
+    with Results.open(file_of("some")) as results:
+        found = json.loads(results.setup.text)["controllers"]["spring"]
+    assert found == {"type": "test/Spring", "joint": "j", "k": 2.0}
 
 
 def test_an_experiment_is_started_followed_listed_and_deleted(client):

@@ -69,6 +69,21 @@ def test_results_are_exported_drawn_and_compared(capsys, tmp_path):
     assert "by chance alone" in say(capsys, "compare", "one", "two")
 
 
+def test_a_trial_is_replayed_from_its_hash(hashes, capsys):
+    """The numbers that are kept here are invented, so that the first replay differs."""
+    assert main(["experiments", "replay", "one", hashes[0][:8], "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert (found["hash"], found["is_same"]) == (hashes[0], False)
+    with Results.open(file_of("one")) as results:
+        trial = results.trial(hashes[0])
+        assert list(results.recordings()) == [hashes[0]]
+    true = TrialResult(trial.hash, "done", None, found["metrics"], 0.1, "w")
+    with Results.create(file_of("true"), "sweep", trial.setup, {}) as results:
+        results.add(trial, true)
+
+    assert "the same, bit for bit" in say(capsys, "replay", "true")
+
+
 @pytest.mark.usefixtures("hashes")
 def test_gains_are_written_to_a_file(capsys, tmp_path):
     say(capsys, "apply", "one", "--yaml", str(tmp_path / "gains.yaml"))

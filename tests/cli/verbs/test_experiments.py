@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from station.app.in_process import InProcessStation
 from station.cli.main import main
 from station.trials.results import Results, file_of
 
@@ -69,6 +70,10 @@ def test_another_sweep_of_the_same_name_is_refused(run):
         (["load=2:1"], "is empty"),
         (["load=0:1", "--with", "load"], "is not NAME=VALUE"),
         (["load=0:1", "--with", "mass=1"], "no parameter 'mass'"),
+        (["friction/panda_joint9=0:1"], "no joint 'panda_joint9'"),
+        (["load=0:1", "--with", "damping/joint=1"], "no joint 'joint'"),
+        ([f"gains/{GROUP}/panda_joint1/q=0:1"], "no gain 'panda_joint1/q'"),
+        (["load=0:1", "--cluster", "127.0.0.1"], "is no address of a scheduler"),
     ],
 )
 def test_impossible_sweep_is_refused_and_leaves_nothing(run, words, reason):
@@ -78,6 +83,25 @@ def test_impossible_sweep_is_refused_and_leaves_nothing(run, words, reason):
     assert not file_of("x").exists()
 
 
+def test_impossible_search_is_refused_and_leaves_nothing(run):
+    assert "A search of 1 trials" in run("tune", "--trials", "1", code=1)
+    assert main(["sweep", GROUP, "load=0:1", "--workers", "-1", "--name", "x"]) == 1
+    assert not file_of("x").exists()
+
+
+def test_trials_that_fail_are_told_with_all_of_their_reason(script, capsys):
+    """The others go on; without any trial that is done the exit code is 1."""
+    gain = f"gains/{GROUP}/panda_joint1/p"
+    words = ("--script", script, "--workers", "0", "--method", "grid")
+
+    assert main(["sweep", GROUP, f"{gain}=600,1e9,2e9", *words, "--name", "a"]) == 0
+    out = capsys.readouterr().out
+    assert "3 trials, 2 failed." in out
+    assert "is 1000000000.0; allowed is 0.0 to 10000.0 Nm/rad" in out
+    assert main(["sweep", GROUP, f"{gain}=1e9", "load=0,1", *words, "--name", "b"]) == 1
+    assert " and 1 more: Gain 'panda_joint1/p' is 1000" in capsys.readouterr().out
+
+
 def test_script_of_another_controller_is_refused(script, capsys):
     words = ["sweep", "position_group_controller", "load=0:1", "--script", script]
 
@@ -85,6 +109,16 @@ def test_script_of_another_controller_is_refused(script, capsys):
     assert (
         "is a script of 'effort_group_position_controller'" in capsys.readouterr().err
     )
+
+
+def test_recording_without_the_controller_is_refused_by_name(tmp_path, capsys):
+    """What a recording becomes is tested with `station.experiments.recordings`."""
+    with InProcessStation() as station, station.record(tmp_path) as path:
+        station.step(5)
+    words = ["sweep", GROUP, "load=0:1", "--script", str(path)]
+
+    assert main(words) == 1
+    assert f"'{GROUP}' had no set-points in {path}" in capsys.readouterr().err
 
 
 def test_robustness_keeps_its_worst_trials(run):
