@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 import mujoco
 
 from station.core.description.urdf import (
-    Inertial,
     Joint,
     JointType,
     Link,
@@ -31,7 +30,8 @@ from station.core.description.urdf import (
     Urdf,
 )
 from station.core.errors import RobotDescriptionError
-from station.hw.mujoco.inertia import combine, is_rigid_body
+from station.hw.mujoco.bases import BaseType, add_base_joints
+from station.hw.mujoco.inertia import carried_inertials, combine, is_rigid_body
 from station.hw.mujoco.mesh_loader import add_mesh
 
 _COLLISION_GROUP = 3
@@ -56,6 +56,8 @@ class RobotOptions:
             weight, so that the motors need not carry the robot.
         disabled_collisions: Pairs of links that are never tested for contact, besides
             pairs joined by a joint.
+        self_collision: Whether the robot's links can touch one another at all.
+        base_type: How the root link is held.
     """
 
     base: Pose = field(default_factory=Pose)
@@ -63,6 +65,8 @@ class RobotOptions:
     slide_armature: float = 0.0
     gravity_compensation: bool = True
     disabled_collisions: tuple[tuple[str, str], ...] = ()
+    self_collision: bool = True
+    base_type: BaseType = "fixed"
 
 
 def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
@@ -89,7 +93,7 @@ def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
 
 
 def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
-    """Add a robot with a fixed root link to the world.
+    """Add a robot to the world.
 
     Args:
         spec: The world; changed.
@@ -154,13 +158,20 @@ class _RobotBuilder:
             parent=self._spec.worldbody,
             pose=self._options.base,
             joint=None,
+            is_base=self._options.base_type != "fixed",
         )
         for joint in self._urdf.joints.values():
             self._add_motor_or_mimic(joint)
         self._exclude_collisions()
 
     def _add_link(
-        self, link: Link, *, parent: mujoco.MjsBody, pose: Pose, joint: Joint | None
+        self,
+        link: Link,
+        *,
+        parent: mujoco.MjsBody,
+        pose: Pose,
+        joint: Joint | None,
+        is_base: bool = False,
     ) -> None:
         """Add a link at `pose` in `parent`, and all links below that link.
 
@@ -169,14 +180,17 @@ class _RobotBuilder:
             parent: Body to which the link is added.
             pose: Pose of the link's frame in the frame of the parent.
             joint: The moving joint between them, or None if there is none.
+            is_base: Whether the link is a base that moves in the world.
         """
-        if joint is None and link.is_frame_only:
+        if joint is None and link.is_frame_only and not is_base:
             parent.add_site(name=link.name, pos=pose.xyz, quat=pose.quaternion)
             self._body_of_link[link.name] = parent.name
             body, origin = parent, pose
         else:
             body = parent.add_body(name=link.name, pos=pose.xyz, quat=pose.quaternion)
-            self._fill_body(body, link, moves=joint is not None)
+            self._fill_body(body, link, moves=joint is not None or is_base)
+            if is_base:
+                add_base_joints(body, self._options.base_type)
             if joint is not None:
                 self._add_joint(body, joint)
             origin = Pose()
@@ -192,7 +206,7 @@ class _RobotBuilder:
         self._body_of_link[link.name] = body.name
         body.gravcomp = 1.0 if self._options.gravity_compensation else 0.0
         body.explicitinertial = True
-        parts = self._inertials_carried_by(link)
+        parts = list(carried_inertials(self._urdf, link).values())
         if parts:
             inertial = combine(parts)
             # A link that cannot move needs no inertia, and MuJoCo refuses invalid ones.
@@ -209,32 +223,6 @@ class _RobotBuilder:
                     f"link {link.name!r} <collision>: {exc.message}", remedy=exc.remedy
                 ) from exc
 
-    def _inertials_carried_by(self, link: Link) -> list[tuple[Pose, Inertial]]:
-        """Return the link's own inertia and those of point masses fixed to it.
-
-        MuJoCo refuses a point mass as a body, so its mass is added to the body that
-        carries it. A fixed link that is a point mass carries no other masses.
-        """
-        own = link.inertial
-        above = self._urdf.joint_above(link.name)
-        is_fixed = above is not None and above.type is JointType.FIXED
-        if own is not None and is_fixed and not is_rigid_body(own):
-            return []
-        parts = [] if own is None else [(Pose(), own)]
-        frontier = [(link.name, Pose())]
-        while frontier:
-            name, pose = frontier.pop()
-            for joint in self._urdf.joints_below(name):
-                inertial = self._urdf.links[joint.child].inertial
-                if joint.type is not JointType.FIXED:
-                    continue
-                if inertial is None or not is_rigid_body(inertial):
-                    child_pose = pose.compose(joint.origin)
-                    frontier.append((joint.child, child_pose))
-                    if inertial is not None:
-                        parts.append((child_pose, inertial))
-        return parts
-
     def _add_shape(self, body: mujoco.MjsBody, name: str, shape: Shape) -> None:
         geom = body.add_geom(
             name=name,
@@ -242,6 +230,9 @@ class _RobotBuilder:
             quat=shape.origin.quaternion,
             group=_COLLISION_GROUP,
         )
+        if not self._options.self_collision:
+            # It touches what is of the type 1: the floor and objects, not itself.
+            geom.contype, geom.conaffinity = 2, 1
         match shape.kind:
             case "box":
                 geom.type = mujoco.mjtGeom.mjGEOM_BOX

@@ -16,6 +16,7 @@ from math import ceil, inf
 
 from typing_extensions import override
 
+from station.core.description.repair import Repair
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.description.srdf import group_states
@@ -49,6 +50,7 @@ from station.core.hardware.transmissions import (
 from station.core.hardware.transmissions.hardware_interface_kind import interface_of
 from station.core.parameters import Parameters
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
+from station.hw.mujoco.description_repair import repair_robot
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
@@ -62,7 +64,6 @@ from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
-from station.hw.urdf_loader import load_urdf
 from station.kernel.doubles import put
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
@@ -118,16 +119,26 @@ class MujocoRobotHW(RobotHW):
         """
         parameters = read_parameters(hw_params)
         description = load_robot_files(parameters.robot_description)
-        urdf = load_urdf(description)
+        repaired = repair_robot(
+            description, strict=parameters.strict, zero_range=parameters.zero_range
+        )
+        description, urdf = repaired.description, repaired.urdf
         transmissions = read_transmissions(description, urdf)
-        if not transmissions:
+        if not transmissions and parameters.strict:
             raise RobotDescriptionError(
                 f"{description.urdf_path}: <robot>: has no joint that could be driven.",
                 remedy="Add joints that move and whose effort limit is above 0.",
             )
-        self.world = simulate_robot(
+        simulated = simulate_robot(
             description, urdf, parameters, read_scene(root_params)
         )
+        self.world = simulated.world
+        self._repairs = (*repaired.repairs, *simulated.repairs)
+        for repair in self._repairs:
+            # Links that never touch are no surprise; a changed robot may be one.
+            usual = repair.kind in ("self_collision", "motor")
+            level = logging.INFO if usual else logging.WARNING
+            _logger.log(level, "%s: %s", description.urdf_path, repair.sentence())
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         self._make_motors(description, transmissions)
@@ -188,6 +199,10 @@ class MujocoRobotHW(RobotHW):
     @override
     def transmissions(self) -> Sequence[TransmissionReport]:
         return self._transmission_reports
+
+    @override
+    def repairs(self) -> Sequence[Repair]:
+        return self._repairs
 
     @override
     def clamps(self) -> Sequence[ClampReport]:
