@@ -99,6 +99,18 @@ def _add_station_verbs(verbs: Verbs) -> None:
         metavar="ROS_PARAMS.yaml",
         help="parameter files written for ROS, unchanged; their controllers are loaded",
     )
+    run.add_argument(
+        "--robot",
+        metavar="ROBOT",
+        help="simulate this robot with controllers made for it: "
+        "example-robot-data:NAME or a URDF",
+    )
+    run.add_argument(
+        "--base",
+        choices=("fixed", "floating", "planar"),
+        default="fixed",
+        help="how the root link of --robot is held",
+    )
     run.add_argument("--rate", type=float, metavar="HZ", help="control loop rate")
     run.add_argument("--host", help="address to listen at; others need --token")
     run.add_argument("--port", type=int, help="port of the API; 0: any free one")
@@ -151,11 +163,24 @@ def _add_station_verbs(verbs: Verbs) -> None:
     ui.add_argument(
         "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
     )
-    for name, handler, summary in (
-        ("doctor", "doctor:doctor", "say whether this machine is fit for a station"),
-        ("fetch_robot", "robot_data:fetch_robot", "fetch the Panda, as `run` does"),
-    ):
-        verbs.add(name, handler, summary, is_client=False)
+    doctor = verbs.add(
+        "doctor",
+        "doctor:doctor",
+        "say whether this machine is fit for a station, or what a robot needs",
+        is_client=False,
+    )
+    doctor.add_argument(
+        "robot",
+        nargs="?",
+        metavar="ROBOT",
+        help="look at this robot instead: a URDF or example-robot-data:NAME",
+    )
+    verbs.add(
+        "fetch_robot",
+        "robot_data:fetch_robot",
+        "fetch the Panda, as `run` does",
+        is_client=False,
+    )
 
 
 def _add_controller_verbs(verbs: Verbs) -> None:

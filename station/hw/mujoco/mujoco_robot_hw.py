@@ -133,6 +133,9 @@ class MujocoRobotHW(RobotHW):
             description, urdf, parameters, read_scene(root_params)
         )
         self.world = simulated.world
+        if simulated.base != parameters.base:
+            # Who draws the robot looks here for its place.
+            hw_params.set("base_xyz", list(simulated.base.xyz))
         self._repairs = (*repaired.repairs, *simulated.repairs)
         for repair in self._repairs:
             # Links that never touch are no surprise; a changed robot may be one.
