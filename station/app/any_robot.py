@@ -16,14 +16,15 @@ TYPE = "mujoco_hw/MujocoRobotHW"
 TRAJECTORIES = "joint_trajectory_controller"
 POSITIONS = "position_group_controller"
 WHEELS = "wheel_velocity_controller"
+DRIVE = "mobile_base_controller"
 
 
 def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, object]:
     """Return what a configuration file for a robot would hold.
 
     Its controllers are a joint state controller, a joint trajectory controller and a
-    position controller for all joints with a motor except wheels, and a velocity
-    controller for wheels. A wheel is a joint without a range that has `wheel` in its
+    position controller for all joints with a motor except wheels, a velocity controller
+    for wheels, and for a planar base a controller that drives it. A wheel is a joint without a range that has `wheel` in its
     name.
 
     Args:
@@ -51,6 +52,13 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
         controllers[POSITIONS] = {
             "type": "position_controllers/JointGroupPositionController",
             "joints": limbs,
+        }
+    sides = _sides(wheels)
+    if sides is not None and base == "planar":
+        controllers[DRIVE] = {
+            "type": "diff_drive_controller/DiffDriveController",
+            "left_wheel": sides[0],
+            "right_wheel": sides[1],
         }
     if wheels:
         controllers[WHEELS] = {
@@ -84,6 +92,13 @@ def examine_robot(reference: str) -> Sequence[Repair]:
     finally:
         logger.disabled = before
     return robot.repairs()
+
+
+def _sides(wheels: list[str]) -> tuple[list[str], list[str]] | None:
+    """Return the left and the right wheels by their names; None if they do not pair."""
+    left = [name for name in wheels if "left" in name]
+    right = [name for name in wheels if "right" in name]
+    return (left, right) if left and len(left) == len(right) else None
 
 
 def is_wheel(urdf: Urdf, name: str) -> bool:

@@ -190,7 +190,7 @@ class _RobotBuilder:
             body = parent.add_body(name=link.name, pos=pose.xyz, quat=pose.quaternion)
             self._fill_body(body, link, moves=joint is not None or is_base)
             if is_base:
-                add_base_joints(body, self._options.base_type)
+                add_base_joints(self._spec, body, self._options.base_type)
             if joint is not None:
                 self._add_joint(body, joint)
             origin = Pose()
@@ -303,6 +303,21 @@ class _RobotBuilder:
         for first, second in sorted(bodies):
             if first != second:
                 self._spec.add_exclude(bodyname1=first, bodyname2=second)
+        if self._options.base_type == "planar":
+            # It neither falls nor slips, so that the floor cannot touch what rolls.
+            for name in sorted(self._body_names_at_the_base()):
+                self._spec.add_exclude(bodyname1="world", bodyname2=name)
+
+    def _body_names_at_the_base(self) -> set[str]:
+        """Return the bodies fixed to the base, and those one joint away from it."""
+        root = self._urdf.root
+        found = set()
+        for link, body in self._body_of_link.items():
+            above, _ = self._urdf.fixed_root(link)
+            joint = self._urdf.joint_above(above)
+            if joint is None or self._urdf.fixed_root(joint.parent)[0] == root:
+                found.add(body)
+        return found
 
     def _has(self, *links: str) -> bool:
         return all(link in self._body_of_link for link in links)

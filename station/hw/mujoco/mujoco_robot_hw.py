@@ -49,6 +49,7 @@ from station.core.hardware.transmissions import (
 )
 from station.core.hardware.transmissions.hardware_interface_kind import interface_of
 from station.core.parameters import Parameters
+from station.hw.mujoco.bases import PLANAR_JOINTS, RollingBase
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.description_repair import repair_robot
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
@@ -144,11 +145,15 @@ class MujocoRobotHW(RobotHW):
             _logger.log(level, "%s: %s", description.urdf_path, repair.sentence())
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
+        if parameters.base_type == "planar":
+            rolling = RollingBase(self.world.model, self.world.data, urdf)
+            self.world.add_actor(rolling)
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
-        self._add_unpowered_joints(urdf)
+        planar = parameters.base_type == "planar"
+        self._add_unpowered_joints(urdf, PLANAR_JOINTS if planar else ())
         limited = hw_params if hw_params.has("joint_limits") else root_params
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
@@ -350,11 +355,14 @@ class MujocoRobotHW(RobotHW):
             )
         self._motors.connect(info, loader.loaded[-1].transmission)
 
-    def _add_unpowered_joints(self, urdf: Urdf) -> None:
+    def _add_unpowered_joints(self, urdf: Urdf, base: Sequence[str]) -> None:
         names = [
-            joint.name
-            for joint in urdf.joints.values()
-            if joint.type is not JointType.FIXED and joint.name not in self._names
+            *base,
+            *(
+                joint.name
+                for joint in urdf.joints.values()
+                if joint.type is not JointType.FIXED and joint.name not in self._names
+            ),
         ]
         world = self.world
         self._unpowered = WorldJointStates(world.model, world.data, names)

@@ -7,7 +7,8 @@ robot:
   base: fixed                                 # or floating, planar
   base_xyz: [0.0, 0.0, 0.5]                   # where the root link stands [m], [rad]
   base_rpy: [0.0, 0.0, 0.0]
-  gravity_compensation: true                  # the robot carries its own weight
+  gravity_compensation: true                  # the robot carries its own weight; false
+                                              # when the base is floating
   armature: 0.1                               # of every joint [kg m^2], [kg]
   floor: true
   timestep: 0.001                             # of the simulation [s]
@@ -123,12 +124,16 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
     if not 0.0 < timestep <= 0.01:
         _refuse(params, "timestep", timestep, "above 0 and at most 0.01 s")
     positions = params.namespace("initial_positions")
+    base_type = _read_choice(params, "base", get_args(BaseType), "fixed")
     return MujocoRobotParameters(
         robot_description=params.get_str("robot_description"),
         base=_read_base(params),
         has_own_place=params.has("base_xyz"),
-        base_type=_read_choice(params, "base", get_args(BaseType), "fixed"),
-        gravity_compensation=params.get_bool("gravity_compensation", default=True),
+        base_type=base_type,
+        # A robot whose links are all lifted would float in the air.
+        gravity_compensation=params.get_bool(
+            "gravity_compensation", default=base_type != "floating"
+        ),
         armature=armature,
         has_floor=params.get_bool("floor", default=True),
         timestep=timestep,
