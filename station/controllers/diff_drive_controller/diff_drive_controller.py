@@ -5,7 +5,7 @@ DiffDriveController.
 """
 
 from collections.abc import Mapping
-from math import cos, sin
+from math import cos, isfinite, sin
 from typing import ClassVar
 
 from typing_extensions import override
@@ -15,7 +15,10 @@ from station.controllers.diff_drive_controller.speed_limiter import (
     limiter_parameters,
     read_limiter,
 )
-from station.controllers.forward_command_controller.command_timeout import TimeoutAction
+from station.controllers.forward_command_controller.command_timeout import (
+    read_command_timeout,
+    timeout_parameters,
+)
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
@@ -121,7 +124,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
     """Drives a base at a velocity forwards and a velocity about z.
 
     A set-point is `cmd_vel`: linear x [m/s] and angular z [rad/s]. It expires after
-    `cmd_vel_timeout`, and the base brakes within its limits. The limits `linear/x` and
+    `cmd_vel_timeout` (or `command_timeout`), and the base brakes within its limits. The limits `linear/x` and
     `angular/z` are those of the original, and so are all other parameters.
 
     Attributes:
@@ -146,6 +149,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
             *(_RATE, _TIMEOUT, _WINDOW, _OPEN_LOOP, _PUBLISH_CMD, _PUBLISH_STATE),
             *(_ENABLE_TF, _MULTIPLE, _BASE_FRAME, _ODOM_FRAME),
             *(_POSE_COVARIANCE, _TWIST_COVARIANCE),
+            *timeout_parameters(),
             *limiter_parameters("linear/x", "m"),
             *limiter_parameters("angular/z", "rad"),
         )
@@ -172,12 +176,13 @@ class DiffDriveController(Controller[VelocityJointInterface]):
         self.joint_names = [*left, *right]
         self._count = len(left)
         self._group = JointGroup([interface.get_handle(n) for n in self.joint_names])
+        timeout, action = read_command_timeout(params, _TIMEOUT.read_float(params))
         self.set_points = SetPointPort(
             [SetPointElement("linear_x", "m/s"), SetPointElement("angular_z", "rad/s")],
-            timeout=_TIMEOUT.read_float(params),
+            timeout=timeout,
         )
         self._watched = WatchedSetPoint(
-            self.set_points, TimeoutAction.HOLD, "the base", lambda: [0.0, 0.0]
+            self.set_points, action, "the base", lambda: [0.0, 0.0]
         )
         self._last = self._before = (0.0, 0.0)
         self._odom: dict[str, object] | None = None
@@ -202,7 +207,9 @@ class DiffDriveController(Controller[VelocityJointInterface]):
         if self._is_open_loop:
             odometry.follow_commands(*self._last, time)
         else:
-            odometry.follow_wheels(*self._sides(), time)
+            left_turn, right_turn = self._sides()
+            if isfinite(left_turn + right_turn):
+                odometry.follow_wheels(left_turn, right_turn, time)
         wanted = self._watched.newest()
         last, before = self._last, self._before
         linear = self._linear.limit(wanted[0], last[0], before[0], period)

@@ -40,6 +40,12 @@ _ELEMENT = re.compile(r"Element name '(?P<name>[^']+)', id \d+")
 # Time constant of the constraints that are hard on a real robot (mechanical stops,
 # mimic joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
 _HARD_CONSTRAINT_STEPS = 2.0
+# MuJoCo's default impedance of a stop is 0.95; the stop of a joint that would make it
+# yield by more than 0.3 degrees is stiffer.
+_IMPEDANCE_LEFT = 0.05
+_MOST_YIELD = 0.005
+_STIFF_IMPEDANCE = 0.9995
+_LEAST_INERTIA = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,6 +270,11 @@ class _RobotBuilder:
             added.limited = mujoco.mjtLimited.mjLIMITED_TRUE
             added.range = [limit.lower, limit.upper]
             added.solref_limit[0] = self._hard
+            # At rest the stop yields by (1 - d) / d * t^2 * effort / inertia, with the
+            # impedance d and the time constant t (MuJoCo documentation, Computation).
+            push = limit.effort / max(added.armature, _LEAST_INERTIA)
+            if not slides and _IMPEDANCE_LEFT * self._hard**2 * push > _MOST_YIELD:
+                added.solimp_limit[:2] = [_STIFF_IMPEDANCE, _STIFF_IMPEDANCE]
 
     def _add_motor_or_mimic(self, joint: Joint) -> None:
         if joint.type is JointType.FIXED:

@@ -52,6 +52,7 @@ from station.core.parameters import Parameters
 from station.hw.mujoco.bases import PLANAR_JOINTS, RollingBase
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.description_repair import repair_robot
+from station.hw.mujoco.hard_stops import HardStops, needs_hard_stop
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
@@ -394,7 +395,12 @@ class MujocoRobotHW(RobotHW):
             self._limits.add(name, handles)
         velocities = self._limits.velocities()
         put(self._drives.velocity_limits, [velocities[name] for name in self._names])
-        self.world.limit_velocities(velocities | _velocities_of_mimics(urdf))
+        limits = velocities | _velocities_of_mimics(urdf)
+        self.world.limit_velocities(limits)
+        model = self.world.model
+        fast = [n for n, limit in limits.items() if needs_hard_stop(model, n, limit)]
+        if fast:
+            self.world.add_actor(HardStops(model, self.world.data, fast))
 
 
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
