@@ -8,7 +8,8 @@ the joints that would pass an end slow them down to where they just reach it,
 
     M (dq' - dq) = p,    q_i + dt dq'_i = end_i.
 
-They only remove energy. MuJoCo's own stops hold the joint from then on.
+MuJoCo's own stops hold the joint from then on. Where a motor alone can add that way in
+one step, its acceleration in the last step is expected once more.
 """
 
 from collections.abc import Sequence
@@ -23,6 +24,7 @@ from station.hw.mujoco.world_joints import find_joint
 FREE_WAY = radians(0.25)
 """Way in one step up to which MuJoCo's stops suffice [rad]."""
 _MOST_SWEEPS = 20
+_LEAST_INERTIA = 1e-3
 
 
 class HardStops:
@@ -43,6 +45,8 @@ class HardStops:
         self._places = np.array(model.jnt_qposadr[joints], dtype=np.intp)
         self._lower, self._upper = model.jnt_range[joints].T
         self._timestep = float(model.opt.timestep)
+        self._is_strong = _accelerations(model, names) * self._timestep**2 > FREE_WAY
+        self._has_strong = bool(self._is_strong.any())
         self._row, self._response = np.zeros((1, model.nv)), np.zeros((1, model.nv))
 
     def before_step(self) -> bool:
@@ -77,6 +81,12 @@ class HardStops:
         position = self._data.qpos[self._places]
         low = np.minimum(self._lower - position, 0.0) / self._timestep
         high = np.maximum(self._upper - position, 0.0) / self._timestep
+        if self._has_strong:
+            # What the motors add in the step to come, as they did in the last one.
+            added = self._data.qacc_smooth[self._dofs] * self._timestep
+            added[~self._is_strong] = 0.0
+            low -= np.minimum(added, 0.0)
+            high -= np.maximum(added, 0.0)
         return low, high, self._data.qvel[self._dofs]
 
     def _change(self, dof: int, change: float) -> None:
@@ -85,6 +95,17 @@ class HardStops:
         mujoco.mj_solveM(self._model, self._data, self._response, self._row)
         self._row[0, dof] = 0.0
         self._data.qvel += self._response[0] * (change / self._response[0, dof])
+
+
+def _accelerations(model: mujoco.MjModel, names: Sequence[str]) -> NDArray[np.float64]:
+    """Return the largest accelerations by the joints' own motors [rad/s^2]."""
+    found = []
+    for name in names:
+        motor = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
+        effort = 0.0 if motor < 0 else float(model.actuator_forcerange[motor, 1])
+        dof = int(model.joint(name).dofadr[0])
+        found.append(effort / max(float(model.dof_armature[dof]), _LEAST_INERTIA))
+    return np.array(found)
 
 
 def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:

@@ -27,6 +27,10 @@ from station.hw.mujoco.sensors import add_sensors
 from station.hw.mujoco.world import World
 
 
+_TOUCHES = 1e-6
+"""Depth in the floor up to which a robot stands on it [m]."""
+
+
 @dataclass(frozen=True, slots=True)
 class SimulatedRobot:
     """A world with one robot in it.
@@ -106,7 +110,7 @@ class _Simulation:
                 self._exclude(found, "they touch in the start pose")
                 world = self._build()
         depth = depth_in_floor(world.model, world.data) if lenient else 0.0
-        if depth > 0.0 and self._lift(depth):
+        if depth > _TOUCHES and self._lift(depth):
             world = self._build()
         return SimulatedRobot(world, self._base, tuple(self._repairs))
 
