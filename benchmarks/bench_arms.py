@@ -81,7 +81,7 @@ def switch_at_random(count: int, seed: int) -> list[str]:
         seed: Seed of the order and of the pauses.
     """
     station = compose(load_config(EXAMPLES)).station
-    chance = random.Random(seed)  # noqa: S311 - no secret
+    chance = random.Random(seed)
     names = [c.name for c in station.controllers() if c.claimed_resources]
     problems: list[str] = []
     running: tuple[str, ...] = ()

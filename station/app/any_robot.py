@@ -24,8 +24,8 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
 
     Its controllers are a joint state controller, a joint trajectory controller and a
     position controller for all joints with a motor except wheels, a velocity controller
-    for wheels, and for a planar base a controller that drives it. A wheel is a joint without a range that has `wheel` in its
-    name.
+    for wheels, and for a planar base a controller that drives it. A wheel is a joint
+    without a range that has `wheel` in its name.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.

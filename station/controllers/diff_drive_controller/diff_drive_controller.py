@@ -26,7 +26,6 @@ from station.core.control.controller import Controller, ControllerSample
 from station.core.control.publish_timer import PublishTimer
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.description.robot_description import ROBOT_DESCRIPTION
-from station.core.description.urdf import Urdf
 from station.core.description.urdf_parser import parse_urdf
 from station.core.description.wheels import wheel_radius, wheel_separation
 from station.core.errors import ParameterError
@@ -124,8 +123,9 @@ class DiffDriveController(Controller[VelocityJointInterface]):
     """Drives a base at a velocity forwards and a velocity about z.
 
     A set-point is `cmd_vel`: linear x [m/s] and angular z [rad/s]. It expires after
-    `cmd_vel_timeout` (or `command_timeout`), and the base brakes within its limits. The limits `linear/x` and
-    `angular/z` are those of the original, and so are all other parameters.
+    `cmd_vel_timeout` (or `command_timeout`), and the base brakes within its limits. The
+    limits `linear/x` and `angular/z` are those of the original, and so are all other
+    parameters.
 
     Attributes:
         odometry: Where the base is.
@@ -299,7 +299,7 @@ def _read_size(params: Parameters, left: str, right: str) -> tuple[float, float]
         ParameterError: A value is missing and there is no robot description.
         RobotDescriptionError: The robot description does not have it either.
     """
-    urdf: Urdf | None = None
+    urdf = None
     if not (params.has(_SEPARATION.name) and params.has(_RADIUS.name)):
         xml = params.tree.get(ROBOT_DESCRIPTION)
         if not isinstance(xml, str):

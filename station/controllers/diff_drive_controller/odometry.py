@@ -1,8 +1,8 @@
 """Where a base with two sides of wheels is, from its wheels or from its commands.
 
-Source: ros_controllers@678b92a diff_drive_controller/src/odometry.cpp, Odometry; differs:
-the wheels' positions at the start count as the place where the base is, so that a start
-does not move it.
+Source: ros_controllers@678b92a diff_drive_controller/src/odometry.cpp, Odometry;
+differs: the wheels' positions at the start count as the place where the base is, so
+that a start does not move it.
 """
 
 from collections import deque

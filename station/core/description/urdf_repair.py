@@ -153,7 +153,7 @@ class _Repairs:
     def _find_leader(
         self, rule: ET.Element, joints: dict[str, ET.Element]
     ) -> tuple[str, float, float] | None:
-        """Return the independent joint at the end of a chain, with factor and offset."""
+        """Return the leader at the end of a chain, with factor and offset."""
         multiplier, offset = 1.0, 0.0
         seen: set[str] = set()
         while True:

@@ -53,6 +53,7 @@ _KEYS = frozenset({
     "service_limits",
     "supervisor",
     "limit_mode",
+    "fingers_in_joint_states",
 })
 
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
@@ -80,6 +81,8 @@ class FrankaParameters:
         limit_mode: How joint commands are limited.
         thresholds: Those that Franka does not publish (`supervisor`).
         service_limits: The largest loads and pushes (`service_limits`).
+        publishes_fingers: Whether the joint states have the fingers of a simulated hand
+            as franka_gripper publishes them (`fingers_in_joint_states`).
     """
 
     arm_id: str
@@ -95,6 +98,7 @@ class FrankaParameters:
     limit_mode: LimitMode
     thresholds: SupervisorLimits
     service_limits: ServiceLimits
+    publishes_fingers: bool
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
@@ -138,6 +142,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         most_lost_packets=_most_lost_packets(params),
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
         limit_mode=LimitMode.from_parameters(params),
+        publishes_fingers=params.get_bool("fingers_in_joint_states", default=False),
         thresholds=_thresholds(params.namespace("supervisor")),
         service_limits=_service_limits(params.namespace("service_limits")),
     )

@@ -22,7 +22,7 @@ BaseType = Literal["fixed", "floating", "planar"]
 """How the root link is held: not at all when it floats; upright, but free to move on
 the floor when it is planar."""
 BASE_JOINT = "base"
-"""Name of a floating base's joint; a planar base's are `base_x`, `base_y`, `base_yaw`."""
+"""Name of a floating base's joint; those of a planar base are `PLANAR_JOINTS`."""
 PLANAR_JOINTS = ("base_x", "base_y", "base_yaw")
 # Damping of the servos that let a planar base follow its wheels [N s/m], [Nm s/rad]. A
 # robot of 100 kg follows within 0.1 ms, and yields by 1 mm/s to a push of 1 kN.

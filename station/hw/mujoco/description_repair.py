@@ -92,8 +92,8 @@ def _repair_transmissions(xml: str, urdf: Urdf) -> tuple[str, tuple[Repair, ...]
             else:
                 robot.remove(element)
                 new = "a direct drive for each of its joints that moves"
-                problem = "its type is unknown"
-                repairs.append(Repair("transmission", where, problem, old, new))
+                unknown = "its type is unknown"
+                repairs.append(Repair("transmission", where, unknown, old, new))
                 continue
         problem = _find_problem(element, driven, used)
         if problem is not None:

@@ -42,7 +42,7 @@ def _lowest_point(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> floa
             return height - float(np.abs(row) @ size)
         case mujoco.mjtGeom.mjGEOM_CYLINDER:
             across = sqrt(max(0.0, 1.0 - float(row[2]) ** 2))
-            return height - float(size[0]) * across - float(size[1]) * abs(row[2])
+            return height - float(size[0]) * across - float(size[1] * abs(row[2]))
         case mujoco.mjtGeom.mjGEOM_MESH:
             mesh = int(model.geom_dataid[geom])
             first = int(model.mesh_vertadr[mesh])

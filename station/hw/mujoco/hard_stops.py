@@ -1,10 +1,10 @@
 """Mechanical stops for joints that are too fast for those of the simulation.
 
-MuJoCo notices that a joint has passed the end of its range only after a step in which
-it did, and then takes about two steps to stop it: a joint at 20 rad/s is 1.1 degrees
-beyond by then. Where a joint's velocity limit allows more than `FREE_WAY` in a step, the
-impact is therefore computed here, before the step: impulses p between the two links of
-the joints that would pass an end slow them down to where they just reach it,
+MuJoCo notices that a joint has passed the end of its range only after the step in
+which it did, and then takes about two steps to stop it: a joint at 20 rad/s is 1.1
+degrees beyond by then. Where a joint's velocity limit allows more than `FREE_WAY` in a
+step, the impact is therefore computed here, before the step: impulses p between the two
+links of the joints that would pass an end slow them down to where they just reach it,
 
     M (dq' - dq) = p,    q_i + dt dq'_i = end_i.
 
@@ -75,8 +75,8 @@ class HardStops:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the velocities with which the ends are reached, and the present ones.
 
-        A joint that stands at an end, or a little beyond, may stay where it is: MuJoCo's
-        stop drives it back.
+        A joint that stands at an end, or a little beyond, may stay where it is:
+        MuJoCo's stop drives it back.
         """
         position = self._data.qpos[self._places]
         low = np.minimum(self._lower - position, 0.0) / self._timestep

@@ -19,7 +19,7 @@ def is_rigid_body(inertial: Inertial) -> bool:
 
 def principal_moments(inertial: Inertial) -> NDArray[np.float64]:
     """Return the principal moments of inertia [kg m^2], ascending, shape (3,)."""
-    return np.linalg.eigvalsh(_tensor(inertial))
+    return np.asarray(np.linalg.eigvalsh(_tensor(inertial)), dtype=np.float64)
 
 
 def carried_inertials(urdf: Urdf, link: Link) -> dict[str, tuple[Pose, Inertial]]:

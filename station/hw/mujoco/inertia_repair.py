@@ -1,8 +1,8 @@
 """Give the links that move an inertia that some rigid body can have.
 
-Source: MuJoCo documentation, XML reference, compiler/balanceinertia: where the principal
-moments violate A + B >= C, all three become their mean. MuJoCo refuses links without
-mass; here they get a small one, `SMALL_MASS`.
+Source: MuJoCo documentation, XML reference, compiler/balanceinertia: where the
+principal moments violate A + B >= C, all three become their mean. MuJoCo refuses links
+without mass; here they get a small one, `SMALL_MASS`.
 """
 
 from dataclasses import replace

@@ -158,7 +158,7 @@ def _read_choice(
     for choice in allowed:
         if choice == value:
             return choice
-    _refuse(params, key, value, f"one of {', '.join(allowed)}")
+    return _refuse(params, key, value, f"one of {', '.join(allowed)}")
 
 
 def _read_base(params: Parameters) -> Pose:

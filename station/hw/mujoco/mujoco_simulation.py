@@ -8,6 +8,7 @@ from station.core.description.robot_files import RobotFiles
 from station.core.description.srdf import disabled_collisions
 from station.core.description.urdf import Joint, JointType, Pose, Urdf
 from station.core.errors import ParameterError, RobotDescriptionError
+from station.hw.mujoco.floor_contact import depth_in_floor
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -15,7 +16,6 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
-from station.hw.mujoco.floor_contact import depth_in_floor
 from station.hw.mujoco.scene import SceneObject, add_object
 from station.hw.mujoco.self_collision import (
     Pair,
@@ -25,7 +25,6 @@ from station.hw.mujoco.self_collision import (
 )
 from station.hw.mujoco.sensors import add_sensors
 from station.hw.mujoco.world import World
-
 
 _TOUCHES = 1e-6
 """Depth in the floor up to which a robot stands on it [m]."""

@@ -19,7 +19,8 @@ INERTIAL = (
 GOOD = INERTIAL.format(mass=1, x=0.1, y=0.1, z=0.1)
 SIMPLE = (
     "<type>transmission_interface/SimpleTransmission</type>"
-    '<joint name="j"><hardwareInterface>EffortJointInterface</hardwareInterface></joint>'
+    '<joint name="j"><hardwareInterface>EffortJointInterface'
+    "</hardwareInterface></joint>"
     '<actuator name="m"><mechanicalReduction>10</mechanicalReduction></actuator>'
 )
 

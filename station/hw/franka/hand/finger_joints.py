@@ -20,7 +20,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.hw.franka.hand.hand_services import FASTEST, HandMotor, HandServices
-from station.kernel.doubles import Block, put
+from station.kernel.doubles import Block, put, zeros
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
@@ -87,6 +87,24 @@ class FingerJoints:
                 elif isinstance(interface, EffortJointInterface):
                     handle = JointHandle(state, self._effort_commands, index)
                     interface.register_handle(handle)
+
+    def publish(
+        self, interfaces: Iterable[JointStateInterface | JointCommandInterface]
+    ) -> None:
+        """Add the fingers to the joint states, as franka_gripper publishes them.
+
+        Args:
+            interfaces: The interfaces of the arm; only its joint states change.
+
+        Source: franka_ros@c11f000 franka_gripper_node.cpp: half of the width, and no
+        velocity and effort.
+        """
+        nothing = zeros(len(self.names))
+        for index, name in enumerate(self.names):
+            state = JointStateHandle(name, self._positions, nothing, nothing, index)
+            for interface in interfaces:
+                if type(interface) is JointStateInterface:
+                    interface.register_handle(state)
 
     def write(self) -> None:
         """Pass on the commands of claimed fingers; an unclaimed finger follows."""
