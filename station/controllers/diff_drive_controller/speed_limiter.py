@@ -96,10 +96,11 @@ def read_limiter(params: Parameters, axis: str) -> SpeedLimiter:
 
 
 def _read_range(params: Parameters, kind: str) -> tuple[float, float]:
-    if not params.get_bool(f"has_{kind}_limits", default=False):
-        return (-inf, inf)
+    is_limited = params.get_bool(f"has_{kind}_limits", default=False)
     high = params.get_float(f"max_{kind}", 0.0)
     low = params.get_float(f"min_{kind}", -high)
+    if not is_limited:
+        return (-inf, inf)
     if not low <= 0.0 <= high:
         place = params.resolve(f"max_{kind}")
         raise ParameterError(
