@@ -8,7 +8,7 @@ from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf import JointType, Urdf
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.bases import BaseType
-from station.hw.mujoco.description_repair import repair_robot
+from station.hw.mujoco.description_repair import log_repairs, repair_robot
 from station.hw.mujoco.robot_transmissions import driven_joints
 from station.hw.robot_loader import create_robot
 
@@ -84,7 +84,7 @@ def examine_robot(reference: str) -> Sequence[Repair]:
     tree = ParameterTree({"robot": {"robot_description": reference}})
     robot = create_robot(TYPE)
     # What `init` logs is what this returns.
-    logger = logging.getLogger(type(robot).__module__)
+    logger = logging.getLogger(log_repairs.__module__)
     before = logger.disabled
     logger.disabled = True
     try:

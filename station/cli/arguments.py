@@ -9,6 +9,7 @@ from station.cli.experiment_arguments import add_experiment_verbs
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
 from station.cli.record_arguments import add_foxglove_option, add_record_verbs
+from station.cli.robot_arguments import add_robot_options, add_robot_verbs
 from station.cli.tuning_arguments import add_tuning_verbs
 
 DESCRIPTION = """\
@@ -99,18 +100,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
         metavar="ROS_PARAMS.yaml",
         help="parameter files written for ROS, unchanged; their controllers are loaded",
     )
-    run.add_argument(
-        "--robot",
-        metavar="ROBOT",
-        help="simulate this robot with controllers made for it: "
-        "example-robot-data:NAME or a URDF",
-    )
-    run.add_argument(
-        "--base",
-        choices=("fixed", "floating", "planar"),
-        default="fixed",
-        help="how the root link of --robot is held",
-    )
+    add_robot_options(run)
     run.add_argument("--rate", type=float, metavar="HZ", help="control loop rate")
     run.add_argument("--host", help="address to listen at; others need --token")
     run.add_argument("--port", type=int, help="port of the API; 0: any free one")
@@ -163,24 +153,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
     ui.add_argument(
         "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
     )
-    doctor = verbs.add(
-        "doctor",
-        "doctor:doctor",
-        "say whether this machine is fit for a station, or what a robot needs",
-        is_client=False,
-    )
-    doctor.add_argument(
-        "robot",
-        nargs="?",
-        metavar="ROBOT",
-        help="look at this robot instead: a URDF or example-robot-data:NAME",
-    )
-    verbs.add(
-        "fetch_robot",
-        "robot_data:fetch_robot",
-        "fetch the Panda, as `run` does",
-        is_client=False,
-    )
+    add_robot_verbs(verbs)
 
 
 def _add_controller_verbs(verbs: Verbs) -> None:

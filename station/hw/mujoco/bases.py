@@ -63,6 +63,11 @@ def add_base_joints(
             servo.biasprm[2] = -_STIFFNESS
 
 
+def joints_of_base(base_type: BaseType) -> tuple[str, ...]:
+    """Return the joints with one degree of freedom by which a base moves."""
+    return PLANAR_JOINTS if base_type == "planar" else ()
+
+
 class RollingBase:
     """Lets a planar base follow its wheels. Acts in the world before every step.
 

@@ -3,6 +3,8 @@
 With `strict` the description is taken as it is and refused if it cannot be simulated.
 """
 
+import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from xml.etree import ElementTree as ET
 
@@ -21,6 +23,7 @@ from station.hw.mujoco.inertia_repair import repair_inertias
 from station.hw.mujoco.robot_transmissions import driven_joints, with_package
 from station.hw.urdf_loader import load_urdf
 
+_logger = logging.getLogger(__name__)
 # Transmissions of pr2_mechanism_model, the first form of ros_control's.
 _OLD_SIMPLE = ("SimpleTransmission",)
 
@@ -71,6 +74,20 @@ def repair_robot(
     return RepairedRobot(
         replace(files, xml=xml), urdf, repairs + inertias + motors + transmissions
     )
+
+
+def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
+    """Write one line per repair; not for the control thread.
+
+    Args:
+        files: The robot's files.
+        repairs: What was changed.
+    """
+    for repair in repairs:
+        # Links that never touch are no surprise; a changed robot may be one.
+        usual = repair.kind in ("self_collision", "motor")
+        level = logging.INFO if usual else logging.WARNING
+        _logger.log(level, "%s: %s", files.urdf_path, repair.sentence())
 
 
 def _repair_transmissions(xml: str, urdf: Urdf) -> tuple[str, tuple[Repair, ...]]:

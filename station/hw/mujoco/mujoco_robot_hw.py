@@ -28,7 +28,6 @@ from station.core.errors import (
 )
 from station.core.hardware.interfaces import (
     JointHandle,
-    JointStateHandle,
     JointStateInterface,
 )
 from station.core.hardware.limits import LimitMode
@@ -49,9 +48,9 @@ from station.core.hardware.transmissions import (
 )
 from station.core.hardware.transmissions.hardware_interface_kind import interface_of
 from station.core.parameters import Parameters
-from station.hw.mujoco.bases import PLANAR_JOINTS, RollingBase
+from station.hw.mujoco.bases import RollingBase, joints_of_base
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
-from station.hw.mujoco.description_repair import repair_robot
+from station.hw.mujoco.description_repair import log_repairs, repair_robot
 from station.hw.mujoco.hard_stops import HardStops, needs_hard_stop
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
@@ -64,8 +63,8 @@ from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
+from station.hw.mujoco.unpowered_joints import UnpoweredJoints
 from station.hw.mujoco.world import World
-from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
 from station.kernel.doubles import put
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
@@ -139,22 +138,21 @@ class MujocoRobotHW(RobotHW):
             # Who draws the robot looks here for its place.
             hw_params.set("base_xyz", list(simulated.base.xyz))
         self._repairs = (*repaired.repairs, *simulated.repairs)
-        for repair in self._repairs:
-            # Links that never touch are no surprise; a changed robot may be one.
-            usual = repair.kind in ("self_collision", "motor")
-            level = logging.INFO if usual else logging.WARNING
-            _logger.log(level, "%s: %s", description.urdf_path, repair.sentence())
+        log_repairs(description, self._repairs)
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
-            rolling = RollingBase(self.world.model, self.world.data, urdf)
-            self.world.add_actor(rolling)
+            data = self.world.data
+            self.world.add_actor(RollingBase(self.world.model, data, urdf))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
-        planar = parameters.base_type == "planar"
-        self._add_unpowered_joints(urdf, PLANAR_JOINTS if planar else ())
+        self._unpowered = UnpoweredJoints(
+            self.world,
+            [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
+            interface_of(self, JointStateInterface),
+        )
         limited = hw_params if hw_params.has("joint_limits") else root_params
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
@@ -184,8 +182,7 @@ class MujocoRobotHW(RobotHW):
         put(motors.joint_state["effort"], world_joints.read_motor_forces())
         motors.update_state()
         self._state_interface.propagate()
-        self._unpowered_position[:] = self._unpowered.read_positions()
-        self._unpowered_velocity[:] = self._unpowered.read_velocities()
+        self._unpowered.read()
         self._sensors.read()
 
     @override
@@ -297,7 +294,7 @@ class MujocoRobotHW(RobotHW):
         self, description: RobotFiles, infos: list[TransmissionInfo]
     ) -> None:
         self._names = [joint.name for info in infos for joint in info.joints]
-        self._world_joints: WorldJoints = self.world.joints(self._names)
+        self._world_joints = self.world.joints(self._names)
         self._drives = JointDrives(self._world_joints, self.world.timestep)
         self.world.add_actor(self._drives)
         targets = {
@@ -356,32 +353,6 @@ class MujocoRobotHW(RobotHW):
             )
         self._motors.connect(info, loader.loaded[-1].transmission)
 
-    def _add_unpowered_joints(self, urdf: Urdf, base: Sequence[str]) -> None:
-        names = [
-            *base,
-            *(
-                joint.name
-                for joint in urdf.joints.values()
-                if joint.type is not JointType.FIXED and joint.name not in self._names
-            ),
-        ]
-        world = self.world
-        self._unpowered = WorldJointStates(world.model, world.data, names)
-        self._unpowered_position = [0.0] * len(names)
-        self._unpowered_velocity = [0.0] * len(names)
-        effort = [0.0] * len(names)
-        states = interface_of(self, JointStateInterface)
-        for index, name in enumerate(names):
-            states.register_handle(
-                JointStateHandle(
-                    name,
-                    self._unpowered_position,
-                    self._unpowered_velocity,
-                    effort,
-                    index,
-                )
-            )
-
     def _add_limits(
         self, xml: str, urdf: Urdf, params: Parameters, mode: LimitMode
     ) -> None:
@@ -401,6 +372,12 @@ class MujocoRobotHW(RobotHW):
         fast = [n for n, limit in limits.items() if needs_hard_stop(model, n, limit)]
         if fast:
             self.world.add_actor(HardStops(model, self.world.data, fast))
+
+
+def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
+    """Return the joints that move and have no motor."""
+    moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
+    return [name for name in moving if name not in driven]
 
 
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:

@@ -72,39 +72,31 @@ class FingerJoints:
         ]
 
     def register(
-        self, interfaces: Iterable[JointStateInterface | JointCommandInterface]
+        self,
+        interfaces: Iterable[JointStateInterface | JointCommandInterface],
+        *,
+        in_states: bool = False,
     ) -> None:
         """Add the fingers to the interfaces for position and effort.
 
         Args:
             interfaces: The interfaces of the arm; other kinds do not change.
+            in_states: Whether the joint states have the fingers as franka_gripper
+                publishes them: half of the width, and no velocity and effort. Source:
+                franka_ros@c11f000 franka_gripper_node.cpp.
         """
+        none = zeros(len(self.names))
         for interface in interfaces:
             for index, state in enumerate(self.states):
+                if in_states and type(interface) is JointStateInterface:
+                    told = (self.names[index], self._positions, none, none, index)
+                    interface.register_handle(JointStateHandle(*told))
                 if isinstance(interface, PositionJointInterface):
                     handle = JointHandle(state, self._position_commands, index)
                     interface.register_handle(handle)
                 elif isinstance(interface, EffortJointInterface):
                     handle = JointHandle(state, self._effort_commands, index)
                     interface.register_handle(handle)
-
-    def publish(
-        self, interfaces: Iterable[JointStateInterface | JointCommandInterface]
-    ) -> None:
-        """Add the fingers to the joint states, as franka_gripper publishes them.
-
-        Args:
-            interfaces: The interfaces of the arm; only its joint states change.
-
-        Source: franka_ros@c11f000 franka_gripper_node.cpp: half of the width, and no
-        velocity and effort.
-        """
-        nothing = zeros(len(self.names))
-        for index, name in enumerate(self.names):
-            state = JointStateHandle(name, self._positions, nothing, nothing, index)
-            for interface in interfaces:
-                if type(interface) is JointStateInterface:
-                    interface.register_handle(state)
 
     def write(self) -> None:
         """Pass on the commands of claimed fingers; an unclaimed finger follows."""
