@@ -10,13 +10,16 @@ in the direction of its x axis and about its z axis.
 
 from collections.abc import Sequence
 from math import cos, sin
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import mujoco
 
 from station.core.description.urdf import JointType, Pose, Urdf, multiply
 from station.core.description.wheels import wheel_radius
 from station.core.errors import RobotDescriptionError
+
+if TYPE_CHECKING:
+    from station.hw.mujoco.world import World
 
 BaseType = Literal["fixed", "floating", "planar"]
 """How the root link is held: not at all when it floats; upright, but free to move on
@@ -72,8 +75,7 @@ class RollingBase:
     """Lets a planar base follow its wheels. Acts in the world before every step.
 
     Args:
-        model: The world's model.
-        data: The world's data.
+        world: The simulated world.
         urdf: The robot. Its wheels are the joints without a range that have `wheel` in
             their name and an axis across the root link.
 
@@ -82,7 +84,8 @@ class RollingBase:
             not known.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, urdf: Urdf) -> None:
+    def __init__(self, world: "World", urdf: Urdf) -> None:
+        model, data = world.model, world.data
         wheels = _find_wheels(urdf)
         sides = [[w for w in wheels if w[1] > 0.0], [w for w in wheels if w[1] < 0.0]]
         if not all(sides):

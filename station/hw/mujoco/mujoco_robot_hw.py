@@ -134,16 +134,14 @@ class MujocoRobotHW(RobotHW):
             description, urdf, parameters, read_scene(root_params)
         )
         self.world = simulated.world
-        if simulated.base != parameters.base:
-            # Who draws the robot looks here for its place.
+        if simulated.base != parameters.base:  # who draws the robot looks there
             hw_params.set("base_xyz", list(simulated.base.xyz))
         self._repairs = (*repaired.repairs, *simulated.repairs)
         log_repairs(description, self._repairs)
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
-            data = self.world.data
-            self.world.add_actor(RollingBase(self.world.model, data, urdf))
+            self.world.add_actor(RollingBase(self.world, urdf))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
