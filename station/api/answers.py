@@ -144,6 +144,7 @@ def hardware(report: HardwareReport) -> wire.Hardware:
         "limits": [_limits(found) for found in report.limits],
         "transmissions": report.transmissions,
         "clamps": clamps(report.clamps),
+        "repairs": report.repairs,
     })
 
 

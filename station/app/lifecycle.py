@@ -18,7 +18,7 @@ from station.api.host_policy import HostPolicy
 from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
-from station.app.composition import compose
+from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
 from station.app.kernel_build import KernelBuild
 from station.app.recording_start import make_recorder, start_foxglove
@@ -153,7 +153,10 @@ class StationRun:
     ) -> Announcement:
         self._watchdog.announce("Starting the server and the dashboard")
         api, ui, tls = self._config.api, self._config.ui, self._tls()
-        options = self._ui_options("", "", "", ui.port)
+        # The robot knows best where it stands.
+        robot = station.parameters.get(ROBOT_NAMESPACE)
+        placed = robot if isinstance(robot, dict) else {}
+        options = self._ui_options(placed, "", "", "", ui.port)
         orphan = find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
         ui_port = orphan.port if orphan else 0
         if ui.enabled and not orphan:
@@ -197,7 +200,7 @@ class StationRun:
         stack.callback(path.unlink, missing_ok=True)
         if ui.enabled:
             viewer = authenticator.viewer_token
-            options = self._ui_options(server.url, token, viewer, ui_port)
+            options = self._ui_options(placed, server.url, token, viewer, ui_port)
             self._ui = UiProcess(options, adopted=orphan)
             stack.callback(self._terminate_ui)
             self._ui.start()
@@ -211,9 +214,14 @@ class StationRun:
         )
 
     def _ui_options(
-        self, api_url: str, token: str, viewer_token: str, port: int
+        self,
+        robot: Mapping[str, object],
+        api_url: str,
+        token: str,
+        viewer_token: str,
+        port: int,
     ) -> UiOptions:
-        first, *beside = _drawn_robots(self._config.robot_parameters())
+        first, *beside = _drawn_robots(robot)
         return UiOptions(
             api_url,
             token,

@@ -10,6 +10,7 @@ from station.cli.fci_arguments import add_fci_verb
 from station.cli.gripper_arguments import add_gripper_verb
 from station.cli.parser import Parser
 from station.cli.record_arguments import add_foxglove_option, add_record_verbs
+from station.cli.robot_arguments import add_robot_options, add_robot_verbs
 from station.cli.tuning_arguments import add_tuning_verbs
 
 DESCRIPTION = """\
@@ -100,6 +101,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
         metavar="ROS_PARAMS.yaml",
         help="parameter files written for ROS, unchanged; their controllers are loaded",
     )
+    add_robot_options(run)
     run.add_argument("--rate", type=float, metavar="HZ", help="control loop rate")
     run.add_argument("--host", help="address to listen at; others need --token")
     run.add_argument("--port", type=int, help="port of the API; 0: any free one")
@@ -153,11 +155,7 @@ def _add_station_verbs(verbs: Verbs) -> None:
     ui.add_argument(
         "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
     )
-    for name, handler, summary in (
-        ("doctor", "doctor:doctor", "say whether this machine is fit for a station"),
-        ("fetch_robot", "robot_data:fetch_robot", "fetch the Panda, as `run` does"),
-    ):
-        verbs.add(name, handler, summary, is_client=False)
+    add_robot_verbs(verbs)
 
 
 def _add_controller_verbs(verbs: Verbs) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from station.config.errors import ConfigError
+from station.config.moveit_controllers import LIST, controllers_of_list
 from station.core.errors import show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
@@ -33,7 +34,8 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     """Separate the controllers in a ROS parameter file from other parameters.
 
     A controller is a mapping with a `type` of the form `package/Class`; a namespace is
-    a mapping with a controller somewhere below it.
+    a mapping with a controller somewhere below it. MoveIt's `controller_list` stands
+    for the controllers that it names, as far as the file does not have them itself.
 
     Args:
         values: The content of the file.
@@ -44,6 +46,10 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     """
     found = RosParameters()
     _collect(values, "", found, name)
+    if LIST in found.others:
+        # What the file says of a controller itself goes before MoveIt's view of it.
+        listed = controllers_of_list(found.others.pop(LIST), name)
+        found.controllers = {**listed, **found.controllers}
     return found
 
 

@@ -5,6 +5,9 @@ of the type is loaded.
 """
 
 CONTROLLERS: dict[str, str] = {
+    "diff_drive_controller/DiffDriveController": (
+        "station.controllers.diff_drive_controller:DiffDriveController"
+    ),
     "effort_controllers/GripperActionController": (
         "station.controllers.gripper_action_controller:EffortGripperActionController"
     ),

@@ -7,7 +7,7 @@ yourdfpy loads and places the visual meshes.
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.description.urdf import Urdf, Vector3
 from station.core.description.urdf_parser import parse_urdf
+from station.core.description.urdf_repair import repair_urdf
 from station.core.errors import RobotDescriptionError
 from station.ui.joint_frames import is_drawn_moving, link_poses
 from station.ui.link_surfaces import Surface, bounds_of, link_surfaces
@@ -116,6 +117,8 @@ def load_robot(
     """
     try:
         files = load_robot_files(reference).with_prefix("panda_", f"{arm_id}_")
+        # As the simulation reads it; see station.hw.mujoco.description_repair.
+        files = replace(files, xml=repair_urdf(files.xml)[0])
         urdf = parse_urdf(files.xml, source=str(files.urdf_path))
         xml = _with_base(files.xml, urdf.root, base)
         return RobotModel(

@@ -12,6 +12,18 @@ ClampReasonName = Annotated[
 ]
 
 
+RepairKindName = Literal[
+    "inertia",
+    "mass",
+    "range",
+    "mimic",
+    "motor",
+    "transmission",
+    "self_collision",
+    "start_pose",
+]
+
+
 class HardwareResource(ResponseModel):
     """A resource of a hardware interface.
 
@@ -116,6 +128,24 @@ class Clamp(ResponseModel):
     reason: ClampReasonName
 
 
+class HardwareRepair(ResponseModel):
+    """In what the simulated robot differs from its description.
+
+    Attributes:
+        kind: What was changed.
+        element: The element of the description.
+        problem: What is wrong with it.
+        old: The value in the description; empty if there is none.
+        new: What is used instead.
+    """
+
+    kind: RepairKindName
+    element: str
+    problem: str
+    old: str
+    new: str
+
+
 class Hardware(ResponseModel):
     """The robot: what controllers can claim, and what limits them.
 
@@ -124,6 +154,7 @@ class Hardware(ResponseModel):
         limits: Limits of the joints.
         transmissions: Transmissions; empty for a robot that has none.
         clamps: Commands that were cut off; empty if none ever was.
+        repairs: In what a simulated robot differs from its description.
     """
 
     model_config = ConfigDict(
@@ -175,6 +206,15 @@ class Hardware(ResponseModel):
                             "reason": "effort",
                         }
                     ],
+                    "repairs": [
+                        {
+                            "kind": "range",
+                            "element": "joint 'wheel_joint'",
+                            "problem": "its range is empty",
+                            "old": "0 to 0",
+                            "new": "locked (zero_range: free lets it move)",
+                        }
+                    ],
                 }
             ]
         }
@@ -184,3 +224,4 @@ class Hardware(ResponseModel):
     limits: Items[HardwareLimits]
     transmissions: Items[HardwareTransmission]
     clamps: Items[Clamp]
+    repairs: Items[HardwareRepair]

@@ -9,6 +9,7 @@ from station.api import answers
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, Tunable
+from station.core.description.repair import Repair
 from station.core.facade.hardware_report import (
     HardwareReport,
     InterfaceReport,
@@ -193,9 +194,11 @@ def test_hardware_answer_has_interfaces_limits_transmissions_and_clamps():
         ),
         (TransmissionReport("t", "a/B", ("j",), ("m",)),),
         (ClampReport(EFFORT, 3, Clamp("j", math.inf, 5.0, ClampReason.EFFORT)),),
+        (Repair("range", "joint 'j'", "its range is empty", "0 to 0", "locked"),),
     )
 
     told = answers.hardware(report)
+    assert told.repairs[0].new == "locked"
 
     assert told.interfaces[0].resources[0].claimed_by == ["arm"]
     limits = told.limits[0]

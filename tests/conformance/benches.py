@@ -65,6 +65,10 @@ CONTROLLER_PARAMETERS: Mapping[str, object] = {
     "publish_rate": 50.0,
     "k_gains": [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0],
     "d_gains": [50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0],
+    "left_wheel": JOINTS[0],
+    "right_wheel": [JOINTS[1]],
+    "wheel_separation": 0.5,
+    "wheel_radius": 0.1,
     "left": ONE_ARM,
     "right": OTHER_ARM,
     "leader": {

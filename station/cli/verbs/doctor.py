@@ -1,4 +1,4 @@
-"""Verb `doctor`: is this machine fit for a station?"""
+"""Verb `doctor`: is this machine fit for a station, and what does a robot need?"""
 
 from argparse import Namespace
 from dataclasses import asdict
@@ -9,6 +9,8 @@ from station.cli.output import say, say_json, say_table
 
 def doctor(options: Namespace) -> int:
     """Print what was found and what to do; 1 when a station cannot run here."""
+    if options.robot is not None:
+        return _examine(options)
     findings = [check() for check in CHECKS]
     if options.json:
         say_json([asdict(finding) for finding in findings])
@@ -21,3 +23,24 @@ def doctor(options: Namespace) -> int:
             if finding.advice:
                 say(f"{finding.check}: {finding.advice}")
     return int(any(finding.state == "problem" for finding in findings))
+
+
+def _examine(options: Namespace) -> int:
+    """Print in what a simulated robot differs from its description.
+
+    Raises:
+        RobotDescriptionError: The robot is unknown or cannot be simulated.
+    """
+    from station.app.any_robot import examine_robot
+
+    repairs = examine_robot(options.robot)
+    if options.json:
+        say_json([asdict(repair) for repair in repairs])
+    elif repairs:
+        say_table(
+            ["element", "what is wrong", "was", "now"],
+            [[r.element, r.problem, r.old or "-", r.new] for r in repairs],
+        )
+    else:
+        say("This robot is simulated as it is described.")
+    return 0

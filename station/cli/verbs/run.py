@@ -50,7 +50,9 @@ def run(options: Namespace) -> int:
     if options.foxglove is not None:
         flags |= {"foxglove.enabled": True, "foxglove.port": options.foxglove}
     config = load_config(
-        options.config, controller_files=options.controllers, flags=flags
+        options.config if options.robot is None else _robot_of(options),
+        controller_files=options.controllers,
+        flags=flags,
     )
     fetch_what_is_missing(config.robot_parameters(), say_progress)
 
@@ -66,6 +68,26 @@ def run(options: Namespace) -> int:
         sys.stderr.write(f"error: {error}\n{error.remedy}\n")
         return _leave(ENDED_BY_WATCHDOG)
     return _leave(0)
+
+
+def _robot_of(options: Namespace) -> dict[str, object]:
+    """Return the configuration of `--robot`, whose file is fetched if need be.
+
+    Raises:
+        ConfigError: A configuration is given, too, or the base is of no use.
+        RobotDescriptionError: The robot is unknown or cannot be simulated.
+    """
+    from station.app.any_robot import configure_robot
+    from station.app.panda_fetch import fetch_what_is_missing
+    from station.config import ConfigError
+
+    if options.config is not None:
+        raise ConfigError(
+            [f"{options.config} and --robot {options.robot} both name a robot."],
+            remedy="Give one of them; robot.robot_description of the file may name it.",
+        )
+    fetch_what_is_missing({"robot_description": options.robot}, say_progress)
+    return configure_robot(options.robot, options.base)
 
 
 def _leave(code: int) -> int:

@@ -11,6 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing_extensions import override
 
 from station.core.control.controller import ControllerBase
+from station.core.control.controller_origins import CONTROLLER_ORIGINS
 from station.core.control.plugin_modules import PluginModules
 from station.core.errors import (
     ControllerLoadError,
@@ -245,8 +246,14 @@ def create_controller(
             remedy="Look at the loader that declares it.",
             details={"type": controller_type},
         )
+    package = controller_type.partition("/")[0]
+    origin = (
+        f" It comes from {CONTROLLER_ORIGINS[package]}."
+        if package in CONTROLLER_ORIGINS
+        else ""
+    )
     raise ControllerTypeNotFoundError(
-        f"No loader knows the controller type '{controller_type}'.",
+        f"No loader knows the controller type '{controller_type}'.{origin}",
         remedy=f"{suggest(controller_type, types)} Or write 'module:Class'.",
         details={"type": controller_type},
     )

@@ -120,7 +120,9 @@ def load_robot_files(reference: str) -> RobotFiles:
     else:
         path = Path(reference).expanduser().absolute()
     xml = _read(path)
-    return RobotFiles(reference, path, xml, _find_srdf(path))
+    return RobotFiles(
+        reference, path, xml, _find_srdf(path, parse_robot(xml).get("name", ""))
+    )
 
 
 def replace_prefix(name: str, old: str, new: str) -> str:
@@ -193,16 +195,27 @@ def _read(path: Path) -> str:
     return xml
 
 
-def _find_srdf(urdf_path: Path) -> Path | None:
-    """Return the SRDF with the longest name that the URDF's name begins with."""
+def _find_srdf(urdf_path: Path, robot: str) -> Path | None:
+    """Return the SRDF beside a URDF that is for a robot of that name.
+
+    The name inside of the file decides. Among several, and when no file has the robot's
+    name inside, it is the one with the longest name that the URDF's name begins with.
+    """
     found: list[Path] = []
     for directory in (urdf_path.parent, urdf_path.parent.parent / "srdf"):
-        found += [
-            path
-            for path in sorted(directory.glob("*.srdf"))
-            if urdf_path.stem.startswith(path.stem)
-        ]
-    return max(found, key=lambda path: len(path.stem), default=None)
+        found += sorted(directory.glob("*.srdf"))
+    by_file = [path for path in found if urdf_path.stem.startswith(path.stem)]
+    by_name = [path for path in found if robot and _robot_name(path) == robot]
+    candidates = [path for path in by_name if path in by_file] or by_name or by_file
+    return max(candidates, key=lambda path: len(path.stem), default=None)
+
+
+def _robot_name(srdf_path: Path) -> str:
+    """Return the robot's name in an SRDF; empty if the file cannot be read."""
+    try:
+        return parse_robot(srdf_path.read_text(encoding="utf-8")).get("name", "")
+    except (OSError, RobotDescriptionError, UnicodeDecodeError):
+        return ""  # If it is chosen by its file name, its reader reports the reason.
 
 
 def _package_roots(urdf_path: Path) -> list[Path]:

@@ -35,6 +35,11 @@ class JointType(Enum):
         return self is JointType.REVOLUTE or self is JointType.PRISMATIC
 
     @property
+    def moves(self) -> bool:
+        """Whether a joint of this type has any degree of freedom."""
+        return self is not JointType.FIXED
+
+    @property
     def is_rotation(self) -> bool:
         """Whether a joint of this type turns about its axis."""
         return self is JointType.REVOLUTE or self is JointType.CONTINUOUS

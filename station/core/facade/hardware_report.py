@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from station.core.control.controller import ControllerState
 from station.core.control.controller_status import ControllerStatus
+from station.core.description.repair import Repair
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -48,12 +49,14 @@ class HardwareReport:
         limits: The joints' limits.
         transmissions: What is between actuators and joints.
         clamps: What was cut off by limits.
+        repairs: In what the robot differs from its description.
     """
 
     interfaces: tuple[InterfaceReport, ...]
     limits: tuple[JointLimitsReport, ...]
     transmissions: tuple[TransmissionReport, ...]
     clamps: tuple[ClampReport, ...]
+    repairs: tuple[Repair, ...]
 
 
 def report_hardware(
@@ -88,4 +91,5 @@ def report_hardware(
         tuple(robot.joint_limits()),
         tuple(robot.transmissions()),
         tuple(robot.clamps()),
+        tuple(robot.repairs()),
     )

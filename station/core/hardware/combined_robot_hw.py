@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 
 from typing_extensions import override
 
+from station.core.description.repair import Repair
 from station.core.errors import HardwareInterfaceError, StationError
 from station.core.hardware.combined_world import CombinedWorld
 from station.core.hardware.robot_hw import (
@@ -188,6 +189,10 @@ class CombinedRobotHW(RobotHW):
     @override
     def transmissions(self) -> Sequence[TransmissionReport]:
         return [r for robot in self.robots.values() for r in robot.transmissions()]
+
+    @override
+    def repairs(self) -> Sequence[Repair]:
+        return [r for robot in self.robots.values() for r in robot.repairs()]
 
     @override
     def clamps(self) -> Sequence[ClampReport]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from station.core.description.repair import Repair
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -209,6 +210,10 @@ class RobotHW(InterfaceManager):
 
     def transmissions(self) -> Sequence[TransmissionReport]:
         """Return its transmissions; settled in `init`. Any thread."""
+        return ()
+
+    def repairs(self) -> Sequence[Repair]:
+        """Return what was changed so that it can be used; settled in `init`."""
         return ()
 
     def clamps(self) -> Sequence[ClampReport]:

@@ -414,7 +414,8 @@ class FrankaHW(RobotHW):
         if arm_id in grippers:
             names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
             self._fingers = FingerJoints(grippers[arm_id], names, arm_id)
-            self._fingers.register(self.commands.interfaces())
+            told = self._parameters.publishes_fingers
+            self._fingers.register(self.commands.interfaces(), in_states=told)
             self.register_interface(self._fingers.services)
 
     def _mode_after(

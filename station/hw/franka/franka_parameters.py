@@ -55,6 +55,7 @@ _KEYS = frozenset({
     "limit_mode",
     "realism",
     "realism_seed",
+    "fingers_in_joint_states",
 })
 
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
@@ -85,6 +86,8 @@ class FrankaParameters:
         is_realistic: Whether a simulated arm has friction, noise and an observer
             (`realism: typical`), or none of them (`ideal`).
         realism_seed: Of the simulated arm's random numbers, >= 0.
+        publishes_fingers: Whether the joint states have the fingers of a simulated hand
+            as franka_gripper publishes them (`fingers_in_joint_states`).
     """
 
     arm_id: str
@@ -102,6 +105,7 @@ class FrankaParameters:
     service_limits: ServiceLimits
     is_realistic: bool
     realism_seed: int
+    publishes_fingers: bool
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
@@ -145,6 +149,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         most_lost_packets=_most_lost_packets(params),
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
         limit_mode=LimitMode.from_parameters(params),
+        publishes_fingers=params.get_bool("fingers_in_joint_states", default=False),
         thresholds=_thresholds(params.namespace("supervisor")),
         service_limits=_service_limits(params.namespace("service_limits")),
         is_realistic=_is_realistic(params),

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from station.core.description.urdf import Inertial, Pose
+from station.core.description.urdf import Inertial, JointType, Link, Pose, Urdf
 
 
 def is_rigid_body(inertial: Inertial) -> bool:
@@ -13,8 +13,47 @@ def is_rigid_body(inertial: Inertial) -> bool:
     A point mass (inertia 0) cannot, nor can a tensor whose principal moments are not
     positive or violate the triangle inequality.
     """
-    moments = np.linalg.eigvalsh(_tensor(inertial))
+    moments = principal_moments(inertial)
     return bool(moments[0] > 0.0 and moments[0] + moments[1] >= moments[2])
+
+
+def principal_moments(inertial: Inertial) -> NDArray[np.float64]:
+    """Return the principal moments of inertia [kg m^2], ascending, shape (3,)."""
+    return np.asarray(np.linalg.eigvalsh(_tensor(inertial)), dtype=np.float64)
+
+
+def carried_inertials(urdf: Urdf, link: Link) -> dict[str, tuple[Pose, Inertial]]:
+    """Return the link's own inertia and those of point masses fixed to it.
+
+    MuJoCo refuses a point mass as a body, so its mass is added to the body that carries
+    it. A fixed link that is a point mass carries no other masses.
+
+    Args:
+        urdf: The robot.
+        link: A link of the robot.
+
+    Returns:
+        By name of the link: its frame in that of `link`, and its inertia.
+    """
+    own = link.inertial
+    above = urdf.joint_above(link.name)
+    is_fixed = above is not None and above.type is JointType.FIXED
+    if own is not None and is_fixed and not is_rigid_body(own):
+        return {}
+    parts = {} if own is None else {link.name: (Pose(), own)}
+    frontier = [(link.name, Pose())]
+    while frontier:
+        name, pose = frontier.pop()
+        for joint in urdf.joints_below(name):
+            inertial = urdf.links[joint.child].inertial
+            if joint.type is not JointType.FIXED:
+                continue
+            if inertial is None or not is_rigid_body(inertial):
+                child_pose = pose.compose(joint.origin)
+                frontier.append((joint.child, child_pose))
+                if inertial is not None:
+                    parts[joint.child] = (child_pose, inertial)
+    return parts
 
 
 def combine(parts: list[tuple[Pose, Inertial]]) -> Inertial:

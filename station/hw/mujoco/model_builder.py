@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 import mujoco
 
 from station.core.description.urdf import (
-    Inertial,
     Joint,
     JointType,
     Link,
@@ -31,7 +30,8 @@ from station.core.description.urdf import (
     Urdf,
 )
 from station.core.errors import RobotDescriptionError
-from station.hw.mujoco.inertia import combine, is_rigid_body
+from station.hw.mujoco.bases import BaseType, add_base_joints
+from station.hw.mujoco.inertia import carried_inertials, combine, is_rigid_body
 from station.hw.mujoco.mesh_loader import add_mesh
 
 _COLLISION_GROUP = 3
@@ -40,6 +40,12 @@ _ELEMENT = re.compile(r"Element name '(?P<name>[^']+)', id \d+")
 # Time constant of the constraints that are hard on a real robot (mechanical stops,
 # mimic joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
 _HARD_CONSTRAINT_STEPS = 2.0
+# MuJoCo's default impedance of a stop is 0.95; the stop of a joint that would make it
+# yield by more than 0.3 degrees is stiffer.
+_IMPEDANCE_LEFT = 0.05
+_MOST_YIELD = 0.005
+_STIFF_IMPEDANCE = 0.9995
+_LEAST_INERTIA = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +62,8 @@ class RobotOptions:
             weight, so that the motors need not carry the robot.
         disabled_collisions: Pairs of links that are never tested for contact, besides
             pairs joined by a joint.
+        self_collision: Whether the robot's links can touch one another at all.
+        base_type: How the root link is held.
     """
 
     base: Pose = field(default_factory=Pose)
@@ -63,6 +71,8 @@ class RobotOptions:
     slide_armature: float = 0.0
     gravity_compensation: bool = True
     disabled_collisions: tuple[tuple[str, str], ...] = ()
+    self_collision: bool = True
+    base_type: BaseType = "fixed"
 
 
 def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
@@ -89,7 +99,7 @@ def new_world(timestep: float, *, floor: bool = True) -> mujoco.MjSpec:
 
 
 def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
-    """Add a robot with a fixed root link to the world.
+    """Add a robot to the world.
 
     Args:
         spec: The world; changed.
@@ -154,13 +164,20 @@ class _RobotBuilder:
             parent=self._spec.worldbody,
             pose=self._options.base,
             joint=None,
+            is_base=self._options.base_type != "fixed",
         )
         for joint in self._urdf.joints.values():
             self._add_motor_or_mimic(joint)
         self._exclude_collisions()
 
     def _add_link(
-        self, link: Link, *, parent: mujoco.MjsBody, pose: Pose, joint: Joint | None
+        self,
+        link: Link,
+        *,
+        parent: mujoco.MjsBody,
+        pose: Pose,
+        joint: Joint | None,
+        is_base: bool = False,
     ) -> None:
         """Add a link at `pose` in `parent`, and all links below that link.
 
@@ -169,14 +186,17 @@ class _RobotBuilder:
             parent: Body to which the link is added.
             pose: Pose of the link's frame in the frame of the parent.
             joint: The moving joint between them, or None if there is none.
+            is_base: Whether the link is a base that moves in the world.
         """
-        if joint is None and link.is_frame_only:
+        if joint is None and link.is_frame_only and not is_base:
             parent.add_site(name=link.name, pos=pose.xyz, quat=pose.quaternion)
             self._body_of_link[link.name] = parent.name
             body, origin = parent, pose
         else:
             body = parent.add_body(name=link.name, pos=pose.xyz, quat=pose.quaternion)
-            self._fill_body(body, link, moves=joint is not None)
+            self._fill_body(body, link, moves=joint is not None or is_base)
+            if is_base:
+                add_base_joints(self._spec, body, self._options.base_type)
             if joint is not None:
                 self._add_joint(body, joint)
             origin = Pose()
@@ -192,7 +212,7 @@ class _RobotBuilder:
         self._body_of_link[link.name] = body.name
         body.gravcomp = 1.0 if self._options.gravity_compensation else 0.0
         body.explicitinertial = True
-        parts = self._inertials_carried_by(link)
+        parts = list(carried_inertials(self._urdf, link).values())
         if parts:
             inertial = combine(parts)
             # A link that cannot move needs no inertia, and MuJoCo refuses invalid ones.
@@ -209,32 +229,6 @@ class _RobotBuilder:
                     f"link {link.name!r} <collision>: {exc.message}", remedy=exc.remedy
                 ) from exc
 
-    def _inertials_carried_by(self, link: Link) -> list[tuple[Pose, Inertial]]:
-        """Return the link's own inertia and those of point masses fixed to it.
-
-        MuJoCo refuses a point mass as a body, so its mass is added to the body that
-        carries it. A fixed link that is a point mass carries no other masses.
-        """
-        own = link.inertial
-        above = self._urdf.joint_above(link.name)
-        is_fixed = above is not None and above.type is JointType.FIXED
-        if own is not None and is_fixed and not is_rigid_body(own):
-            return []
-        parts = [] if own is None else [(Pose(), own)]
-        frontier = [(link.name, Pose())]
-        while frontier:
-            name, pose = frontier.pop()
-            for joint in self._urdf.joints_below(name):
-                inertial = self._urdf.links[joint.child].inertial
-                if joint.type is not JointType.FIXED:
-                    continue
-                if inertial is None or not is_rigid_body(inertial):
-                    child_pose = pose.compose(joint.origin)
-                    frontier.append((joint.child, child_pose))
-                    if inertial is not None:
-                        parts.append((child_pose, inertial))
-        return parts
-
     def _add_shape(self, body: mujoco.MjsBody, name: str, shape: Shape) -> None:
         geom = body.add_geom(
             name=name,
@@ -242,6 +236,9 @@ class _RobotBuilder:
             quat=shape.origin.quaternion,
             group=_COLLISION_GROUP,
         )
+        if not self._options.self_collision:
+            # It touches what is of the type 1: the floor and objects, not itself.
+            geom.contype, geom.conaffinity = 2, 1
         match shape.kind:
             case "box":
                 geom.type = mujoco.mjtGeom.mjGEOM_BOX
@@ -273,6 +270,11 @@ class _RobotBuilder:
             added.limited = mujoco.mjtLimited.mjLIMITED_TRUE
             added.range = [limit.lower, limit.upper]
             added.solref_limit[0] = self._hard
+            # At rest the stop yields by (1 - d) / d * t^2 * effort / inertia, with the
+            # impedance d and the time constant t (MuJoCo documentation, Computation).
+            push = limit.effort / max(added.armature, _LEAST_INERTIA)
+            if not slides and _IMPEDANCE_LEFT * self._hard**2 * push > _MOST_YIELD:
+                added.solimp_limit[:2] = [_STIFF_IMPEDANCE, _STIFF_IMPEDANCE]
 
     def _add_motor_or_mimic(self, joint: Joint) -> None:
         if joint.type is JointType.FIXED:
@@ -312,6 +314,21 @@ class _RobotBuilder:
         for first, second in sorted(bodies):
             if first != second:
                 self._spec.add_exclude(bodyname1=first, bodyname2=second)
+        if self._options.base_type == "planar":
+            # It neither falls nor slips, so that the floor cannot touch what rolls.
+            for name in sorted(self._body_names_at_the_base()):
+                self._spec.add_exclude(bodyname1="world", bodyname2=name)
+
+    def _body_names_at_the_base(self) -> set[str]:
+        """Return the bodies fixed to the base, and those one joint away from it."""
+        root = self._urdf.root
+        found = set()
+        for link, body in self._body_of_link.items():
+            above, _ = self._urdf.fixed_root(link)
+            joint = self._urdf.joint_above(above)
+            if joint is None or self._urdf.fixed_root(joint.parent)[0] == root:
+                found.add(body)
+        return found
 
     def _has(self, *links: str) -> bool:
         return all(link in self._body_of_link for link in links)

@@ -16,6 +16,7 @@ from math import ceil, inf
 
 from typing_extensions import override
 
+from station.core.description.repair import Repair
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.description.srdf import group_states
@@ -27,7 +28,6 @@ from station.core.errors import (
 )
 from station.core.hardware.interfaces import (
     JointHandle,
-    JointStateHandle,
     JointStateInterface,
 )
 from station.core.hardware.limits import LimitMode
@@ -48,7 +48,10 @@ from station.core.hardware.transmissions import (
 )
 from station.core.hardware.transmissions.hardware_interface_kind import interface_of
 from station.core.parameters import Parameters
+from station.hw.mujoco.bases import RollingBase, joints_of_base
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
+from station.hw.mujoco.description_repair import log_repairs, repair_robot
+from station.hw.mujoco.hard_stops import HardStops, needs_hard_stop
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
@@ -60,9 +63,8 @@ from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
+from station.hw.mujoco.unpowered_joints import UnpoweredJoints
 from station.hw.mujoco.world import World
-from station.hw.mujoco.world_joints import WorldJoints, WorldJointStates
-from station.hw.urdf_loader import load_urdf
 from station.kernel.doubles import put
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
@@ -118,23 +120,37 @@ class MujocoRobotHW(RobotHW):
         """
         parameters = read_parameters(hw_params)
         description = load_robot_files(parameters.robot_description)
-        urdf = load_urdf(description)
+        repaired = repair_robot(
+            description, strict=parameters.strict, zero_range=parameters.zero_range
+        )
+        description, urdf = repaired.description, repaired.urdf
         transmissions = read_transmissions(description, urdf)
-        if not transmissions:
+        if not transmissions and parameters.strict:
             raise RobotDescriptionError(
                 f"{description.urdf_path}: <robot>: has no joint that could be driven.",
                 remedy="Add joints that move and whose effort limit is above 0.",
             )
-        self.world = simulate_robot(
+        simulated = simulate_robot(
             description, urdf, parameters, read_scene(root_params)
         )
+        self.world = simulated.world
+        if simulated.base != parameters.base:  # who draws the robot looks there
+            hw_params.set("base_xyz", list(simulated.base.xyz))
+        self._repairs = (*repaired.repairs, *simulated.repairs)
+        log_repairs(description, self._repairs)
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
+        if parameters.base_type == "planar":
+            self.world.add_actor(RollingBase(self.world, urdf))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
-        self._add_unpowered_joints(urdf)
+        self._unpowered = UnpoweredJoints(
+            self.world,
+            [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
+            interface_of(self, JointStateInterface),
+        )
         limited = hw_params if hw_params.has("joint_limits") else root_params
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
@@ -164,8 +180,7 @@ class MujocoRobotHW(RobotHW):
         put(motors.joint_state["effort"], world_joints.read_motor_forces())
         motors.update_state()
         self._state_interface.propagate()
-        self._unpowered_position[:] = self._unpowered.read_positions()
-        self._unpowered_velocity[:] = self._unpowered.read_velocities()
+        self._unpowered.read()
         self._sensors.read()
 
     @override
@@ -188,6 +203,10 @@ class MujocoRobotHW(RobotHW):
     @override
     def transmissions(self) -> Sequence[TransmissionReport]:
         return self._transmission_reports
+
+    @override
+    def repairs(self) -> Sequence[Repair]:
+        return self._repairs
 
     @override
     def clamps(self) -> Sequence[ClampReport]:
@@ -273,7 +292,7 @@ class MujocoRobotHW(RobotHW):
         self, description: RobotFiles, infos: list[TransmissionInfo]
     ) -> None:
         self._names = [joint.name for info in infos for joint in info.joints]
-        self._world_joints: WorldJoints = self.world.joints(self._names)
+        self._world_joints = self.world.joints(self._names)
         self._drives = JointDrives(self._world_joints, self.world.timestep)
         self.world.add_actor(self._drives)
         targets = {
@@ -332,29 +351,6 @@ class MujocoRobotHW(RobotHW):
             )
         self._motors.connect(info, loader.loaded[-1].transmission)
 
-    def _add_unpowered_joints(self, urdf: Urdf) -> None:
-        names = [
-            joint.name
-            for joint in urdf.joints.values()
-            if joint.type is not JointType.FIXED and joint.name not in self._names
-        ]
-        world = self.world
-        self._unpowered = WorldJointStates(world.model, world.data, names)
-        self._unpowered_position = [0.0] * len(names)
-        self._unpowered_velocity = [0.0] * len(names)
-        effort = [0.0] * len(names)
-        states = interface_of(self, JointStateInterface)
-        for index, name in enumerate(names):
-            states.register_handle(
-                JointStateHandle(
-                    name,
-                    self._unpowered_position,
-                    self._unpowered_velocity,
-                    effort,
-                    index,
-                )
-            )
-
     def _add_limits(
         self, xml: str, urdf: Urdf, params: Parameters, mode: LimitMode
     ) -> None:
@@ -368,7 +364,18 @@ class MujocoRobotHW(RobotHW):
             self._limits.add(name, handles)
         velocities = self._limits.velocities()
         put(self._drives.velocity_limits, [velocities[name] for name in self._names])
-        self.world.limit_velocities(velocities | _velocities_of_mimics(urdf))
+        limits = velocities | _velocities_of_mimics(urdf)
+        self.world.limit_velocities(limits)
+        model = self.world.model
+        fast = [n for n, limit in limits.items() if needs_hard_stop(model, n, limit)]
+        if fast:
+            self.world.add_actor(HardStops(model, self.world.data, fast))
+
+
+def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
+    """Return the joints that move and have no motor."""
+    moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
+    return [name for name in moving if name not in driven]
 
 
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:

@@ -4,9 +4,11 @@
 robot:
   type: mujoco_hw/MujocoRobotHW
   robot_description: example-robot-data:ur5   # or the path of a URDF
+  base: fixed                                 # or floating, planar
   base_xyz: [0.0, 0.0, 0.5]                   # where the root link stands [m], [rad]
   base_rpy: [0.0, 0.0, 0.0]
-  gravity_compensation: true                  # the robot carries its own weight
+  gravity_compensation: true                  # the robot carries its own weight; false
+                                              # when the base is floating
   armature: 0.1                               # of every joint [kg m^2], [kg]
   floor: true
   timestep: 0.001                             # of the simulation [s]
@@ -14,6 +16,9 @@ robot:
   limit_mode: ros_control                     # or rate
   joint_limits: {elbow_joint: {…}}            # see limits_from_parameters
   pid_gains: {elbow_joint: {p: 100, d: 10}}   # see station.core.numerics.pid
+  strict: false                               # refuse what would be repaired
+  zero_range: lock                            # or free: joints with a range of 0 to 0
+  self_collision: srdf                        # or all, off
   sensors:
     wrist_ft: {type: force_torque, link: tool0}
     imu: {type: imu, link: forearm_link}
@@ -26,16 +31,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import pi
-from typing import NoReturn
+from typing import Literal, NoReturn, TypeVar, get_args
 
 from station.core.description.urdf import Pose
+from station.core.description.urdf_repair import ZeroRange
 from station.core.errors import ParameterError
 from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
+from station.hw.mujoco.bases import BaseType
 
+SelfCollision = Literal["off", "srdf", "all"]
+"""Which links of a robot can touch one another: none, those that its SRDF allows and
+that do not touch at the start, or all that no joint connects."""
 _KEYS = frozenset({
     "type",
     "robot_description",
+    "base",
     "base_xyz",
     "base_rpy",
     "gravity_compensation",
@@ -47,6 +58,9 @@ _KEYS = frozenset({
     "joint_limits",
     "pid_gains",
     "sensors",
+    "strict",
+    "zero_range",
+    "self_collision",
 })
 _SENSOR_KEYS = frozenset({"type", "link"})
 
@@ -79,12 +93,17 @@ class MujocoRobotParameters:
 
     robot_description: str
     base: Pose
+    has_own_place: bool
+    base_type: BaseType
     gravity_compensation: bool
     armature: float
     has_floor: bool
     timestep: float
     initial_positions: Mapping[str, float]
     limit_mode: LimitMode
+    strict: bool
+    zero_range: ZeroRange
+    self_collision: SelfCollision
     sensors: tuple[SensorRequest, ...]
 
 
@@ -105,17 +124,41 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
     if not 0.0 < timestep <= 0.01:
         _refuse(params, "timestep", timestep, "above 0 and at most 0.01 s")
     positions = params.namespace("initial_positions")
+    base_type = _read_choice(params, "base", get_args(BaseType), "fixed")
     return MujocoRobotParameters(
         robot_description=params.get_str("robot_description"),
         base=_read_base(params),
-        gravity_compensation=params.get_bool("gravity_compensation", default=True),
+        has_own_place=params.has("base_xyz"),
+        base_type=base_type,
+        # A robot whose links are all lifted would float in the air.
+        gravity_compensation=params.get_bool(
+            "gravity_compensation", default=base_type != "floating"
+        ),
         armature=armature,
         has_floor=params.get_bool("floor", default=True),
         timestep=timestep,
         initial_positions={k: positions.get_float(k) for k in positions.keys()},  # noqa: SIM118 - no mapping
         limit_mode=LimitMode.from_parameters(params),
+        strict=params.get_bool("strict", default=False),
+        zero_range=_read_choice(params, "zero_range", get_args(ZeroRange), "lock"),
+        self_collision=_read_choice(
+            params, "self_collision", get_args(SelfCollision), "srdf"
+        ),
         sensors=tuple(_read_sensors(params.namespace("sensors"))),
     )
+
+
+_Choice = TypeVar("_Choice", bound=str)
+
+
+def _read_choice(
+    params: Parameters, key: str, allowed: tuple[_Choice, ...], default: _Choice
+) -> _Choice:
+    value = params.get_str(key, default)
+    for choice in allowed:
+        if choice == value:
+            return choice
+    return _refuse(params, key, value, f"one of {', '.join(allowed)}")
 
 
 def _read_base(params: Parameters) -> Pose:

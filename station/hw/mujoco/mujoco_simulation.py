@@ -1,11 +1,14 @@
 """Build a simulated world with one robot that has a URDF."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
+from station.core.description.repair import Repair
 from station.core.description.robot_files import RobotFiles
 from station.core.description.srdf import disabled_collisions
-from station.core.description.urdf import Joint, JointType, Urdf
+from station.core.description.urdf import Joint, JointType, Pose, Urdf
 from station.core.errors import ParameterError, RobotDescriptionError
+from station.hw.mujoco.floor_contact import depth_in_floor
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -14,8 +17,32 @@ from station.hw.mujoco.model_builder import (
 )
 from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
 from station.hw.mujoco.scene import SceneObject, add_object
+from station.hw.mujoco.self_collision import (
+    Pair,
+    rigid_neighbours,
+    tell_pairs,
+    touching_pairs,
+)
 from station.hw.mujoco.sensors import add_sensors
 from station.hw.mujoco.world import World
+
+_TOUCHES = 1e-6
+"""Depth in the floor up to which a robot stands on it [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedRobot:
+    """A world with one robot in it.
+
+    Attributes:
+        world: The world, at the robot's start pose and at rest.
+        base: The root link's pose at the start.
+        repairs: What the robot's contacts and its start pose needed.
+    """
+
+    world: World
+    base: Pose
+    repairs: tuple[Repair, ...]
 
 
 def simulate_robot(
@@ -23,7 +50,7 @@ def simulate_robot(
     urdf: Urdf,
     parameters: MujocoRobotParameters,
     objects: Sequence[SceneObject] = (),
-) -> World:
+) -> SimulatedRobot:
     """Return a world with the robot in it, at its start pose and at rest.
 
     Args:
@@ -36,27 +63,95 @@ def simulate_robot(
         ParameterError: A start position or a sensor's link is impossible.
         RobotDescriptionError: The robot cannot be simulated.
     """
-    spec = new_world(parameters.timestep, floor=parameters.has_floor)
-    options = RobotOptions(
-        base=parameters.base,
-        armature=parameters.armature,
-        slide_armature=parameters.armature,
-        gravity_compensation=parameters.gravity_compensation,
-        disabled_collisions=disabled_collisions(description.srdf_path),
-    )
     try:
-        add_robot(spec, urdf, options)
-        add_sensors(spec, parameters.sensors)
-        for one in objects:
-            add_object(spec, one)
-        model = compile_world(spec)
+        return _Simulation(description, urdf, parameters, objects).make()
     except RobotDescriptionError as exc:
         raise RobotDescriptionError(
             f"{description.urdf_path}: {exc.message}", remedy=exc.remedy
         ) from exc
-    world = World(model, objects)
-    world.begin_at(_start_positions(urdf, parameters.initial_positions))
-    return world
+
+
+class _Simulation:
+    """Builds the world, looks at the start pose, and builds it again if need be."""
+
+    def __init__(
+        self,
+        description: RobotFiles,
+        urdf: Urdf,
+        parameters: MujocoRobotParameters,
+        objects: Sequence[SceneObject],
+    ) -> None:
+        self._urdf = urdf
+        self._parameters = parameters
+        self._objects = objects
+        self._start = _start_positions(urdf, parameters.initial_positions)
+        self._base = parameters.base
+        self._pairs: list[Pair] = []
+        self._repairs: list[Repair] = []
+        if parameters.self_collision == "srdf":
+            pairs = disabled_collisions(description.srdf_path)
+            self._pairs += [pair for pair in pairs if urdf.links.keys() >= {*pair}]
+            if self._pairs and description.srdf_path is not None:
+                why = f"{description.srdf_path.name} disables their collisions"
+                self._repairs += tell_pairs(self._pairs, why)
+            if not parameters.strict:
+                self._exclude(rigid_neighbours(urdf), "one joint alone separates them")
+
+    def make(self) -> SimulatedRobot:
+        """Return the world at the robot's start pose."""
+        world = self._build()
+        lenient = not self._parameters.strict
+        if lenient and self._parameters.self_collision == "srdf":
+            touching = touching_pairs(world.model, world.data)
+            robot = set(self._urdf.links)
+            found = [pair for pair in touching if robot.issuperset(pair)]
+            if found:
+                self._exclude(found, "they touch in the start pose")
+                world = self._build()
+        depth = depth_in_floor(world.model, world.data) if lenient else 0.0
+        if depth > _TOUCHES and self._lift(depth):
+            world = self._build()
+        return SimulatedRobot(world, self._base, tuple(self._repairs))
+
+    def _build(self) -> World:
+        parameters = self._parameters
+        spec = new_world(parameters.timestep, floor=parameters.has_floor)
+        options = RobotOptions(
+            base=self._base,
+            base_type=parameters.base_type,
+            armature=parameters.armature,
+            slide_armature=parameters.armature,
+            gravity_compensation=parameters.gravity_compensation,
+            disabled_collisions=tuple(self._pairs),
+            self_collision=parameters.self_collision != "off",
+        )
+        add_robot(spec, self._urdf, options)
+        add_sensors(spec, parameters.sensors)
+        for one in self._objects:
+            add_object(spec, one)
+        world = World(compile_world(spec), self._objects)
+        world.begin_at(self._start)
+        return world
+
+    def _exclude(self, pairs: list[Pair], why: str) -> None:
+        known = {frozenset(pair) for pair in self._pairs}
+        new = [pair for pair in pairs if frozenset(pair) not in known]
+        self._pairs += new
+        self._repairs += tell_pairs(new, why)
+
+    def _lift(self, depth: float) -> bool:
+        """Put a robot that starts inside the floor on it; False if its place is set."""
+        problem = f"its start pose is {depth:.4g} m deep in the floor"
+        place = f"base at z = {self._base.xyz[2]:.4g} m"
+        if self._parameters.has_own_place:
+            new = "left there, because base_xyz says so"
+            self._repairs.append(Repair("start_pose", "robot", problem, "", new))
+            return False
+        x, y, z = self._base.xyz
+        self._base = Pose((x, y, z + depth), self._base.quaternion)
+        new = f"base at z = {z + depth:.4g} m, so that it stands on the floor"
+        self._repairs.append(Repair("start_pose", "robot", problem, place, new))
+        return True
 
 
 def _start_positions(urdf: Urdf, wanted: Mapping[str, float]) -> dict[str, float]:

@@ -35,6 +35,7 @@ BRAKES = "simulated brakes"
 MAX_SQUARED_VELOCITY = 1e10
 """Sum of squared joint velocities above which a simulation has diverged. No machine
 reaches such velocities; MuJoCo itself gives up at 1e10 for a single velocity."""
+_SINGLE_DOF = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 _MOST_SWEEPS = 200
 # Accuracy of the impulses, relative to the limit.
 _TOLERANCE = 1e-6
@@ -69,8 +70,9 @@ class OverspeedBrakes:
         # sum shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
         self.are_sane = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane)).holds
-        self._position_of_dof = np.zeros(model.nv, dtype=np.intp)
-        self._position_of_dof[model.jnt_dofadr] = model.jnt_qposadr
+        self._position_of_dof = np.full(model.nv, -1, dtype=np.intp)
+        single = np.isin(model.jnt_type, _SINGLE_DOF)
+        self._position_of_dof[model.jnt_dofadr[single]] = model.jnt_qposadr[single]
         self.has_acted = False
         self.forces = np.zeros(model.nv)
         self.braked_steps = 0
@@ -130,7 +132,12 @@ class OverspeedBrakes:
         timestep = self._model.opt.timestep
         # The integrator is semi-implicit: it moves by the velocity at the step's end.
         dofs = np.flatnonzero(change)
-        self._data.qpos[self._position_of_dof[dofs]] += timestep * change[dofs]
+        places = self._position_of_dof[dofs]
+        if places.size and places.min() < 0:
+            # A floating base is turned by a quaternion, not by a sum.
+            mujoco.mj_integratePos(self._model, self._data.qpos, change, timestep)
+        else:
+            self._data.qpos[places] += timestep * change[dofs]
         self.forces[braked] = impulses / timestep
         self.has_acted = True
         self.braked_steps += 1

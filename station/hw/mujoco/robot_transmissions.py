@@ -108,13 +108,15 @@ def _check_distinct(description: RobotFiles, infos: list[TransmissionInfo]) -> N
             seen.add(member)
 
 
+def with_package(interface: str) -> str:
+    """Return the name of a hardware interface with its package."""
+    return interface if "/" in interface else f"{_PACKAGE}{interface}"
+
+
 def _with_all_interfaces(info: TransmissionInfo) -> TransmissionInfo:
     joints = []
     for joint in info.joints:
-        named = [
-            name if "/" in name else f"{_PACKAGE}{name}"
-            for name in joint.hardware_interfaces
-        ]
+        named = [with_package(name) for name in joint.hardware_interfaces]
         interfaces = tuple(dict.fromkeys([*named, *_COMMAND_INTERFACES]))
         joints.append(replace(joint, hardware_interfaces=interfaces))
     return replace(info, joints=tuple(joints))

@@ -118,7 +118,7 @@ CASES = {
 
 def load(path: Path, text: str) -> MujocoRobotHW:
     path.write_text(text, encoding="utf-8")
-    tree = ParameterTree({"robot": {"robot_description": str(path)}})
+    tree = ParameterTree({"robot": {"robot_description": str(path), "strict": True}})
     hw = MujocoRobotHW()
     hw.init(Parameters(tree), Parameters(tree, "robot"))
     return hw

@@ -18,7 +18,7 @@ def simulate(robot: str, **parameters: object):
         description,
         load_urdf(description),
         read_parameters(Parameters(ParameterTree(values))),
-    )
+    ).world
 
 
 def position(world, joint: str) -> float:

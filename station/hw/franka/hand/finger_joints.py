@@ -20,7 +20,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.hw.franka.hand.hand_services import FASTEST, HandMotor, HandServices
-from station.kernel.doubles import Block, put
+from station.kernel.doubles import Block, put, zeros
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
@@ -72,15 +72,25 @@ class FingerJoints:
         ]
 
     def register(
-        self, interfaces: Iterable[JointStateInterface | JointCommandInterface]
+        self,
+        interfaces: Iterable[JointStateInterface | JointCommandInterface],
+        *,
+        in_states: bool = False,
     ) -> None:
         """Add the fingers to the interfaces for position and effort.
 
         Args:
             interfaces: The interfaces of the arm; other kinds do not change.
+            in_states: Whether the joint states have the fingers as franka_gripper
+                publishes them: half of the width, and no velocity and effort. Source:
+                franka_ros@c11f000 franka_gripper_node.cpp.
         """
+        none = zeros(len(self.names))
         for interface in interfaces:
             for index, state in enumerate(self.states):
+                if in_states and type(interface) is JointStateInterface:
+                    told = (self.names[index], self._positions, none, none, index)
+                    interface.register_handle(JointStateHandle(*told))
                 if isinstance(interface, PositionJointInterface):
                     handle = JointHandle(state, self._position_commands, index)
                     interface.register_handle(handle)

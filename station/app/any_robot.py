@@ -1,0 +1,106 @@
+"""The configuration of a station for a robot of which only the URDF is known."""
+
+import logging
+from collections.abc import Sequence
+
+from station.core.description.repair import Repair
+from station.core.description.robot_files import load_robot_files
+from station.core.description.urdf import JointType, Urdf
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.mujoco.bases import BaseType
+from station.hw.mujoco.description_repair import log_repairs, repair_robot
+from station.hw.mujoco.robot_transmissions import driven_joints
+from station.hw.robot_loader import create_robot
+
+TYPE = "mujoco_hw/MujocoRobotHW"
+TRAJECTORIES = "joint_trajectory_controller"
+POSITIONS = "position_group_controller"
+WHEELS = "wheel_velocity_controller"
+DRIVE = "mobile_base_controller"
+
+
+def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, object]:
+    """Return what a configuration file for a robot would hold.
+
+    Its controllers are a joint state controller, a joint trajectory controller and a
+    position controller for all joints with a motor except wheels, a velocity controller
+    for wheels, and for a planar base a controller that drives it. A wheel is a joint
+    without a range that has `wheel` in its name.
+
+    Args:
+        reference: `example-robot-data:<robot>` or the path of a URDF file.
+        base: How the root link is held.
+
+    Raises:
+        RobotDescriptionError: The robot is unknown or cannot be simulated.
+    """
+    urdf = repair_robot(load_robot_files(reference)).urdf
+    driven = driven_joints(urdf)
+    wheels = [name for name in driven if is_wheel(urdf, name)]
+    limbs = [name for name in driven if name not in wheels]
+    controllers: dict[str, dict[str, object]] = {
+        "joint_state_controller": {
+            "type": "joint_state_controller/JointStateController",
+            "publish_rate": 50,
+        }
+    }
+    if limbs:
+        controllers[TRAJECTORIES] = {
+            "type": "position_controllers/JointTrajectoryController",
+            "joints": limbs,
+        }
+        controllers[POSITIONS] = {
+            "type": "position_controllers/JointGroupPositionController",
+            "joints": limbs,
+        }
+    sides = _sides(wheels)
+    if sides is not None and base == "planar":
+        controllers[DRIVE] = {
+            "type": "diff_drive_controller/DiffDriveController",
+            "left_wheel": sides[0],
+            "right_wheel": sides[1],
+        }
+    if wheels:
+        controllers[WHEELS] = {
+            "type": "velocity_controllers/JointGroupVelocityController",
+            "joints": wheels,
+        }
+    return {
+        "robot": {"type": TYPE, "robot_description": reference, "base": base},
+        "controllers": controllers,
+        "start": ["joint_state_controller", *([TRAJECTORIES] if limbs else [])],
+    }
+
+
+def examine_robot(reference: str) -> Sequence[Repair]:
+    """Return in what the simulated robot differs from its description.
+
+    Args:
+        reference: As for `configure_robot`.
+
+    Raises:
+        RobotDescriptionError: The robot is unknown or cannot be simulated.
+    """
+    tree = ParameterTree({"robot": {"robot_description": reference}})
+    robot = create_robot(TYPE)
+    # What `init` logs is what this returns.
+    logger = logging.getLogger(log_repairs.__module__)
+    before = logger.disabled
+    logger.disabled = True
+    try:
+        robot.init(Parameters(tree), Parameters(tree, "robot"))
+    finally:
+        logger.disabled = before
+    return robot.repairs()
+
+
+def _sides(wheels: list[str]) -> tuple[list[str], list[str]] | None:
+    """Return the left and the right wheels by their names; None if they do not pair."""
+    left = [name for name in wheels if "left" in name]
+    right = [name for name in wheels if "right" in name]
+    return (left, right) if left and len(left) == len(right) else None
+
+
+def is_wheel(urdf: Urdf, name: str) -> bool:
+    """Return whether a joint turns a wheel, as far as its name and type tell."""
+    return urdf.joints[name].type is JointType.CONTINUOUS and "wheel" in name.lower()

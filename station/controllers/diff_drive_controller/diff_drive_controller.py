@@ -1,0 +1,335 @@
+"""Drive a base by the velocities of its left and right wheels.
+
+Source: ros_controllers@678b92a diff_drive_controller/src/diff_drive_controller.cpp,
+DiffDriveController.
+"""
+
+from collections.abc import Mapping
+from math import cos, isfinite, sin
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.diff_drive_controller.odometry import Odometry
+from station.controllers.diff_drive_controller.speed_limiter import (
+    limiter_parameters,
+    read_limiter,
+)
+from station.controllers.forward_command_controller.command_timeout import (
+    read_command_timeout,
+    timeout_parameters,
+)
+from station.controllers.forward_command_controller.watched_set_point import (
+    WatchedSetPoint,
+)
+from station.core.control.controller import Controller, ControllerSample
+from station.core.control.publish_timer import PublishTimer
+from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
+from station.core.description.robot_description import ROBOT_DESCRIPTION
+from station.core.description.urdf_parser import parse_urdf
+from station.core.description.wheels import wheel_radius, wheel_separation
+from station.core.errors import ParameterError
+from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
+from station.core.parameters import Parameters
+from station.core.ports.set_point import SetPointElement, SetPointPort
+
+_ZEROS = (0.0,) * 6
+
+
+def _number(
+    name: str, unit: str, default: float | None, text: str
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=default,
+        description=text,
+        minimum=0.0,
+        excludes_minimum=True,
+        default_text="" if default is not None else "from the robot description",
+    )
+
+
+def _flag(name: str, text: str, *, default: bool) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name, type=ParameterType.BOOLEAN, default=default, description=text
+    )
+
+
+def _frame(name: str, default: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.STRING,
+        default=default,
+        description="name of a frame in the topic `odom`",
+    )
+
+
+def _side(side: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=f"{side}_wheel",
+        type=ParameterType.STRINGS,
+        names=NameKind.JOINT,
+        description=f"the joints of the {side} wheels, or one name",
+    )
+
+
+def _diagonal(name: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBERS,
+        default=_ZEROS,
+        size=6,
+        minimum=0.0,
+        description="diagonal of a covariance in the topic `odom`",
+    )
+
+
+_LEFT, _RIGHT = _side("left"), _side("right")
+_SEPARATION = _number("wheel_separation", "m", None, "distance of both sides")
+_RADIUS = _number("wheel_radius", "m", None, "radius of the wheels")
+_SEPARATION_FACTOR = _number(
+    "wheel_separation_multiplier", "", 1.0, "factor of wheel_separation"
+)
+_RADIUS_FACTOR = _number("wheel_radius_multiplier", "", 1.0, "factor of wheel_radius")
+_RATE = _number("publish_rate", "Hz", 50.0, "rate of the topics")
+_TIMEOUT = _number("cmd_vel_timeout", "s", 0.5, "time after which a command expires")
+_WINDOW = _number(
+    "velocity_rolling_window_size", "", 10.0, "cycles over which velocity is averaged"
+)
+_OPEN_LOOP = _flag(
+    "open_loop", "whether the odometry follows the commands", default=False
+)
+_PUBLISH_CMD = _flag("publish_cmd", "whether there is `cmd_vel_out`", default=False)
+_ENABLE_TF = _flag("enable_odom_tf", "accepted; there is no tf", default=True)
+_MULTIPLE = _flag(
+    "allow_multiple_cmd_vel_publishers",
+    "accepted; leases decide who commands",
+    default=True,
+)
+_PUBLISH_STATE = _flag(
+    "publish_joint_trajectory_controller_state",
+    "whether there is `joint_trajectory_controller_state`, of the wheels",
+    default=False,
+)
+_BASE_FRAME = _frame("base_frame_id", "base_link")
+_ODOM_FRAME = _frame("odom_frame_id", "odom")
+_POSE_COVARIANCE = _diagonal("pose_covariance_diagonal")
+_TWIST_COVARIANCE = _diagonal("twist_covariance_diagonal")
+
+
+class DiffDriveController(Controller[VelocityJointInterface]):
+    """Drives a base at a velocity forwards and a velocity about z.
+
+    A set-point is `cmd_vel`: linear x [m/s] and angular z [rad/s]. It expires after
+    `cmd_vel_timeout` (or `command_timeout`), and the base brakes within its limits. The
+    limits `linear/x` and `angular/z` are those of the original, and so are all other
+    parameters.
+
+    Attributes:
+        odometry: Where the base is.
+
+    Source:
+        DiffDriveController; differs: a set-point that is not finite is refused; the
+        topic `odom` is published in the cycle in which it is due; a diagonal of a
+        covariance is 0 when absent; the topics tf and `cmd_vel` of the original are
+        the set-points and `odom` of this station.
+    """
+
+    hardware_interface: ClassVar[type] = VelocityJointInterface
+    odometry: Odometry
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            *(_LEFT, _RIGHT, _SEPARATION, _RADIUS, _SEPARATION_FACTOR, _RADIUS_FACTOR),
+            *(_RATE, _TIMEOUT, _WINDOW, _OPEN_LOOP, _PUBLISH_CMD, _PUBLISH_STATE),
+            *(_ENABLE_TF, _MULTIPLE, _BASE_FRAME, _ODOM_FRAME),
+            *(_POSE_COVARIANCE, _TWIST_COVARIANCE),
+            *timeout_parameters(),
+            *limiter_parameters("linear/x", "m"),
+            *limiter_parameters("angular/z", "rad"),
+        )
+
+    @override
+    def init(self, interface: VelocityJointInterface, params: Parameters) -> None:
+        left, right = _names(params, _LEFT), _names(params, _RIGHT)
+        if len(left) != len(right):
+            _LEFT.refuse(
+                params, left, f"as many wheels as right_wheel, which has {len(right)}"
+            )
+        separation, radius = _read_size(params, left[0], right[0])
+        self._separation = separation * _SEPARATION_FACTOR.read_float(params)
+        self._radius = radius * _RADIUS_FACTOR.read_float(params)
+        self._linear = read_limiter(params, "linear/x")
+        self._angular = read_limiter(params, "angular/z")
+        self._is_open_loop = _OPEN_LOOP.read_bool(params)
+        self._publishes_commands = _PUBLISH_CMD.read_bool(params)
+        self._publishes_wheels = _PUBLISH_STATE.read_bool(params)
+        self._message = _constant_part(params)
+        self._timer = PublishTimer(_RATE.read_float(params))
+        window = int(_WINDOW.read_float(params))
+        self.odometry = Odometry(self._separation, self._radius, max(1, window))
+        self.joint_names = [*left, *right]
+        self._count = len(left)
+        self._group = JointGroup([interface.get_handle(n) for n in self.joint_names])
+        timeout, action = read_command_timeout(params, _TIMEOUT.read_float(params))
+        self.set_points = SetPointPort(
+            [SetPointElement("linear_x", "m/s"), SetPointElement("angular_z", "rad/s")],
+            timeout=timeout,
+        )
+        self._watched = WatchedSetPoint(
+            self.set_points, action, "the base", lambda: [0.0, 0.0]
+        )
+        self._last = self._before = (0.0, 0.0)
+        self._odom: dict[str, object] | None = None
+        self._cmd_vel_out: dict[str, object] | None = None
+
+    @override
+    def starting(self, time: float) -> None:
+        self._watched.begin()
+        self._last = self._before = (0.0, 0.0)
+        self._group.set_commands([0.0] * len(self.joint_names))
+        self._timer.start(time, at_once=False)
+        self.odometry.begin(*self._sides(), time)
+
+    @override
+    def stopping(self, time: float) -> None:
+        self._group.set_commands([0.0] * len(self.joint_names))
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        """Follow the wheels or the commands, then limit and send the newest command."""
+        odometry = self.odometry
+        if self._is_open_loop:
+            odometry.follow_commands(*self._last, time)
+        else:
+            left_turn, right_turn = self._sides()
+            if isfinite(left_turn + right_turn):
+                odometry.follow_wheels(left_turn, right_turn, time)
+        wanted = self._watched.newest()
+        last, before = self._last, self._before
+        linear = self._linear.limit(wanted[0], last[0], before[0], period)
+        angular = self._angular.limit(wanted[1], last[1], before[1], period)
+        self._before, self._last = last, (linear, angular)
+        across = angular * self._separation / 2.0
+        left, right = (linear - across) / self._radius, (linear + across) / self._radius
+        self._group.set_commands([left] * self._count + [right] * self._count)
+        actual = [odometry.linear, odometry.angular]
+        error = [w - a for w, a in zip(wanted, actual, strict=True)]
+        # One command per number of the set-point: the velocities of both sides.
+        self.sample = ControllerSample(
+            time, list(wanted), actual, error, [linear, angular]
+        )
+        if self._timer.is_due(time):
+            self._publish(time)
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the topics `odom`, and if asked for `cmd_vel_out` and the wheels'."""
+        found: dict[str, Mapping[str, object]] = {}
+        if self._odom is not None:
+            found["odom"] = self._odom
+        if self._cmd_vel_out is not None:
+            found["cmd_vel_out"] = self._cmd_vel_out
+        if self._publishes_wheels and self._odom is not None:
+            found["joint_trajectory_controller_state"] = self._wheels()
+        return found
+
+    def _publish(self, time: float) -> None:
+        odometry, message = self.odometry, self._message
+        half = odometry.heading / 2.0
+        self._odom = {
+            "stamp": time,
+            "frame_id": message["frame_id"],
+            "child_frame_id": message["child_frame_id"],
+            "position": [odometry.x, odometry.y, 0.0],
+            "orientation": [0.0, 0.0, sin(half), cos(half)],
+            "linear": [odometry.linear, 0.0, 0.0],
+            "angular": [0.0, 0.0, odometry.angular],
+            "pose_covariance_diagonal": message["pose_covariance_diagonal"],
+            "twist_covariance_diagonal": message["twist_covariance_diagonal"],
+        }
+        if self._publishes_commands:
+            linear, angular = self._last
+            self._cmd_vel_out = {
+                "stamp": time,
+                "linear": [linear, 0.0, 0.0],
+                "angular": [0.0, 0.0, angular],
+            }
+
+    def _wheels(self) -> dict[str, object]:
+        linear, angular = self._last
+        across = angular * self._separation / 2.0
+        left, right = (linear - across) / self._radius, (linear + across) / self._radius
+        return {
+            "joint_names": self.joint_names,
+            "desired_velocities": [left] * self._count + [right] * self._count,
+            "actual_positions": self._group.get_positions(),
+            "actual_velocities": self._group.get_velocities(),
+        }
+
+    def _sides(self) -> tuple[float, float]:
+        """Return the mean positions of the left and of the right wheels [rad]."""
+        positions, count = self._group.get_positions(), self._count
+        return sum(positions[:count]) / count, sum(positions[count:]) / count
+
+
+def _names(params: Parameters, side: DeclaredParameter) -> list[str]:
+    """Return the wheels of one side, from a list or one name.
+
+    Raises:
+        ParameterError: They are missing, not names, or there are none.
+    """
+    if isinstance(params.get(side.name), str):
+        return [params.get_str(side.name)]
+    names = side.read_str_list(params)
+    if not names:
+        side.refuse(params, "an empty list", "a list of joints, or one name")
+    return names
+
+
+def _read_size(params: Parameters, left: str, right: str) -> tuple[float, float]:
+    """Return separation and radius, from the parameters or the robot description.
+
+    Raises:
+        ParameterError: A value is missing and there is no robot description.
+        RobotDescriptionError: The robot description does not have it either.
+    """
+    urdf = None
+    if not (params.has(_SEPARATION.name) and params.has(_RADIUS.name)):
+        xml = params.tree.get(ROBOT_DESCRIPTION)
+        if not isinstance(xml, str):
+            missing = _RADIUS if params.has(_SEPARATION.name) else _SEPARATION
+            raise ParameterError(
+                f"Parameter '{params.resolve(missing.name)}' is missing, and there is "
+                "no robot description to read it from.",
+                remedy=f"Give {missing.name} [m].",
+                details={"parameter": params.resolve(missing.name)},
+            )
+        urdf = parse_urdf(xml)
+    separation = (
+        _SEPARATION.read_float(params)
+        if urdf is None or params.has(_SEPARATION.name)
+        else wheel_separation(urdf, left, right)
+    )
+    radius = (
+        _RADIUS.read_float(params)
+        if urdf is None or params.has(_RADIUS.name)
+        else wheel_radius(urdf, left)
+    )
+    return separation, radius
+
+
+def _constant_part(params: Parameters) -> dict[str, object]:
+    _ENABLE_TF.read_bool(params)
+    _MULTIPLE.read_bool(params)
+    return {
+        "frame_id": _ODOM_FRAME.read_str(params),
+        "child_frame_id": _BASE_FRAME.read_str(params),
+        "pose_covariance_diagonal": _POSE_COVARIANCE.read_float_list(params),
+        "twist_covariance_diagonal": _TWIST_COVARIANCE.read_float_list(params),
+    }

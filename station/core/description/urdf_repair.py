@@ -1,0 +1,188 @@
+"""Make the joints and inertials of other people's URDFs readable, and say how.
+
+Source: MuJoCo's URDF reader for which of these descriptions are usable; differs: every
+change is reported with the old and the new value, and a joint whose range is 0 to 0 is
+locked unless it is asked to be free.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal
+from xml.etree import ElementTree as ET
+
+from station.core.description.repair import Repair, RepairKind
+from station.core.description.urdf_text import parse_decimal, parse_robot
+
+ZeroRange = Literal["lock", "free"]
+"""What becomes of a joint whose range is 0 to 0."""
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_LIMITED = {"revolute", "prismatic"}
+
+
+def repair_urdf(
+    xml: str, zero_range: ZeroRange = "lock"
+) -> tuple[str, tuple[Repair, ...]]:
+    """Return a URDF whose joints and inertials can be read, and what was changed.
+
+    Args:
+        xml: The document.
+        zero_range: What becomes of a joint whose range is 0 to 0.
+
+    Returns:
+        The document and the repairs; the same text when there is nothing to repair.
+
+    Raises:
+        RobotDescriptionError: The document is not a URDF.
+    """
+    work = _Repairs(parse_robot(xml), zero_range)
+    work.repair_inertials()
+    work.repair_ranges()
+    work.repair_mimics()
+    if not work.found:
+        return xml, ()
+    return ET.tostring(work.robot, encoding="unicode"), tuple(work.found)
+
+
+@dataclass(slots=True)
+class _Repairs:
+    """The repairs of one document, which is changed in place."""
+
+    robot: ET.Element
+    zero_range: ZeroRange
+    found: list[Repair] = field(default_factory=list)
+
+    def repair_inertials(self) -> None:
+        """Drop an `<inertial>` without a usable mass; complete a missing tensor."""
+        for link in self.robot.findall("link"):
+            inertial = link.find("inertial")
+            if inertial is None:
+                continue
+            mass = inertial.find("mass")
+            text = "" if mass is None else mass.get("value", "")
+            number = parse_decimal(text)
+            where = f"link '{link.get('name', '')}'"
+            if number is None or number < 0.0:
+                link.remove(inertial)
+                problem = "its <inertial> has no mass of 0 or more"
+                self._add("mass", where, problem, text, "no inertia")
+                continue
+            self._repair_tensor(where, inertial)
+
+    def _repair_tensor(self, where: str, inertial: ET.Element) -> None:
+        tensor = inertial.find("inertia")
+        if tensor is None:
+            tensor = ET.SubElement(inertial, "inertia")
+        missing = [key for key in _MOMENTS if tensor.get(key) is None]
+        wrong = [
+            key
+            for key in _MOMENTS
+            if key not in missing and parse_decimal(tensor.get(key, "")) is None
+        ]
+        if not missing and not wrong:
+            return
+        old = ", ".join(f"{key} {tensor.get(key)}" for key in wrong)
+        for key in (*missing, *wrong):
+            tensor.set(key, "0")
+        names = ", ".join((*missing, *wrong))
+        self._add("inertia", where, f"{names} is no number or missing", old, "0")
+
+    def repair_ranges(self) -> None:
+        """Lock or free the joints whose range is 0 to 0."""
+        for joint in self.robot.findall("joint"):
+            kind, limit = joint.get("type", ""), joint.find("limit")
+            if kind not in _LIMITED or limit is None:
+                continue
+            ends = [parse_decimal(limit.get(key, "0")) for key in ("lower", "upper")]
+            if ends != [0.0, 0.0]:
+                continue
+            if self.zero_range == "lock":
+                joint.set("type", "fixed")
+                new = "locked (zero_range: free lets it move)"
+            elif kind == "revolute":
+                joint.set("type", "continuous")
+                new = "free"
+            else:
+                # A slide has no type without a range; 1 km is out of reach.
+                limit.set("lower", "-1000")
+                limit.set("upper", "1000")
+                new = "-1000 to 1000"
+            name = joint.get("name", "")
+            self._add("range", f"joint '{name}'", "its range is empty", "0 to 0", new)
+
+    def repair_mimics(self) -> None:
+        """Drop the mimic rules of missing joints; follow chains to their leader."""
+        joints = {joint.get("name", ""): joint for joint in self.robot.findall("joint")}
+        for name, joint in joints.items():
+            rule = joint.find("mimic")
+            if rule is None:
+                continue
+            where, leader = f"joint '{name}'", rule.get("joint", "")
+            found = self._find_leader(rule, joints)
+            if found is None:
+                joint.remove(rule)
+                problem = "it mimics a joint that is missing or cannot move"
+                self._add("mimic", where, problem, leader, "moves by itself")
+            elif found[0] != leader:
+                last, multiplier, offset = found
+                rule.set("joint", last)
+                rule.set("multiplier", repr(multiplier))
+                rule.set("offset", repr(offset))
+                new = f"mimics '{last}' with {multiplier:g} and {offset:g}"
+                self._add("mimic", where, "it mimics a mimic joint", leader, new)
+            if found is not None:
+                self._repair_mimic_range(joint, joints[found[0]], found[1:])
+
+    def _repair_mimic_range(
+        self, joint: ET.Element, leader: ET.Element, rule: tuple[float, float]
+    ) -> None:
+        """Widen the range of a mimic joint that its leader's range does not meet."""
+        own, lead = _range(joint), _range(leader)
+        if own is None or lead is None:
+            return
+        low, high = sorted(rule[0] * end + rule[1] for end in lead)
+        if min(own[1], high) > max(own[0], low) or low == high:
+            return
+        limit = joint.find("limit")
+        if limit is not None:
+            limit.set("lower", repr(low))
+            limit.set("upper", repr(high))
+        where = f"joint '{joint.get('name', '')}'"
+        problem = f"its range does not meet that of '{leader.get('name', '')}'"
+        new = f"{low:g} to {high:g}"
+        self._add("range", where, problem, f"{own[0]:g} to {own[1]:g}", new)
+
+    def _find_leader(
+        self, rule: ET.Element, joints: dict[str, ET.Element]
+    ) -> tuple[str, float, float] | None:
+        """Return the leader at the end of a chain, with factor and offset."""
+        multiplier, offset = 1.0, 0.0
+        seen: set[str] = set()
+        while True:
+            factor = parse_decimal(rule.get("multiplier", "1"))
+            summand = parse_decimal(rule.get("offset", "0"))
+            leader = rule.get("joint", "")
+            joint = joints.get(leader)
+            if factor is None or summand is None or leader in seen or joint is None:
+                return None
+            if joint.get("type") == "fixed":
+                return None
+            offset += multiplier * summand
+            multiplier *= factor
+            seen.add(leader)
+            following = joint.find("mimic")
+            if following is None:
+                return leader, multiplier, offset
+            rule = following
+
+    def _add(
+        self, kind: RepairKind, element: str, problem: str, old: str, new: str
+    ) -> None:
+        self.found.append(Repair(kind, element, problem, old, new))
+
+
+def _range(joint: ET.Element) -> tuple[float, float] | None:
+    """Return the range of a joint; None if it has none or it cannot be read."""
+    limit = joint.find("limit")
+    if limit is None or joint.get("type") not in _LIMITED:
+        return None
+    low, high = (parse_decimal(limit.get(key, "0")) for key in ("lower", "upper"))
+    return None if low is None or high is None else (low, high)

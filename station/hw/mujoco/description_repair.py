@@ -1,0 +1,183 @@
+"""Make a robot simulated that its description alone does not allow, and say how.
+
+With `strict` the description is taken as it is and refused if it cannot be simulated.
+"""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from xml.etree import ElementTree as ET
+
+from station.core.description.repair import Repair
+from station.core.description.robot_files import RobotFiles
+from station.core.description.urdf import Urdf
+from station.core.description.urdf_repair import ZeroRange, repair_urdf
+from station.core.description.urdf_text import parse_robot
+from station.core.errors import HardwareInterfaceError
+from station.core.hardware.transmissions import TransmissionInfo, TransmissionParser
+from station.core.hardware.transmissions.hardware_interface_kind import (
+    HARDWARE_INTERFACES,
+)
+from station.core.hardware.transmissions.transmission_loader import load_transmission
+from station.hw.mujoco.inertia_repair import repair_inertias
+from station.hw.mujoco.robot_transmissions import driven_joints, with_package
+from station.hw.urdf_loader import load_urdf
+
+_logger = logging.getLogger(__name__)
+# Transmissions of pr2_mechanism_model, the first form of ros_control's.
+_OLD_SIMPLE = ("SimpleTransmission",)
+
+
+@dataclass(frozen=True, slots=True)
+class RepairedRobot:
+    """A robot that can be simulated.
+
+    Attributes:
+        description: Its files, with the text of the repaired URDF.
+        urdf: The same, parsed, with the inertias that are simulated.
+        repairs: What was changed.
+    """
+
+    description: RobotFiles
+    urdf: Urdf
+    repairs: tuple[Repair, ...]
+
+
+def repair_robot(
+    files: RobotFiles, *, strict: bool = False, zero_range: ZeroRange = "lock"
+) -> RepairedRobot:
+    """Return the robot as it can be simulated.
+
+    Args:
+        files: The robot's files.
+        strict: Whether nothing may be changed.
+        zero_range: What becomes of a joint whose range is 0 to 0.
+
+    Raises:
+        RobotDescriptionError: The robot cannot be simulated; no repair is known.
+    """
+    if strict:
+        return RepairedRobot(files, load_urdf(files), ())
+    xml, repairs = repair_urdf(files.xml, zero_range)
+    files = replace(files, xml=xml)
+    urdf = load_urdf(files)
+    xml, transmissions = _repair_transmissions(xml, urdf)
+    urdf, inertias = repair_inertias(urdf)
+    motors = tuple(
+        Repair("motor", f"joint '{joint.name}'", "its effort limit is 0", "", "passive")
+        for joint in urdf.joints.values()
+        if joint.type.moves
+        and joint.mimic is None
+        and joint.limit is not None
+        and joint.limit.effort == 0.0
+    )
+    return RepairedRobot(
+        replace(files, xml=xml), urdf, repairs + inertias + motors + transmissions
+    )
+
+
+def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
+    """Write one line per repair; not for the control thread.
+
+    Args:
+        files: The robot's files.
+        repairs: What was changed.
+    """
+    for repair in repairs:
+        # Links that never touch are no surprise; a changed robot may be one.
+        usual = repair.kind in ("self_collision", "motor")
+        level = logging.INFO if usual else logging.WARNING
+        _logger.log(level, "%s: %s", files.urdf_path, repair.sentence())
+
+
+def _repair_transmissions(xml: str, urdf: Urdf) -> tuple[str, tuple[Repair, ...]]:
+    """Remove the transmissions that cannot be used: their joints get direct drives."""
+    robot = parse_robot(xml)
+    driven = set(driven_joints(urdf))
+    used: set[tuple[str, str]] = set()
+    repairs: list[Repair] = []
+    for element in robot.findall("transmission"):
+        name = element.get("name", "")
+        where = f"transmission '{name}'"
+        if "type" in element.attrib and element.find("type") is None:
+            old = element.attrib.pop("type")
+            if old.rpartition("/")[2] in _OLD_SIMPLE and _bring_up_to_date(element):
+                new = "the same in today's form"
+                repairs.append(
+                    Repair("transmission", where, "it has the old form", old, new)
+                )
+            else:
+                robot.remove(element)
+                new = "a direct drive for each of its joints that moves"
+                unknown = "its type is unknown"
+                repairs.append(Repair("transmission", where, unknown, old, new))
+                continue
+        problem = _find_problem(element, driven, used)
+        if problem is not None:
+            robot.remove(element)
+            kind = element.findtext("type", "").strip()
+            new = "a direct drive for each of its joints that moves"
+            repairs.append(Repair("transmission", where, problem, kind, new))
+    if not repairs:
+        return xml, ()
+    return ET.tostring(robot, encoding="unicode"), tuple(repairs)
+
+
+def _bring_up_to_date(element: ET.Element) -> bool:
+    """Rewrite a simple transmission of the old form; False if parts are missing."""
+    joint, actuator = element.find("joint"), element.find("actuator")
+    reduction = element.find("mechanicalReduction")
+    if joint is None or actuator is None or reduction is None:
+        return False
+    element.remove(reduction)
+    kind = ET.SubElement(element, "type")
+    kind.text = "transmission_interface/SimpleTransmission"
+    interface = ET.SubElement(joint, "hardwareInterface")
+    interface.text = "hardware_interface/EffortJointInterface"
+    actuator.append(reduction)
+    return True
+
+
+def _find_problem(
+    element: ET.Element, driven: set[str], used: set[tuple[str, str]]
+) -> str | None:
+    """Return why a transmission cannot be used; None, and note its parts, if it can."""
+    robot = ET.Element("robot")
+    robot.append(element)
+    parser = TransmissionParser()
+    infos = parser.parse(ET.tostring(robot, encoding="unicode"))
+    if parser.problems or not infos:
+        return (parser.problems or ["it is empty"])[0].removesuffix(".")
+    info = infos[0]
+    names = [joint.name for joint in info.joints]
+    if not any(name in driven for name in names):
+        return f"no motor can move {', '.join(names)}"
+    idle = [name for name in names if name not in driven]
+    if idle:
+        return f"no motor can move its joint {idle[0]}"
+    members = {("transmission", info.name)}
+    members |= {("joint", name) for name in names}
+    members |= {("actuator", actuator.name) for actuator in info.actuators}
+    taken = sorted(members & used)
+    if taken:
+        return f"the {taken[0][0]} '{taken[0][1]}' is in use already"
+    problem = _find_fault(info)
+    if problem is None:
+        used |= members
+    return problem
+
+
+def _find_fault(info: TransmissionInfo) -> str | None:
+    interfaces = {
+        with_package(name)
+        for joint in info.joints
+        for name in joint.hardware_interfaces
+    }
+    unknown = sorted(interfaces - set(HARDWARE_INTERFACES))
+    if unknown:
+        return f"its hardware interface {unknown[0]} is unknown"
+    try:
+        load_transmission(info)
+    except HardwareInterfaceError as error:
+        return error.message.removesuffix(".")
+    return None

@@ -1,0 +1,47 @@
+"""A station for a robot of which only the URDF is known."""
+
+import pytest
+
+from station.app.any_robot import configure_robot, examine_robot
+from station.app.composition import compose
+from station.config import load_config
+from station.core import SwitchRequest
+from station.core.errors import RobotDescriptionError
+
+
+def test_arm_gets_trajectories_that_reach_a_goal() -> None:
+    config = configure_robot("example-robot-data:ur3")
+    station = compose(load_config(config)).station
+    name = "joint_trajectory_controller"
+    station.switch_controllers(SwitchRequest(start=(name,)))
+    joints = config["controllers"][name]["joints"]
+    point = {"positions": [-0.1] * len(joints), "time_from_start": 0.3}
+    trajectory = {"joint_names": joints, "points": [point]}
+    goal = station.motion.submit_goal(
+        name, {"trajectory": trajectory, "goal_time_tolerance": 1.0}
+    )
+    station.loop.step(1500)
+    assert goal.status.value == "succeeded"
+
+
+def test_mobile_robot_gets_controllers_for_its_wheels() -> None:
+    config = configure_robot("example-robot-data:tiago_no_hand", "planar")
+    drive = config["controllers"]["mobile_base_controller"]
+    assert drive["left_wheel"] == ["wheel_left_joint"]
+    assert drive["right_wheel"] == ["wheel_right_joint"]
+    limbs = config["controllers"]["joint_trajectory_controller"]["joints"]
+    assert "wheel_left_joint" not in limbs
+
+
+def test_robot_without_motors_gets_its_joint_states() -> None:
+    config = configure_robot("example-robot-data:iris")
+    assert list(config["controllers"]) == ["joint_state_controller"]
+    compose(load_config(config)).station.loop.step(10)
+
+
+def test_doctor_tells_what_a_robot_needs() -> None:
+    assert examine_robot("example-robot-data:so100") == ()
+    (pairs,) = examine_robot("example-robot-data:ur3")
+    assert pairs.kind == "self_collision"
+    with pytest.raises(RobotDescriptionError, match="no robot 'nobody'"):
+        examine_robot("example-robot-data:nobody")
