@@ -367,8 +367,7 @@ class MujocoRobotHW(RobotHW):
         limits = velocities | _velocities_of_mimics(urdf)
         self.world.limit_velocities(limits)
         model = self.world.model
-        fast = [n for n, limit in limits.items() if needs_hard_stop(model, n, limit)]
-        if fast:
+        if fast := [n for n, v in limits.items() if needs_hard_stop(model, n, v)]:
             self.world.add_actor(HardStops(model, self.world.data, fast))
 
 
