@@ -130,7 +130,7 @@ def table(rows: list[Row]) -> str:
     for row in rows:
         told = sorted({_short(reason) for reason in row.reasons})
         lines.append(
-            f"| {row.repository} `{row.path}` | {row.controllers} | {row.loaded} | "
+            f"| `{row.repository}/{row.path}` | {row.controllers} | {row.loaded} | "
             f"{'; '.join(told[:2])} |"
         )
     return "\n".join(lines)

@@ -87,6 +87,8 @@ class Scorecard:
         )
 
 
+_MOST_REPAIRS = 12
+"""How many repairs of a description a scorecard tells."""
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Scorecard of {robot}</title>
 <style>
@@ -123,6 +125,7 @@ def validate(setup: Setup, robot: str) -> Scorecard:
     with world:
         checks = (
             Check("robot loads", "passed", _size(world)),
+            _repairs(world),
             *_loading(world),
             _limits(world),
             _energy(world.model()),
@@ -136,6 +139,14 @@ def _size(world: TrialWorld) -> str:
     model = world.model()
     mass = float(np.sum(model.body_mass))
     return f"{len(world.station.joint_names)} joints, {mass:.3g} kg in all."
+
+
+def _repairs(world: TrialWorld) -> Check:
+    repairs = world.station.facade.loop.hw.repairs()
+    told = "; ".join(one.sentence() for one in repairs[:_MOST_REPAIRS])
+    if len(repairs) > _MOST_REPAIRS:
+        told += f"; and {len(repairs) - _MOST_REPAIRS} more: see `station doctor`"
+    return Check("description", "passed", f"Repaired: {told or 'nothing'}.")
 
 
 def _loading(world: TrialWorld) -> Iterator[Check]:

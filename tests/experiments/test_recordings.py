@@ -21,7 +21,8 @@ JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 def recording(tmp_path_factory):
     """Record 0.3 s of three controllers, one after the other."""
     folder = tmp_path_factory.mktemp("records")
-    with InProcessStation() as station, station.record(folder) as path:
+    settings = {"robot.realism": "ideal"}
+    with InProcessStation(settings=settings) as station, station.record(folder) as path:
         target = list(station.positions().values())
         motion = station.facade.motion
         station.switch(start=[GROUP])

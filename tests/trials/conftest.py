@@ -14,8 +14,8 @@ GROUP = "effort_group_position_controller"
 
 @pytest.fixture(scope="session")
 def panda() -> Setup:
-    """The default configuration."""
-    return Setup.load()
+    """The default configuration with an arm whose readings are exact."""
+    return Setup.load(settings={"robot.realism": "ideal"})
 
 
 @pytest.fixture(scope="session")

@@ -263,8 +263,7 @@ class FrankaHW(RobotHW):
     @override
     def clamps(self) -> Sequence[ClampReport]:
         simulation = self.arm.simulation()
-        braked = [] if simulation is None else simulation.clamps()
-        return [*self.commands.clamps(), *braked]
+        return [*self.commands.clamps(), *(simulation.clamps() if simulation else ())]
 
     @override
     def check_period(self, period: float) -> None:
@@ -389,9 +388,8 @@ class FrankaHW(RobotHW):
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
         errors = "; ".join(error.description for error in arm.errors())
         causes = self._sender.refusal or errors
-        mode = self.mode()
         because = f" ({causes})" if causes else ""
-        return f"arm '{self._parameters.arm_id}' went to {mode}{because}"
+        return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
 
     @override
     def simulated_world(self) -> "FrankaWorld | None":
@@ -414,8 +412,8 @@ class FrankaHW(RobotHW):
         if arm_id in grippers:
             names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
             self._fingers = FingerJoints(grippers[arm_id], names, arm_id)
-            told = self._parameters.publishes_fingers
-            self._fingers.register(self.commands.interfaces(), in_states=told)
+            interfaces, told = self.commands.interfaces(), self._parameters
+            self._fingers.register(interfaces, in_states=told.publishes_fingers)
             self.register_interface(self._fingers.services)
 
     def _mode_after(

@@ -43,7 +43,6 @@ class ObservedContact(ContactEstimate):
 
     Attributes:
         rub: Lets the joints' friction act in the coming step.
-        loses: Whether the next command is to be lost on its way.
     """
 
     def __init__(
@@ -52,7 +51,6 @@ class ObservedContact(ContactEstimate):
         state: RobotState,
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
-        *,
         realism: Realism,
         cycle: ArmCycle,
         simulator: SimulatorMemory,
@@ -73,7 +71,6 @@ class ObservedContact(ContactEstimate):
         self._losses = realism.losses
         self._seed = realism.seed
         self._cycles_to_loss = 0
-        self.loses = False
         super().__init__(joints, state, limits, load_torques)
         self.set_behavior(self.behavior)
 
@@ -94,18 +91,18 @@ class ObservedContact(ContactEstimate):
         """Disturb the readings of a step, and estimate what acts from outside.
 
         Returns:
-            Whether contacts must be looked at: `update`.
+            Whether the next command is to be lost on its way.
         """
-        self._cycles_to_loss -= 1
-        self.loses = not self._cycles_to_loss
-        if self.loses:
-            self._draw_loss()
         found = self._sense()
         if found & MOVED:
             self.renew()
         if found & TOUCHED:
             self.is_quiet = False
-        return not self.is_quiet
+        self._cycles_to_loss -= 1
+        if self._cycles_to_loss:
+            return False
+        self._draw_loss()
+        return True
 
     @override
     def update(self) -> list[ArmError]:
@@ -128,7 +125,6 @@ class ObservedContact(ContactEstimate):
         self.renew()
         self._dice.seed(self._seed)
         self._draw_loss()
-        self.loses = False
         super().reset()
 
     @override

@@ -101,8 +101,7 @@ class SimulatedArm(RobotArm):
         self._follower = MotionFollower(state, cycle, limits, world.timestep)
         self.motors = ArmMotors(joints, state, cycle)
         self.load = ArmLoad(gravity)
-        self._description = description
-        self.frames = ArmFrames(state)
+        self._description, self.frames = description, ArmFrames(state)
         self.supervisor = ArmSupervisor(
             state, limits, thresholds, cycle.watch, cycle.log
         )
@@ -116,22 +115,12 @@ class SimulatedArm(RobotArm):
             faults=self._faults,
             period=world.timestep,
         )
-        self.contact: ContactEstimate
+        seen = (joints, state, limits, self._sensors.load_torques)
         self._observed: ObservedContact | None = None
-        load_torques = self._sensors.load_torques
-        if realism is None:
-            self.contact = ContactEstimate(joints, state, limits, load_torques)
-        else:
-            self.contact = self._observed = ObservedContact(
-                joints,
-                state,
-                limits,
-                load_torques,
-                realism=realism,
-                cycle=cycle,
-                simulator=simulator,
-            )
+        if realism is not None:
+            self._observed = ObservedContact(*seen, realism, cycle, simulator)
             world.add_actor(JointFriction(self._observed.rub))
+        self.contact = self._observed or ContactEstimate(*seen)
         self._modes = ArmModes(
             world,
             state,
@@ -152,8 +141,7 @@ class SimulatedArm(RobotArm):
             faults=self._faults,
             period=world.timestep,
         )
-        self.before_step = self._step.before
-        self.attend = self._drive.attend
+        self.before_step, self.attend = self._step.before, self._drive.attend
         self._controls = SimulatedArmControls(
             world,
             self._modes,
@@ -162,8 +150,7 @@ class SimulatedArm(RobotArm):
             service_limits or ServiceLimits(),
             joint_names,
         )
-        self._cycle = world.step_count
-        self._cycle_of_state = world.step_count
+        self._cycle = self._cycle_of_state = world.step_count
         self.after_reset()
         world.add_actor(self)
 
@@ -346,8 +333,7 @@ class SimulatedArm(RobotArm):
         """Disturb the readings, and now and then lose a command."""
         if self._step.has_load:
             contact.expect_load()
-        contact.sense()
-        if contact.loses and self.state.robot_mode is RobotMode.MOVE:
+        if contact.sense() and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 
