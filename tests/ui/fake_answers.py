@@ -33,6 +33,7 @@ HARDWARE = {
     "interfaces": [],
     "transmissions": [],
     "clamps": [],
+    "repairs": [],
     "limits": [{"joint": name, **LIMITS} for name in JOINTS],
 }
 REFLEX = {
