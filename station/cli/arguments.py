@@ -186,7 +186,10 @@ def _add_controller_verbs(verbs: Verbs) -> None:
         "list what can be claimed and who claims it",
     )
     hardware.add_argument(
-        "-v", "--verbose", action="store_true", help="limits, transmissions and clamps"
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="limits, transmissions, repairs, clamps",
     )
     load = verbs.add(
         "load_controller",

@@ -43,6 +43,12 @@ def _say_details(hardware: "Hardware") -> None:
                 for t in hardware.transmissions
             ],
         )
+    if hardware.repairs:
+        say("")
+        say_table(
+            ["repaired", "problem", "was", "is"],
+            [[r.element, r.problem, r.old or "-", r.new] for r in hardware.repairs],
+        )
     if hardware.clamps:
         say("")
         say_table(

@@ -24,6 +24,7 @@ def test_limits_transmissions_and_clamps_are_listed_when_asked_for(run, station)
 
     assert "-3.14 to 3.14" in out
     assert "elbow_trans" in out
+    assert "its range is empty" in out
     assert out.splitlines()[-1].split()[-4:] == ["12", "400", "150", "effort"]
 
 

@@ -17,12 +17,16 @@ ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
 ARM = tuple(f"panda_joint{number}" for number in range(1, 8))
 
 
-@pytest.fixture
-def hw() -> FrankaHW:
-    tree = ParameterTree({"robot": ROBOT})
+def make(**parameters: object) -> FrankaHW:
+    tree = ParameterTree({"robot": {**ROBOT, **parameters}})
     hw = FrankaHW()
     hw.init(Parameters(tree), Parameters(tree, "robot"))
     return hw
+
+
+@pytest.fixture
+def hw() -> FrankaHW:
+    return make()
 
 
 def info(interface, names=FINGERS, name="hand") -> ControllerInfo:
@@ -51,6 +55,17 @@ def test_they_are_joints_for_positions_and_efforts(hw):
         assert set(FINGERS) < set(hw.get(interface).get_names())
     for interface in (JointStateInterface, VelocityJointInterface):
         assert tuple(hw.get(interface).get_names()) == ARM
+
+
+def test_joint_states_have_them_as_franka_gripper_publishes_them():
+    hw = make(fingers_in_joint_states=True)
+    run(hw, 5)
+    states = hw.get(JointStateInterface)
+    assert set(states.get_names()) == {*ARM, *FINGERS}
+    for name in FINGERS:
+        handle = states.get_handle(name)
+        assert handle.get_position() == pytest.approx(0.04, abs=1e-3)
+        assert handle.get_velocity() == handle.get_effort() == 0.0
 
 
 def test_unclaimed_fingers_hold_whatever_is_in_their_buffers(hw):
