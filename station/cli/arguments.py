@@ -189,7 +189,7 @@ def _add_controller_verbs(verbs: Verbs) -> None:
         "-v",
         "--verbose",
         action="store_true",
-        help="limits, transmissions, repairs, clamps",
+        help="limits, repairs, clamps and more",
     )
     load = verbs.add(
         "load_controller",
