@@ -31,6 +31,8 @@ wrench is 0, because small torques would become arbitrarily large forces."""
 # Share of the acceleration limit above which the motion counts as accelerating.
 _ACCELERATING = 0.05
 _NEGLIGIBLE = 1e-6
+# Excess of a collision that has not been forgotten yet.
+_FADING = 1e-12
 _ZEROS = [0.0] * 7
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -51,6 +53,8 @@ class ContactEstimate:
     Attributes:
         behavior: The thresholds.
         is_quiet: Whether nothing touches the arm.
+        release: Share of its threshold below which a signal must fall before it can be
+            a new collision, at most 1.
     """
 
     def __init__(
@@ -69,6 +73,7 @@ class ContactEstimate:
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
         self.is_quiet = True
+        self.release = 1.0
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.
         self._known = [0.0] * 13
@@ -201,7 +206,8 @@ class ContactEstimate:
                 else:
                     state.doubles("cartesian_collision")[i - 7] = 1.0
                 self._known[i] = excess
-            self._known[i] = min(self._known[i], excess)
+            fading = self._known[i] and abs(values[i]) > self.release * bound
+            self._known[i] = min(self._known[i], max(excess, _FADING if fading else 0))
         return found
 
 

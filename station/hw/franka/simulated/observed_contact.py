@@ -23,6 +23,9 @@ from station.kernel.simulator_memory import SimulatorMemory
 _NUMBERS = 16381
 """How many random numbers there are. They are drawn in pairs of a cycle's 14, and the
 number is prime, so a joint gets the same ones again after 16 s at the earliest."""
+_RELEASE = 0.8
+"""Share of its threshold below which a signal must fall before it can be a new
+collision: one that fades through noise would be counted again and again."""
 _REACH = 0.01
 """How far a joint may turn until the Jacobian is computed anew [rad]: 1 % of wrench."""
 
@@ -71,8 +74,15 @@ class ObservedContact(ContactEstimate):
         self._losses = realism.losses
         self._seed = realism.seed
         self._cycles_to_loss = 0
+        # After a recovery the estimate still approaches what acts: for three time
+        # constants that is no new collision.
+        self._settling_time = round(
+            3.0 / (2.0 * pi * realism.observer_frequency * joints.timestep)
+        )
+        self._settling = 0
         super().__init__(joints, state, limits, load_torques)
         self.set_behavior(self.behavior)
+        self.release = _RELEASE
 
     @override
     def set_behavior(self, behavior: CollisionBehavior) -> None:
@@ -108,6 +118,9 @@ class ObservedContact(ContactEstimate):
     def update(self) -> list[ArmError]:
         if self.is_quiet:
             return []
+        if self._settling > 0:
+            self._settling -= 1
+            self._known = [*map(max, self._known, self._collisions())]
         found = self._update_levels()
         state = self._state
         self.is_quiet = not (
@@ -118,6 +131,11 @@ class ObservedContact(ContactEstimate):
     def expect_load(self) -> None:
         """Take over the torques for the configured load."""
         put(self._kernel.expected, self._load_torques() or [0.0] * 7)
+
+    @override
+    def recover(self) -> None:
+        super().recover()
+        self._settling = self._settling_time
 
     @override
     def reset(self) -> None:

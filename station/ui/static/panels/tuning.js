@@ -58,6 +58,7 @@ class Tuning extends Panel {
     const chosen = this.choice.value;
     this.choice.replaceChildren(...names.map((name) => h("option", {}, name)));
     if (names.includes(chosen)) this.choice.value = chosen;
+    if (!this.isMeasuring) this.runButton.disabled = !this.choice.value;
     this.follow();
     this.read();
     this.listSets();
@@ -219,7 +220,7 @@ class Tuning extends Panel {
     };
     this.kind.addEventListener("change", choose);
     choose();
-    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back" }, "Run test");
+    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back", disabled: true }, "Run test");
     this.runButton.addEventListener("click", () => this.run());
     const canvas = h("canvas", { class: "response" });
     canvas.setAttribute("role", "img");
@@ -238,14 +239,14 @@ class Tuning extends Panel {
     const kind = this.kind.value;
     const excitation = { kind, joint: this.joint.value, amplitude: value("amplitude") };
     for (const name of EXCITATIONS[kind]) excitation[name] = value(name);
-    this.runButton.disabled = true;
+    this.runButton.disabled = this.isMeasuring = true;
     show(this.runButton, "Measuring …");
     const told = await act("POST", `/controllers/${this.choice.value}/bench`, { excitation, duration: value("duration") });
     if (told) {
       this.runs = [...this.runs, { ...told, size: excitation.amplitude }].slice(-2);
       this.drawRuns();
     }
-    this.runButton.disabled = false;
+    this.runButton.disabled = this.isMeasuring = false;
     show(this.runButton, "Run test");
   }
 

@@ -164,3 +164,20 @@ def test_a_blow_is_noticed_within_the_published_reaction_time() -> None:
         arm.read_once()
         cycles += 1
         assert cycles <= 50, "50 ms is the reaction time of the data sheet"
+
+
+def test_a_push_that_lasts_is_no_second_collision_after_a_recovery() -> None:
+    simulation = make(TYPICAL)
+    arm = simulation.arms["panda"]
+    simulation.world.push(Push("panda_link5", (0.0, 150.0, 0.0)), 200)
+    while arm.state.robot_mode is not RobotMode.REFLEX:
+        arm.read_once()
+    # The estimate still rises: the observer lags behind.
+    felt = abs(arm.state.tau_ext_hat_filtered[0])
+    arm.automatic_error_recovery()
+    for _ in range(1000):
+        arm.read_once()
+        assert arm.state.robot_mode is not RobotMode.REFLEX
+        felt = max(felt, abs(arm.state.tau_ext_hat_filtered[0]))
+    assert felt > 20.0
+    assert not any(arm.state.cartesian_collision)
