@@ -44,6 +44,11 @@ def station_of(values: dict[str, object]) -> Station:
 
 
 def make_panda() -> Station:
+    """Return the station of the default configuration, with an ideal arm."""
+    return station_of({"robot": {"realism": "ideal"}})
+
+
+def make_typical_panda() -> Station:
     """Return the station of the default configuration."""
     return compose(load_config()).station
 
@@ -120,6 +125,15 @@ _GROUPS: dict[str, tuple[str, ...]] = {
 
 CASES: dict[str, Case] = {
     "panda": Case("Panda", make_panda),
+    "typical": Case(
+        "Panda that errs",
+        make_typical_panda,
+        {
+            "none": (),
+            "effort group position": ("effort_group_position_controller",),
+            "position joint trajectory": ("position_joint_trajectory_controller",),
+        },
+    ),
     "pandas2": _arms(2),
     "pandas4": _arms(4),
     "dual": Case(

@@ -59,7 +59,11 @@ class ZeroTorque(Impedance):
 
 
 def make_station() -> Station:
-    robot = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
+    robot = {
+        "arm_id": "panda",
+        "robot_description": "example-robot-data:panda",
+        "realism": "ideal",
+    }
     tree = ParameterTree({"robot": robot})
     hw = FrankaHW()
     hw.init(Parameters(tree), Parameters(tree, "robot"))

@@ -61,6 +61,7 @@ def station() -> Station:
     robot = {
         "arm_id": "panda",
         "robot_description": "example-robot-data:panda",
+        "realism": "ideal",
         "collision_config": INSENSITIVE,
         "supervisor": {"velocity_factor": 1.5, "torque_factor": 5.0},
     }

@@ -19,7 +19,7 @@ def bench(tmp_path):
 
 
 @pytest.mark.parametrize("name", [ARM, "position_joint_trajectory_controller"])
-def test_five_waypoints_are_tracked_within_five_milliradians(bench, name):
+def test_five_waypoints_are_tracked_within_six_milliradians(bench, name):
     bench.start(name)
     goal = bench.send(*WAYPOINTS, name=name, pace=PACE)
     cycles = round(len(WAYPOINTS) * PACE * 1000)
@@ -28,7 +28,9 @@ def test_five_waypoints_are_tracked_within_five_milliradians(bench, name):
         bench.station.loop.step()
         errors = bench.station.controller_sample(name).error
         squares = [s + e * e for s, e in zip(squares, errors, strict=True)]
-    assert max(sqrt(square / cycles) for square in squares) < 5e-3
+    assert (
+        max(sqrt(square / cycles) for square in squares) < 6e-3
+    )  # friction and noise included
     done = bench.finish(goal, name)
     assert done.status == "succeeded"
     bench.run(0.5)

@@ -33,6 +33,7 @@ def start_two_armed_example(
     for arm_id, values in arms.items():
         robot[arm_id] = {
             "arm_id": arm_id,
+            "realism": "ideal",
             "robot_description": "example-robot-data:panda",
             "cutoff_frequency": 1000.0,
             **values,
