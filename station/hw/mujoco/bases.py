@@ -120,12 +120,6 @@ class RollingBase:
         self._control[turn] = (right - left) / self._separation
         return True
 
-    def attend(self) -> None:
-        """Do nothing: every step is a usual one."""
-
-    def after_reset(self) -> None:
-        """Do nothing: there is no state beside the world's."""
-
 
 def _find_wheels(urdf: Urdf) -> Sequence[tuple[str, float, float]]:
     """Return name, place across the base [m] and rolling rate [m/rad] of each wheel."""

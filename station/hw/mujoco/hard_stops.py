@@ -12,14 +12,18 @@ MuJoCo's own stops hold the joint from then on. Where a motor alone can add that
 one step, its acceleration in the last step is expected once more.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf, radians
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from station.hw.mujoco.world_joints import find_joint
+
+if TYPE_CHECKING:
+    from station.hw.mujoco.world import World
 
 FREE_WAY = radians(0.25)
 """Way in one step up to which MuJoCo's stops suffice [rad]."""
@@ -64,12 +68,6 @@ class HardStops:
             velocity = self._data.qvel[self._dofs]
         return True
 
-    def attend(self) -> None:
-        """Do nothing: every step is a usual one."""
-
-    def after_reset(self) -> None:
-        """Do nothing: there is no state beside the world's."""
-
     def _bounds(
         self,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -106,6 +104,19 @@ def _accelerations(model: mujoco.MjModel, names: Sequence[str]) -> NDArray[np.fl
         dof = int(model.joint(name).dofadr[0])
         found.append(effort / max(float(model.dof_armature[dof]), _LEAST_INERTIA))
     return np.array(found)
+
+
+def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
+    """Stop the joints of a world for which MuJoCo's own stops are too slow.
+
+    Args:
+        world: The world.
+        limits: Joint name to velocity limit [rad/s or m/s]; infinite for none.
+    """
+    model = world.model
+    fast = [name for name, v in limits.items() if needs_hard_stop(model, name, v)]
+    if fast:
+        world.add_preparation(HardStops(model, world.data, fast).before_step)
 
 
 def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:

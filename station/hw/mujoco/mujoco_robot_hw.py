@@ -51,7 +51,7 @@ from station.core.parameters import Parameters
 from station.hw.mujoco.bases import RollingBase, joints_of_base
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.description_repair import log_repairs, repair_robot
-from station.hw.mujoco.hard_stops import HardStops, needs_hard_stop
+from station.hw.mujoco.hard_stops import add_hard_stops
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
@@ -141,7 +141,7 @@ class MujocoRobotHW(RobotHW):
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
-            self.world.add_actor(RollingBase(self.world, urdf))
+            self.world.add_preparation(RollingBase(self.world, urdf).before_step)
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
@@ -366,9 +366,7 @@ class MujocoRobotHW(RobotHW):
         put(self._drives.velocity_limits, [velocities[name] for name in self._names])
         limits = velocities | _velocities_of_mimics(urdf)
         self.world.limit_velocities(limits)
-        model = self.world.model
-        if fast := [n for n, v in limits.items() if needs_hard_stop(model, n, v)]:
-            self.world.add_actor(HardStops(model, self.world.data, fast))
+        add_hard_stops(self.world, limits)
 
 
 def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:

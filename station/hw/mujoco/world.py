@@ -96,6 +96,16 @@ class World:
         self._actors.append(actor)
         self._preparations.append((actor.before_step, actor.attend))
 
+    def add_preparation(self, prepare: Callable[[], bool]) -> None:
+        """Call `prepare` before every step, after what was added before it.
+
+        For what keeps no state of its own and knows no unusual step.
+
+        Args:
+            prepare: Prepares the coming step, and returns True. Control thread.
+        """
+        self._preparations.append((prepare, _nothing))
+
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
 
@@ -219,6 +229,10 @@ class World:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)
+
+
+def _nothing() -> None:
+    """Attend to a step that is always a usual one."""
 
 
 def _report(thing: SceneObject, data: mujoco.MjData) -> SceneObjectReport:

@@ -22,9 +22,9 @@ class Realism:
     """What disturbs an arm; tuples have one number per joint, shape (7,).
 
     Attributes:
-        friction_level: Friction far from rest, if it were symmetric twice that [Nm].
-        friction_slope: How sudden the friction changes its sign [s/rad].
-        friction_shift: How asymmetric it is [rad/s].
+        friction_level: Friction at high speed forwards plus that backwards [Nm].
+        friction_slope: How suddenly the friction rises with the speed [s/rad].
+        friction_shift: Makes it larger one way than the other; 0: both alike [rad/s].
         torque_noise: Standard deviation of the torque sensors in a cycle [Nm].
         torque_bias: What the torque sensors add [Nm].
         velocity_noise: Standard deviation of the velocities in a cycle [rad/s].

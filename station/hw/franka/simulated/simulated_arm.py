@@ -30,7 +30,6 @@ from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_sensors import ArmSensors
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 from station.hw.franka.simulated.contact_estimate import ContactEstimate
-from station.hw.franka.simulated.joint_friction import JointFriction
 from station.hw.franka.simulated.motion_follower import MotionFollower
 from station.hw.franka.simulated.observed_contact import ObservedContact
 from station.hw.franka.simulated.realism import Realism
@@ -119,7 +118,7 @@ class SimulatedArm(RobotArm):
         self._observed: ObservedContact | None = None
         if realism is not None:
             self._observed = ObservedContact(*seen, realism, cycle, simulator)
-            world.add_actor(JointFriction(self._observed.rub))
+            world.add_preparation(self._observed.rub)
         self.contact = self._observed or ContactEstimate(*seen)
         self._modes = ArmModes(
             world,
