@@ -121,7 +121,7 @@ def write_cycles(runs: int) -> None:
     write(
         README,
         "figures",
-        "A whole control cycle of the Panda under seven effort PIDs takes, as a "
+        "A whole control cycle of an ideal Panda under seven effort PIDs takes, as a "
         "multiple of one step of its simulation (and above it):\n"
         f"{', '.join(figures)}; [performance](docs/performance.md) has the rest.",
     )

@@ -14,7 +14,10 @@ from station.ui.layers.scene_facts import PlacedRobot, SceneFacts, Vector
 from station.wire import Contact
 
 _LEAST = 2.0
-"""Smaller forces are noise of the estimate and not drawn [N]."""
+"""Smaller forces of contacts are not drawn [N]."""
+_LEAST_ESTIMATE = 8.0
+"""Smaller wrenches are errors of the arm's estimate and not drawn [N]: an arm with the
+sensors of a real one reports some 4 N where nothing touches it."""
 _METRES_PER_NEWTON = 0.01
 _LONGEST = 0.6  # [m]
 _EXTERNAL = (200, 30, 30)
@@ -48,7 +51,7 @@ class ForcesLayer(Layer):
             name = robot.model.arm_id
             arm = facts.arms.get(name)
             force = None if arm is None else arm.force
-            if arm is None or force is None or math.hypot(*force) < _LEAST:
+            if arm is None or force is None or math.hypot(*force) < _LEAST_ESTIMATE:
                 if name in self._arrows:
                     self._arrows.pop(name).remove()
                 continue
