@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
-
 from typing_extensions import override
 
 from station.core.errors import suggest

@@ -1,19 +1,26 @@
 """Bring the state of an arm up to date, once per cycle."""
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from station.kernel.arm_step import ArmStep
-from station.kernel.finger_motor import FingerSensor
 from station.kernel.finite_check import FiniteCheck
 from station.kernel.stages import Stage
 from station.kernel.world_step import WorldStep
 
+if TYPE_CHECKING:
+    from station.kernel.finger_motor import FingerSensor
 
-class Watcher(Protocol):
-    """Whether a look at every reading is due, although nothing is unusual."""
+
+class Contact(Protocol):
+    """An estimate of contacts; while it is not quiet, every cycle is looked at."""
 
     is_quiet: bool
+
+
+class Supervisor(Protocol):
+    """A look at readings; while it is alert, every cycle is looked at."""
+
     is_alert: bool
 
 
@@ -82,8 +89,8 @@ class SimulatedCycles(Cycles):
         *,
         state: TimedState,
         period: float,
-        contact: Watcher,
-        supervisor: Watcher,
+        contact: Contact,
+        supervisor: Supervisor,
         read_closely: Callable[[float], int],
         observe: Callable[[], None] | None,
         supervise: Callable[[int], None],

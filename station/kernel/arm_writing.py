@@ -27,8 +27,13 @@ class Hand(Protocol):
 class Fingers(Protocol):
     """The fingers of a hand."""
 
-    hand: Hand
-    claimed: Sized
+    @property
+    def hand(self) -> Hand:
+        """The services of their hand."""
+
+    @property
+    def claimed(self) -> Sized:
+        """What is claimed of them."""
 
     def write(self) -> None:
         """Pass on the commands of the fingers."""
@@ -55,9 +60,9 @@ class ArmWatch(RobotWatch):
     def is_interrupted(self) -> bool:
         """Return whether the arm has left the motion that controllers command."""
         motion = self.motion
-        if self.code[0] == _MOVE or not motion.is_active or motion.is_waiting:
+        if self.code[0] == _MOVE:
             return False
-        return True
+        return motion.is_active and not motion.is_waiting
 
     def mode(self) -> str:
         """Return the name of the arm's mode."""

@@ -1,6 +1,7 @@
 """Commands of a robot in flat memory: copied, checked, compared and written anew."""
 
 from collections.abc import Callable
+from typing import Any
 
 from station.kernel.copying import copy_into
 from station.kernel.doubles import Doubles, zeros
@@ -77,7 +78,9 @@ class CommandPieces:
     """
 
     def __init__(
-        self, pieces: list[Piece], report: Callable[[Piece], None] | None = None
+        self,
+        pieces: list[Piece],
+        report: Callable[[Any], None] | None = None,
     ) -> None:
         self.pieces = pieces
         self.report = report

@@ -1,12 +1,15 @@
 """Check, limit, filter and send the commands of an arm."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from station.kernel.arm_step import ArmStep
 from station.kernel.command_rates import CommandRates
 from station.kernel.doubles import Doubles
-from station.kernel.enforced_limits import EnforcedLimits
-from station.kernel.finite_check import FiniteCheck
+
+if TYPE_CHECKING:
+    from station.kernel.enforced_limits import EnforcedLimits
+    from station.kernel.finite_check import FiniteCheck
 
 
 class Receiver:

@@ -8,7 +8,7 @@ from station.kernel.durations import CycleTimes
 from station.kernel.stages import RobotWatch, Stage
 from station.kernel.wall_time import wall_time
 
-Record = tuple[int, int, float, float, str, Any, dict[str, object]]
+Record = tuple[int, int, float, float, str, Any, dict[str, Any]]
 """A cycle as it is left behind: its number, the epoch, time [s], period [s], the mode
 of the robot, the joint states, and the samples of the controllers."""
 

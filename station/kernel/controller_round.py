@@ -170,9 +170,9 @@ class ControllerRound(Stage):
         """Return wall time [s]."""
         return wall_time() if self.stopwatch is None else self.stopwatch()
 
-    def samples(self) -> dict[str, object]:
+    def samples(self) -> dict[str, Any]:
         """Return what each running controller did last, by name."""
-        found: dict[str, object] = {}
+        found: dict[str, Any] = {}
         for turn in self.turns:
             controller = turn.controller
             sample = controller.sample

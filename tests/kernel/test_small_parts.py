@@ -45,7 +45,9 @@ def test_a_piece_of_commands_tells_what_changed_and_writes_it_back():
 def test_pieces_of_commands_are_written_back_together():
     module = interpreted("command_pieces")
     memories = [doubles([1.0]), doubles([2.0, 3.0])]
-    pieces = module.CommandPieces([module.CommandPiece(one, 0, len(one)) for one in memories])
+    pieces = module.CommandPieces([
+        module.CommandPiece(one, 0, len(one)) for one in memories
+    ])
     for memory in memories:
         memory[0] = nan
     pieces.keep()

@@ -2,6 +2,8 @@
 
 from typing import TypeAlias
 
+from typing_extensions import override
+
 from station.core.faults import CONTAINED
 from station.kernel.command_pieces import CommandPiece, Piece
 from station.kernel.doubles import Storage
@@ -28,6 +30,7 @@ class ListPiece(Piece):
         self.values = storage[piece]
         self._piece = piece
 
+    @override
     def take(self) -> bool:
         """Copy the commands; return whether they certainly are finite floats."""
         values = self.values
@@ -37,6 +40,7 @@ class ListPiece(Piece):
         # command: whoever gets False looks again.
         return set(map(type, values)) == _FLOAT and not (total := sum(values)) - total
 
+    @override
     def differs(self) -> bool:
         """Return whether commands are not those that were copied."""
         try:
@@ -44,6 +48,7 @@ class ListPiece(Piece):
         except CONTAINED:  # e.g. an array: its comparison has no truth value
             return True
 
+    @override
     def write(self) -> None:
         """Write the copied commands."""
         self.storage[self._piece] = self.values

@@ -127,7 +127,7 @@ class ControllerRunner(ControllerRound):
 
     def _note_running(self) -> None:
         self.kept = self.gate.kept
-        self.turns = [one.turn for one in self.gate.running]
+        self.turns = [one.turn() for one in self.gate.running]
 
     def _update_after(
         self,
@@ -168,7 +168,7 @@ class ControllerRunner(ControllerRound):
     def _update_closely(
         self, one: LoadedController, time: float, period: float
     ) -> None:
-        self.update_one(one.turn, time, period)
+        self.update_one(one.turn(), time, period)
         if self.gate.traced_cycles:
             intrusion = self.gate.find_intrusion(one, self.lifecycle.loaded)
             if intrusion is not None:

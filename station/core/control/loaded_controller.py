@@ -1,6 +1,7 @@
 """A loaded controller: its claims, the commands it may write, its faults and times."""
 
 import threading
+from typing import TYPE_CHECKING
 
 from station.core.control.command_guard import CommandGuard
 from station.core.control.controller import ControllerBase
@@ -12,9 +13,11 @@ from station.core.control.controller_status import (
 )
 from station.core.hardware.robot_hw import ControllerInfo
 from station.core.numerics.statistics import DurationRing
-from station.kernel.command_pieces import Piece
-from station.kernel.controller_round import ControllerTurn
 from station.core.ports.goal import Goal
+from station.kernel.controller_round import ControllerTurn
+
+if TYPE_CHECKING:
+    from station.kernel.command_pieces import Piece
 
 
 class LoadedController:
@@ -35,7 +38,6 @@ class LoadedController:
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
         late_updates: Updates in a row that took longer than the budget.
-        turn: What is looked at in every cycle.
     """
 
     def __init__(
@@ -64,8 +66,12 @@ class LoadedController:
         self._overruns_before = 0
         self.last_overrun = 0.0
         self.late_updates = 0
+
+    def turn(self) -> ControllerTurn:
+        """Return what a round of updates looks at; only the round keeps it."""
         pieces: list[Piece] = [*self.commands.pieces]
-        self.turn = ControllerTurn(self, controller, info.name, self.durations, pieces)
+        name = self.info.name
+        return ControllerTurn(self, self.controller, name, self.durations, pieces)
 
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""

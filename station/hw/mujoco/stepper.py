@@ -51,9 +51,7 @@ def make_stepper(model: mujoco.MjModel, data: mujoco.MjData) -> Stepper:
         return Stepper(binding)
     places = ctypes.cast(function, ctypes.c_void_p), *addresses
     numbers = [place.value or 0 for place in places]
-    return Stepper(
-        partial(function, *addresses), (numbers[0], numbers[1], numbers[2])
-    )
+    return Stepper(partial(function, *addresses), (numbers[0], numbers[1], numbers[2]))
 
 
 def direct_function(

@@ -2,7 +2,6 @@
 
 import pytest
 
-from station.core.control import controller_runner
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import Strictness
 from station.core.errors import StoppedError, SwitchRefusedError

@@ -16,6 +16,7 @@ from station.hw.mujoco.model_builder import (
 )
 from station.hw.mujoco.world import World
 from station.hw.urdf_loader import load_urdf
+from station.kernel.world_step import CalledPreparation
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]
@@ -36,6 +37,7 @@ class RecordingActor:
 
     def __init__(self) -> None:
         self.calls: list[str] = []
+        self.preparation = CalledPreparation(self.before_step)
 
     def before_step(self) -> bool:
         """Remember the step, and leave the first one to `attend`."""

@@ -15,8 +15,6 @@ from station.kernel.command_rates import CommandRates
 from station.kernel.joint_memory import JointMemory
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from station.kernel.doubles import Doubles
 
 # A joint approaches its goal with half of the acceleration limit, and near the goal

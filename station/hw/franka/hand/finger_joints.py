@@ -6,7 +6,7 @@ hold their position instead of going limp, and the joint states contain the join
 the arm alone, as on the real robot, where the hand is another device.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from math import isfinite
 
 from station.core.franka import GripperServicesInterface

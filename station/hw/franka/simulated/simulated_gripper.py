@@ -1,15 +1,11 @@
 """The fingers of a Franka hand in a MuJoCo world."""
 
 from math import sqrt
-from typing import TYPE_CHECKING
 
 from station.hw.franka.hand.hand_services import MAX_FORCE
 from station.hw.mujoco.world import World
 from station.kernel.doubles import Doubles
 from station.kernel.finger_motor import FingerMotor, FingerSensor
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 OPEN_WIDTH = 0.08
 """Distance between the fingers when the hand is open [m]. Source: the limits of the
