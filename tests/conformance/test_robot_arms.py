@@ -3,8 +3,11 @@
 import pytest
 
 from station.core.description.robot_files import load_robot_files
+from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.testing import ArmConformance
+from tests.hw.franka.fci.stepped_network import SteppedNetwork
 from tests.hw.franka.scripted_arm import ScriptedArm
 
 
@@ -13,7 +16,18 @@ def simulated():
     return simulate([ArmPlacement("panda", description)]).arms["panda"]
 
 
-ARMS = {"simulated": simulated, "scripted": ScriptedArm}
+def behind_the_franka_control_interface():
+    """Return the driver, joined to our server with a simulated arm behind it."""
+    description = load_robot_files("example-robot-data:panda")
+    network = SteppedNetwork(simulated())
+    return FciArm(network, lambda: ArmModel(description), is_enforced=False)
+
+
+ARMS = {
+    "simulated": simulated,
+    "scripted": ScriptedArm,
+    "fci": behind_the_franka_control_interface,
+}
 
 
 class TestEveryArm(ArmConformance):

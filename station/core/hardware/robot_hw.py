@@ -11,6 +11,7 @@ from enum import Enum
 
 from station.core.description.repair import Repair
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
+from station.core.hardware.robot_clock import RobotClock
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
@@ -234,6 +235,16 @@ class RobotHW(InterfaceManager):
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
         return None
+
+    def robot_clock(self) -> RobotClock | None:
+        """Return what paces the control thread; None for the wall clock.
+
+        The same object from `init` on.
+        """
+        return None
+
+    def close(self) -> None:
+        """Let the hardware go, once nothing uses this robot any more."""
 
     def simulated_world(self) -> SimulatedWorld | None:
         """Return the simulated world of the robot; None for a real robot.

@@ -3,7 +3,8 @@
 Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
 never made up for: the next cycle gets the longer `period`, which is the scheduled time
 since the last cycle and so a multiple of the nominal period, up to what the robot
-waits for.
+waits for. A robot with a clock of its own (`RobotHW.robot_clock`) paces the thread
+instead: a cycle begins when its state has arrived.
 
 While it is paused the thread goes on waking: posted operations, the stop and switches
 are carried out, the robot is not written to and no controller is updated. A long wait
@@ -20,6 +21,7 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
+from station.core.hardware.robot_clock import RobotClock
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.services import InterruptibleServices, find_services
 from station.core.loop.heartbeat import Heartbeat, LoopLife
@@ -100,6 +102,7 @@ class ControlLoop:
         world = hw.simulated_world()
         # Asked once: how long a world waits is settled when the robot is initialised.
         self._longest_period = inf if world is None else world.longest_period()
+        self._robot_clock = hw.robot_clock()
         self._joints = JointStateGroup(interface.handles() if interface else [])
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
@@ -307,7 +310,10 @@ class ControlLoop:
     def _run(self) -> None:
         self._scheduler = request_realtime_priority()
         try:
-            self._run_until_stopped()
+            if self._robot_clock is None:
+                self._run_until_stopped()
+            else:
+                self._run_at_the_pace_of(self._robot_clock)
         except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
             self._failure = trace_of_fault()
             self._state = LoopState.FAILED
@@ -359,6 +365,23 @@ class ControlLoop:
                 self._meter.woke(lateness, skipped)
                 self._cycle((1 + skipped) * self.period)
             deadline += (1 + skipped) * wall_period
+
+    def _run_at_the_pace_of(self, robot: RobotClock) -> None:
+        """Run a cycle whenever the robot has sent a state: the wait is the sleep."""
+        beats, period, now = self.heartbeat.beats, self.period, self.clock.now
+        due = now()
+        while not self._stopping:
+            elapsed = robot.wait()
+            woke = now()
+            beats[0] = woke
+            if elapsed:
+                due += elapsed * period
+                self._meter.woke(max(0.0, woke - due), elapsed - 1)
+                self._cycle(elapsed * period)
+                # The clocks drift apart: the next state is due a period after this.
+                due = woke
+            else:
+                self._look_around()
 
     def _sleep_in_slices(self, deadline: float) -> None:
         """Sleep until `deadline`, the end of the loop, or a change of the pace."""

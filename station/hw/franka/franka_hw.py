@@ -30,6 +30,7 @@ from station.core.errors import (
 )
 from station.core.franka import FrankaServicesInterface
 from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
+from station.core.hardware.robot_clock import RobotClock
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     ResourceConflict,
@@ -70,6 +71,7 @@ from station.hw.urdf_loader import load_urdf
 from station.kernel.arm_codes import MOVE
 
 if TYPE_CHECKING:
+    from station.hw.franka.fci.driver.fci_arm import FciArm
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
@@ -80,7 +82,7 @@ _MODE_NAMES = {float(mode.value): mode.name.lower() for mode in RobotMode}
 
 
 class FrankaHW(RobotHW):
-    """A Franka arm with seven joints, simulated unless it is given another arm.
+    """A Franka arm with seven joints: the one at `robot_ip`, or a simulated one.
 
     Interfaces: JointState and EffortJoint with the measured state, PositionJoint and
     VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`;
@@ -93,7 +95,8 @@ class FrankaHW(RobotHW):
     of this arm, as `robot_description` in the root namespace if there is none yet.
 
     Args:
-        arm: The arm to drive; None makes a simulated one in a world of its own.
+        arm: The arm to drive; None connects to the arm at the parameter `robot_ip`,
+            and without one makes a simulated arm in a world of its own.
 
     Attributes:
         commands: The command buffers and their limits; from `init` on.
@@ -104,6 +107,7 @@ class FrankaHW(RobotHW):
         super().__init__()
         self._world: FrankaWorld | None = None
         self._arm = arm
+        self._real_arm: FciArm | None = None
         self._time_due = 0.0
         self._nominal_cycles = 1  # arm cycles per loop cycle
         self._fingers: FingerJoints | None = None
@@ -121,10 +125,7 @@ class FrankaHW(RobotHW):
         self._settings, self._hw_params = read_command_settings(hw_params), hw_params
         arm_id, limits = self._parameters.arm_id, self._parameters.limits
         if self._arm is None:
-            # Imported here: a station with a real arm runs without MuJoCo.
-            from station.hw.franka.simulated.arm_placement import simulate_one
-
-            self.enter_world(simulate_one(self._parameters, root_params), arm_id)
+            self._make_arm(root_params)
         # The arm once more, known to be there: `arm` looks each time, read() does not.
         self._driven, self._cycle_time = self.arm, self.arm.cycle_time
         self._mode = self.arm.state.doubles(MODE)
@@ -164,6 +165,26 @@ class FrankaHW(RobotHW):
         services.register_handle(self._services)
         for interface in (state_interface(self.arm, arm_id), models, services):
             self.register_interface(interface)
+
+    def _make_arm(self, root_params: Parameters) -> None:
+        """Connect to the real arm at `robot_ip`, or simulate one.
+
+        Raises:
+            ParameterError: The scene is malformed.
+            RobotDescriptionError: The URDF cannot be used.
+            FciNetworkError: The real arm does not answer.
+            FciProtocolError: The real arm speaks another version.
+        """
+        # Imported here: neither of them needs what the other one is made of.
+        if self._parameters.robot_ip is not None:
+            from station.hw.franka.fci.driver.connection import connect
+
+            self._arm = self._real_arm = connect(self._parameters)
+        else:
+            from station.hw.franka.simulated.arm_placement import simulate_one
+
+            world = simulate_one(self._parameters, root_params)
+            self.enter_world(world, self._parameters.arm_id)
 
     def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
         """Drive an arm of a simulated world; before `init`.
@@ -284,6 +305,14 @@ class FrankaHW(RobotHW):
                 details={"rate": 1.0 / period},
             )
         self._nominal_cycles = max(1, round(period / cycle_time))
+        if self._real_arm is not None and self._nominal_cycles > 1:
+            raise HardwareInterfaceError(
+                f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' at "
+                f"{self._parameters.robot_ip} needs {1.0 / cycle_time:g} commands per "
+                "second.",
+                remedy=f"Set station.rate to {1.0 / cycle_time:g}.",
+                details={"rate": 1.0 / period},
+            )
         if period > _SLOWEST_TORQUE_PERIOD:
             _logger.warning(
                 "arm '%s' with a loop of %g Hz: torque controllers need small gains "
@@ -296,7 +325,7 @@ class FrankaHW(RobotHW):
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
         lost = self._parameters.most_lost_packets
-        waits = lost < MOST_LOST_PACKETS
+        waits = self._parameters.waits_for_late_loop
         return (self._nominal_cycles + lost) * self.arm.cycle_time if waits else inf
 
     @override
@@ -390,6 +419,15 @@ class FrankaHW(RobotHW):
         causes = self._sender.refusal or errors
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
+
+    @override
+    def robot_clock(self) -> RobotClock | None:
+        return self._real_arm
+
+    @override
+    def close(self) -> None:
+        if self._real_arm is not None:
+            self._real_arm.close()
 
     @override
     def simulated_world(self) -> "FrankaWorld | None":

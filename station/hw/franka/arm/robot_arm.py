@@ -91,6 +91,13 @@ class RobotArm(ABC):
     def is_at_rest(self) -> bool:
         """Return whether neither the arm nor its desired motion moves."""
 
+    def is_stopping(self) -> bool:
+        """Return whether the arm still refuses a motion because it ends the last one.
+
+        An arm that takes a motion over at once never does.
+        """
+        return False
+
     @abstractmethod
     def start_motion(
         self,

@@ -28,11 +28,11 @@ from station.hw.franka.arm.robot_arm import (
 )
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
-    FciProtocolError,
     MessageReader,
     Request,
 )
 from station.hw.franka.fci.server.state_writer import StateWriter
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     NO_CONTROLLER,
