@@ -135,6 +135,7 @@ class StationRun:
         if self._recorder is not None:
             stack.callback(self._recorder.close)
             self._recorder.start_thread()
+        stack.callback(station.loop.hw.close)
         stack.callback(station.loop.stop, LOOP_TIMEOUT)
         stack.callback(_hold, station)
         station.loop.start()

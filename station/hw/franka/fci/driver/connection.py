@@ -1,5 +1,6 @@
 """Connect to the arm that the parameters of FrankaHW name."""
 
+from station.core.errors import StationError
 from station.core.franka.franka_model import FrankaModel
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.fci.driver.fci_arm import FciArm
@@ -30,5 +31,9 @@ def connect(parameters: FrankaParameters) -> FciArm:
 
     network = FciNetwork(parameters.robot_ip or "", PANDA.port)
     arm = FciArm(network, make_model, is_enforced=not parameters.waits_for_late_loop)
-    arm.set_collision_behavior(parameters.collision_behavior)
+    try:
+        arm.set_collision_behavior(parameters.collision_behavior)
+    except StationError:
+        arm.close()
+        raise
     return arm

@@ -50,7 +50,8 @@ class RobotClient:
 
         Raises:
             FciNetworkError: No answer came.
-            FciProtocolError: The answer is none, or the versions differ.
+            IncompatibleVersionError: The arm speaks another version.
+            FciProtocolError: The answer is none.
         """
         own, port = self._protocol.version, self._network.udp_port
         answer = self.ask(Command.CONNECT, {"version": own, "udp_port": port})

@@ -1,11 +1,14 @@
 """Read the message that an arm sends every cycle into the state of the seam."""
 
 import struct
+from typing import TYPE_CHECKING
 
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
-from station.kernel.doubles import Doubles
+
+if TYPE_CHECKING:
+    from station.kernel.doubles import Doubles
 
 _FIRST_DOUBLE = "O_T_EE"
 _BEHIND_DOUBLES = "motion_generator_mode"
