@@ -7,6 +7,8 @@ from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.testing import ArmConformance
+from tests.hw.franka.fci.pumped_network import PumpedNetwork
+from tests.hw.franka.fci.server.server_bench import HOST
 from tests.hw.franka.fci.stepped_network import SteppedNetwork
 from tests.hw.franka.scripted_arm import ScriptedArm
 
@@ -16,17 +18,17 @@ def simulated():
     return simulate([ArmPlacement("panda", description)]).arms["panda"]
 
 
-def behind_the_franka_control_interface():
+def driven(network):
     """Return the driver, joined to our server with a simulated arm behind it."""
     description = load_robot_files("example-robot-data:panda")
-    network = SteppedNetwork(simulated())
     return FciArm(network, lambda: ArmModel(description), is_enforced=False)
 
 
 ARMS = {
     "simulated": simulated,
     "scripted": ScriptedArm,
-    "fci": behind_the_franka_control_interface,
+    "fci": lambda: driven(SteppedNetwork(simulated())),
+    "fci over sockets": lambda: driven(PumpedNetwork(simulated(), HOST)),
 }
 
 
@@ -35,4 +37,7 @@ class TestEveryArm(ArmConformance):
 
     @pytest.fixture(params=ARMS)
     def arm(self, request):
-        return ARMS[request.param]()
+        arm = ARMS[request.param]()
+        yield arm
+        if isinstance(arm, FciArm):
+            arm.close()

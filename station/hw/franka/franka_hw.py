@@ -416,7 +416,7 @@ class FrankaHW(RobotHW):
         if self._blind is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
         errors = "; ".join(error.description for error in arm.errors())
-        causes = self._sender.refusal or errors
+        causes = self._sender.refusal or errors or arm.failure()
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
 

@@ -290,6 +290,10 @@ class RobotArm(ABC):
     def errors(self) -> list[ArmError]:
         """Return the present errors, or else the errors that ended the last motion."""
 
+    def failure(self) -> str:
+        """Return in the arm's own words why the last motion ended; empty if unknown."""
+        return ""
+
     @abstractmethod
     def log(self) -> list[ArmRecord]:
         """Return the last cycles before the last error, oldest first, at most 50."""

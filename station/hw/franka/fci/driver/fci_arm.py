@@ -375,6 +375,10 @@ class FciArm(RobotArm):
         return [ArmError(name, "", 0.0, 0.0, "", cycle) for name in names]
 
     @override
+    def failure(self) -> str:
+        return self._lost or self._failure
+
+    @override
     def log(self) -> list[ArmRecord]:
         return self._log.records() if self._has_failed else []
 
