@@ -223,3 +223,48 @@ def test_a_stop_is_carried_out_in_the_next_cycle_and_bumps_the_epoch():
     assert loop.stop_latch.cycle == 2
     assert loop.stop_latch.state is StopState.STOPPED
     assert loop.snapshots.latest().epoch == 2
+
+
+class PacedJoint(OneJoint):
+    """A joint with a clock of its own: what each wait tells is written down."""
+
+    def __init__(self, *waits):
+        super().__init__()
+        self.waits = list(waits)
+        self.loop = None
+
+    def robot_clock(self):
+        return self
+
+    def wait(self):
+        if not self.waits:
+            self.loop.stop_latch.engage("the script is over")
+            self.loop._stopping = True
+            return 0
+        return self.waits.pop(0)
+
+
+def test_robot_with_a_clock_paces_the_thread_and_lost_states_lengthen_a_period():
+    hw = PacedJoint(1, 1, 0, 0, 4, 1)
+    loop = hw.loop = make_loop(hw)
+    loop.start()
+    loop._thread.join(5.0)
+    loop.stop()
+    assert [period for period in hw.periods if period] == pytest.approx([
+        PERIOD,
+        PERIOD,
+        4 * PERIOD,
+        PERIOD,
+    ])
+    assert loop.time == pytest.approx(7 * PERIOD)
+    assert loop.skipped == 3
+
+
+def test_stop_is_carried_out_while_a_robot_with_a_clock_is_silent():
+    hw = PacedJoint(1, 0, 0)
+    loop = hw.loop = make_loop(hw)
+    loop.start()
+    loop._thread.join(5.0)
+    loop.stop()
+    assert loop.stop_latch.state is StopState.STOPPED
+    assert loop.time == pytest.approx(PERIOD)

@@ -19,7 +19,7 @@ def connect(parameters: FrankaParameters) -> FciArm:
         RobotDescriptionError: The URDF cannot be used for the model.
         FciNetworkError: The arm does not answer.
         FciProtocolError: The arm speaks another version.
-        ArmCommandError: The arm refuses its settings.
+        StationError: The arm refuses its settings, or is lost at once.
     """
     description = load_arm_description(parameters.robot_description, parameters.limits)
 
