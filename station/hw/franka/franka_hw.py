@@ -72,6 +72,7 @@ from station.kernel.arm_codes import MOVE
 
 if TYPE_CHECKING:
     from station.hw.franka.fci.driver.fci_arm import FciArm
+    from station.hw.franka.fci.server.fci_guest import FciGuest
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
@@ -101,6 +102,8 @@ class FrankaHW(RobotHW):
     Attributes:
         commands: The command buffers and their limits; from `init` on.
         cartesian: The same for Cartesian commands.
+        guest: A client that may command the arm while no controller does; None if no
+            clients are served.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
@@ -108,6 +111,7 @@ class FrankaHW(RobotHW):
         self._world: FrankaWorld | None = None
         self._arm = arm
         self._real_arm: FciArm | None = None
+        self.guest: FciGuest | None = None
         self._time_due = 0.0
         self._nominal_cycles = 1  # arm cycles per loop cycle
         self._fingers: FingerJoints | None = None
@@ -223,6 +227,11 @@ class FrankaHW(RobotHW):
         return self.arm.state
 
     @property
+    def is_commanded(self) -> bool:
+        """Whether controllers command the arm, or are about to."""
+        return self._motion.is_active
+
+    @property
     def control_mode(self) -> ControlMode:
         """The kinds of command that the running controllers give."""
         return self._motion.mode
@@ -242,6 +251,8 @@ class FrankaHW(RobotHW):
         so that short delays lose no packet.
         """
         arm = self._driven
+        if self.guest is not None:
+            self.guest.before_read()
         self._time_due += period
         cycles = round(self._time_due / self._cycle_time)
         self._time_due -= cycles * self._cycle_time
@@ -258,6 +269,8 @@ class FrankaHW(RobotHW):
             arm.stop_motion()
         if self._fingers is not None:
             self._fingers.read()
+        if self.guest is not None:
+            self.guest.after_read()
 
     def _catch_up(self, cycles: int) -> None:
         """Read the arm once for each of several cycles, or none."""
@@ -357,6 +370,11 @@ class FrankaHW(RobotHW):
             raise SwitchRefusedError(
                 f"Arm '{arm_id}' is not connected.",
                 remedy="Connect the arm first.",
+            )
+        if self._control_mode_of(start) and self.guest and self.guest.is_moving:
+            raise SwitchRefusedError(
+                f"A client of the Franka Control Interface moves arm '{arm_id}'.",
+                remedy="Let the client end its motion first.",
             )
         if self._control_mode_of(start) and self._blind is not None:
             raise SwitchRefusedError(
