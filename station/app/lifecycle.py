@@ -143,26 +143,16 @@ class StationRun:
             announce(f"Starting the controllers {', '.join(self._config.start)}")
             station.switch_controllers(SwitchRequest(start=self._config.start))
         if self._config.fci.enabled:
-            self._serve_fci(stack, station)
+            # Imported here: it loads the Franka, and most stations do without.
+            from station.app.fci_beside import FciBeside
+
+            stack.enter_context(FciBeside(station, self._config.fci.host, self._warn))
         announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT
         while station.ready() and clock.now() < deadline:
             clock.sleep_until(clock.now() + 0.005)
         return station
-
-    def _serve_fci(self, stack: ExitStack, station: Station) -> None:
-        """Let programs of libfranka connect.
-
-        Raises:
-            FciRobotError: The robot is no simulated Franka arm.
-            FciPortError: The address cannot be used.
-        """
-        # Imported here: it loads the Franka, and most stations do without.
-        from station.app.fci_beside import FciBeside
-
-        self._watchdog.announce("Starting the server for programs of libfranka")
-        stack.enter_context(FciBeside(station, self._config.fci.host, self._warn))
 
     def _start_network(
         self, stack: ExitStack, station: Station, authenticator: Authenticator

@@ -41,7 +41,7 @@ controllers:
       panda_joint6, panda_joint7]
 start: []
 """
-MOCK = "robot: {type: mock/MockRobotHW, joints: [a]}\ncontrollers: {}\nstart: []\n"
+MOCK = "robot: {type: mock_hw/MockRobotHW, joints: [a]}\ncontrollers: {}\nstart: []\n"
 
 
 def station_of(text, tmp_path):
@@ -102,7 +102,7 @@ def test_port_is_free_when_the_station_has_ended(tmp_path):
 
 
 def test_robot_without_this_interface_is_refused(tmp_path):
-    with pytest.raises(FciRobotError, match="fci.enabled is true") as error:
+    with pytest.raises(FciRobotError, match=r"fci\.enabled is true") as error:
         FciBeside(station_of(MOCK, tmp_path), HOST, pytest.fail)
     assert "fci.enabled to false" in error.value.remedy
 

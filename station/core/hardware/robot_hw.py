@@ -8,10 +8,10 @@ and a refused switch raises with its reason instead of returning `False`.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol
 
 from station.core.description.repair import Repair
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
-from station.core.hardware.robot_clock import RobotClock
 from station.core.hardware.robot_report import (
     ClampReport,
     JointLimitsReport,
@@ -70,6 +70,22 @@ class SwitchState(Enum):
     DONE = "done"
     ONGOING = "ongoing"
     ERROR = "error"
+
+
+class RobotClock(Protocol):
+    """Paces a control thread in the place of the wall clock. Control thread only.
+
+    A real arm has a clock, and a loop with another clock would see some of its states
+    twice or never. So the loop waits for the arm.
+    """
+
+    def wait(self) -> int:
+        """Wait for the robot's next state, some milliseconds at most.
+
+        Returns:
+            How many of its cycles have passed since the last call: usually 1, 0 if no
+            state came. A robot that is lost lets time pass, so that the cycles go on.
+        """
 
 
 class RobotHW(InterfaceManager):

@@ -21,13 +21,13 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
-from station.core.hardware.robot_clock import RobotClock
-from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.hardware.services import InterruptibleServices, find_services
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
+from station.core.loop.robot_pace import RobotPace
 from station.core.loop.scheduling import request_realtime_priority
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
@@ -221,16 +221,8 @@ class ControlLoop:
             return action()
         operation = self._operations.post(action)
         self.check_alive()  # after it: whoever dies later gives it up
-        if not operation.done.acquire(timeout=timeout):
-            operation.abandoned = True
-            raise LoopError(
-                f"The control loop did not answer within {timeout} s.",
-                remedy="See the report of the loop: it is overloaded, or it has died.",
-                details={"state": self._state.value, "failure": self._failure},
-            )
-        if operation.error is not None:
-            raise operation.error
-        return operation.result  # type: ignore[return-value]  # of this action
+        details = {"state": self._state.value, "failure": self._failure}
+        return operation.outcome(timeout, details)  # type: ignore[return-value]  # of this action
 
     def check_alive(self) -> None:
         """Refuse when the loop died; nothing moves any more.
@@ -367,19 +359,13 @@ class ControlLoop:
             deadline += (1 + skipped) * wall_period
 
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
-        """Run a cycle whenever the robot has sent a state: the wait is the sleep."""
-        beats, period, now = self.heartbeat.beats, self.period, self.clock.now
-        due = now()
+        pace = RobotPace(robot, self.clock.now, self.period)
         while not self._stopping:
-            elapsed = robot.wait()
-            woke = now()
-            beats[0] = woke
+            lateness, elapsed = pace.wait()
+            self.heartbeat.beats[0] = pace.woke
             if elapsed:
-                due += elapsed * period
-                self._meter.woke(max(0.0, woke - due), elapsed - 1)
-                self._cycle(elapsed * period)
-                # The clocks drift apart: the next state is due a period after this.
-                due = woke
+                self._meter.woke(lateness, elapsed - 1)
+                self._cycle(elapsed * self.period)
             else:
                 self._look_around()
 

@@ -30,10 +30,10 @@ from station.core.errors import (
 )
 from station.core.franka import FrankaServicesInterface
 from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
-from station.core.hardware.robot_clock import RobotClock
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     ResourceConflict,
+    RobotClock,
     RobotHW,
     SwitchState,
 )

@@ -8,12 +8,11 @@ at in a later one, because the control thread waits for nothing but the next sta
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from math import pi
 from typing import Any
 
 from typing_extensions import override
 
-from station.core.errors import ArmCommandError, InvalidCommandError, StationError
+from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError, error_names
 from station.core.franka.franka_model import FrankaModel
@@ -26,26 +25,16 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
     RobotArm,
 )
-from station.hw.franka.fci.driver.command_writer import CommandWriter
-from station.hw.franka.fci.driver.motion_log import MotionLog
-from station.hw.franka.fci.driver.network import (
-    SLICE,
-    UDP_TIMEOUT,
-    FciNetworkError,
-    Network,
-)
+from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
+from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
+from station.hw.franka.fci.driver.network import Network
 from station.hw.franka.fci.driver.realtime import realtime_problem
 from station.hw.franka.fci.driver.refusals import refusal_of
-from station.hw.franka.fci.driver.robot_client import RobotAnswer, RobotClient
-from station.hw.franka.fci.driver.state_reader import StateReader
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.driver.robot_client import RobotAnswer
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
-    MoveController,
-    MoveGenerator,
     MoveStatus,
-    RecoveryStatus,
     RobotProtocol,
     SetterStatus,
 )
@@ -54,24 +43,8 @@ from station.kernel.doubles import Storage
 MEASURED_REST = 0.02
 """Joints that are measured slower than this are at rest [rad/s]: the noise of a real
 arm's velocities is 3 mrad/s (see `Realism`)."""
-CYCLE_TIME = 0.001
-"""Time from one state to the next [s]."""
-
-_DEVIATIONS = (10.0, 3.12, 2.0 * pi)
-"""Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""
-_CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
-_GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
-# Torques alone are a motion with joint velocities that are zero, as in libfranka.
-_GENERATORS[MotionGeneratorMode.NONE] = MoveGenerator.JOINT_VELOCITY
-_FIELDS = {
-    MotionGeneratorMode.NONE: "tau_J_d",
-    MotionGeneratorMode.JOINT_POSITION: "q_c",
-    MotionGeneratorMode.JOINT_VELOCITY: "dq_c",
-    MotionGeneratorMode.CARTESIAN_POSITION: "O_T_EE_c",
-    MotionGeneratorMode.CARTESIAN_VELOCITY: "O_dP_EE_c",
-}
 _REMEDIES = {
     RobotMode.OTHER: "open the brakes and activate FCI in Desk",
     RobotMode.GUIDING: "let go of the guiding buttons",
@@ -79,14 +52,10 @@ _REMEDIES = {
     RobotMode.USER_STOPPED: "release the user stop",
     RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
 }
-_TORQUES, _MOTION = 1, 2
 
 
 class FciArm(RobotArm):
     """Drives an arm over a network. Its states pace the control loop: see `wait`.
-
-    A command leaves as soon as everything that its motion needs is there: torques, the
-    motion, or both. It answers the newest state; a cycle has one answer.
 
     Requests that change something wait for the arm's answer, a few milliseconds, while
     no motion runs. A motion is stopped without waiting.
@@ -117,36 +86,29 @@ class FciArm(RobotArm):
     ) -> None:
         self.cycle_time = CYCLE_TIME
         self.state = RobotState()
-        self._network = network
-        self._protocol = protocol
         self._make_model = make_model
         self._is_enforced, self._find_problem = is_enforced, find_problem
-        self._client = RobotClient(network, protocol)
-        self._reader = StateReader(self.state, protocol, self.cycle_time)
-        self._writer = CommandWriter(protocol)
-        self._controller: ControllerMode | None = None
-        self._generator = MotionGeneratorMode.NONE
-        self._modes = (0, 0)  # of the running motion, as on the wire
-        self._needed = self._given = 0
-        self._motion: int | None = None  # the request that began it
-        self._ended: int | None = None  # one whose end is still to be explained
+        self._link = ArmLink(
+            network,
+            protocol,
+            self.state,
+            on_state=self._take_state,
+            on_loss=self._give_up,
+        )
+        self._reader = self._link.reader
+        self._commands = CommandedMotion(
+            protocol, self._reader, self._link.send_command, self.cycle_time
+        )
+        # Requests by their numbers: the motion, and those that wait for an answer.
+        self._motion: int | None = None
+        self._waiting: list[int] = []
         self._stop: int | None = None
         self._recovery: int | None = None
         self._failure = ""  # why the last motion, stop or recovery failed
         self._has_failed = False
-        self._log = MotionLog(protocol, "tau_J_d", self.cycle_time)
-        self._counted = 0  # message_id up to which `wait` has told
         self._due = 0  # states that `wait` has taken and `read_once` has not
-        self._silence = 0.0
-        self._lost: str | None = None
         self._thread = threading.get_native_id()
-        try:
-            self._client.connect()
-            self._require_state()
-        except StationError:
-            network.close()
-            raise
-        self._counted = self._reader.message_id
+        self._link.connect()
 
     def wait(self) -> int:
         """Wait for the arm's next state, `SLICE` at most; return the elapsed cycles.
@@ -155,25 +117,24 @@ class FciArm(RobotArm):
         states were lost or came while the loop did something else. `read_once` then
         returns at once, as often as cycles have elapsed.
         """
-        if self._lost is None:
-            self._receive()
-        elapsed = self._reader.message_id - self._counted
-        if self._lost is not None:
-            threading.Event().wait(self.cycle_time)
-            elapsed = 1  # time passes without an arm, so that controllers are told
-        self._counted = self._reader.message_id
-        self._due = elapsed
+        if self._link.loss is None:
+            self._link.receive()
+        else:
+            self._link.pass_time()
+        self._due = elapsed = self._link.count()
         return elapsed
 
     @override
     def read_once(self) -> RobotState:
-        self._given = 0
+        commands = self._commands
+        commands.begin_cycle()
         if self._due > 0:
             self._due -= 1
-        elif self._lost is None:
-            self._receive_in_time()
-            self._counted = self._reader.message_id
-        if self._stop is not None or self._recovery is not None or self._ended:
+        elif self._link.loss is None:
+            self._link.receive_next()
+            self._link.count()
+        commands.is_late = self._due > 0
+        if self._waiting:
             self._take_answers()
         return self.state
 
@@ -183,8 +144,8 @@ class FciArm(RobotArm):
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
     ) -> str | None:
-        if self._lost is not None:
-            return f"{self._lost}; {self.remedy()}"
+        if self._link.loss is not None:
+            return f"{self._link.loss}; {self.remedy()}"
         mode = self._shown_mode()
         if mode not in (RobotMode.IDLE, RobotMode.MOVE):
             return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
@@ -231,79 +192,52 @@ class FciArm(RobotArm):
                 f"The arm cannot start a motion: {reason}.",
                 remedy="Stop the running motion, recover, or ask for other modes.",
             )
-        controller = _CONTROLLERS[controller_mode]
-        generator = _GENERATORS[motion_generator_mode]
-        answer = self._ask(
-            Command.MOVE,
-            {
-                "controller_mode": controller,
-                "motion_generator_mode": generator,
-                "maximum_path_deviation": _DEVIATIONS,
-                "maximum_goal_pose_deviation": _DEVIATIONS,
-            },
-        )
-        if answer.status != MoveStatus.MOTION_STARTED:
-            raise self._refused(answer)
-        self._motion, self._modes = answer.command_id, (1 + generator, controller)
-        self._controller, self._generator = controller_mode, motion_generator_mode
-        is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
-        moves = motion_generator_mode is not MotionGeneratorMode.NONE
-        self._needed = _TORQUES * is_external + _MOTION * moves
-        self._writer.clear()
-        self._failure, self._has_failed, self._given = "", False, 0
-        field = _FIELDS[motion_generator_mode]
-        self._log = MotionLog(self._protocol, field, self.cycle_time)
-        self._await_motion()
+        self._failure, self._has_failed = "", False
+        request = self._commands.begin(controller_mode, motion_generator_mode)
+        try:
+            self._motion = self._begin(self._link.ask(Command.MOVE, request))
+        finally:
+            if self._motion is None:
+                self._commands.end()
+        self._show_mode()
 
     @override
     def stop_motion(self) -> None:
-        if self._motion is None:
+        motion, self._motion = self._motion, None
+        if motion is None:
             return
-        self._ended, self._motion = None, None
-        self._end_motion()
+        self._commands.end()
         try:
-            self._stop = self._client.send(Command.STOP_MOVE)
-        except FciNetworkError as error:
-            self._lose(error)
-        else:
-            self._show_mode()
-            self._take_answers()
+            self._stop = self._link.send(Command.STOP_MOVE)
+        except ArmCommandError:
+            return  # the arm is lost, and its state says so
+        self._waiting.append(self._stop)
+        self._show_mode()
+        self._take_answers()
 
     @override
     def command_joint_torques(self, tau: Storage) -> None:
-        if self._controller is not ControllerMode.EXTERNAL_CONTROLLER:
-            raise self._not_commandable("joint torques")
-        self._writer.torques(tau)
-        self._give(_TORQUES)
+        self._commands.torques(tau)
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
-        self._check_generator(MotionGeneratorMode.JOINT_POSITION, "joint positions")
-        self._writer.joints("q_c", q)
-        self._give(_MOTION)
+        self._commands.joints(MotionGeneratorMode.JOINT_POSITION, q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
-        self._check_generator(MotionGeneratorMode.JOINT_VELOCITY, "joint velocities")
-        self._writer.joints("dq_c", dq)
-        self._give(_MOTION)
+        self._commands.joints(MotionGeneratorMode.JOINT_VELOCITY, dq)
 
     @override
     def command_cartesian_pose(
         self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
-        self._check_generator(MotionGeneratorMode.CARTESIAN_POSITION, "Cartesian pose")
-        self._writer.cartesian("O_T_EE_c", pose, elbow)
-        self._give(_MOTION)
+        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_POSITION, pose, elbow)
 
     @override
     def command_cartesian_velocity(
         self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
-        generator = MotionGeneratorMode.CARTESIAN_VELOCITY
-        self._check_generator(generator, "Cartesian velocity")
-        self._writer.cartesian("O_dP_EE_c", twist, elbow)
-        self._give(_MOTION)
+        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_VELOCITY, twist, elbow)
 
     @override
     def load_model(self) -> FrankaModel:
@@ -344,9 +278,9 @@ class FciArm(RobotArm):
 
     @override
     def check_recovery(self) -> None:
-        if self._lost is not None:
+        if self._link.loss is not None:
             raise ArmCommandError(
-                f"The arm cannot recover: {self._lost}.",
+                f"The arm cannot recover: {self._link.loss}.",
                 remedy="Restore the connection and restart the station.",
             )
         if self.state.robot_mode is RobotMode.USER_STOPPED:
@@ -361,10 +295,8 @@ class FciArm(RobotArm):
         if self.state.robot_mode is not RobotMode.REFLEX or self._recovery is not None:
             return
         self._failure = ""
-        try:
-            self._recovery = self._client.send(Command.AUTOMATIC_ERROR_RECOVERY)
-        except FciNetworkError as error:
-            raise self._lose(error) from error
+        self._recovery = self._link.send(Command.AUTOMATIC_ERROR_RECOVERY)
+        self._waiting.append(self._recovery)
 
     @override
     def errors(self) -> list[ArmError]:
@@ -376,15 +308,15 @@ class FciArm(RobotArm):
 
     @override
     def failure(self) -> str:
-        return self._lost or self._failure
+        return self._link.loss or self._failure
 
     @override
     def log(self) -> list[ArmRecord]:
-        return self._log.records() if self._has_failed else []
+        return self._commands.records() if self._has_failed else []
 
     @override
     def remedy(self) -> str | None:
-        if self._lost is not None:
+        if self._link.loss is not None:
             return "restore the connection and restart the station"
         todo = _REMEDIES.get(self._shown_mode())
         if todo is None or not self._failure:
@@ -398,76 +330,29 @@ class FciArm(RobotArm):
     def close(self) -> None:
         """Stop a motion and hang up."""
         self.stop_motion()
-        self._network.close()
+        self._link.close()
 
-    def _receive(self) -> bool:
-        """Wait for a newer state, `SLICE` at most; return whether one has come.
-
-        States that have piled up are passed over, as in libfranka.
-        """
-        reader, network = self._reader, self._network
-        size = network.wait(reader.message)
-        if not reader.is_newer(size):
-            if not size:
-                self._note_silence()
-            return False
-        self._read()
-        if reader.message_id > self._counted + 1:
-            while size := network.poll(reader.message):
-                if reader.is_newer(size):
-                    self._read()
-        return True
-
-    def _read(self) -> None:
-        reader = self._reader
-        reader.read()
-        self._silence = 0.0
+    def _take_state(self) -> None:
+        """Look what a new state says of the motion."""
         if self._motion is not None:
-            self._log.note(reader.message, self._writer.message)
-            if reader.robot_mode is not RobotMode.MOVE or reader.modes != self._modes:
-                self._ended, self._motion = self._motion, None
-                self._has_failed = True
-                self._end_motion()
+            self._commands.note_state()
+            if not self._commands.is_shown():
+                self._waiting.append(self._motion)
+                self._motion, self._has_failed = None, True
+                self._commands.end()
         self._show_mode()
 
-    def _receive_in_time(self) -> None:
-        """Wait for the next state, as long as an arm may be silent."""
-        while self._lost is None and not self._receive():
-            pass
-
-    def _require_state(self) -> None:
-        """Wait for a state; fail without one.
-
-        Raises:
-            FciNetworkError: The arm is lost.
-        """
-        self._receive_in_time()
-        if self._lost is not None:
-            raise FciNetworkError(
-                self._lost,
-                remedy="Let UDP datagrams of the arm through the firewall.",
-            )
-
-    def _note_silence(self) -> None:
-        self._silence += SLICE
-        if self._silence >= UDP_TIMEOUT:
-            self._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
-
-    def _lose(self, error: StationError) -> ArmCommandError:
-        """Give the arm up; return what a caller is told."""
-        self._lost = error.message
-        self._motion = self._ended = self._stop = self._recovery = None
+    def _give_up(self) -> None:
+        """End everything: the arm is lost."""
+        self._motion = self._stop = self._recovery = None
+        self._waiting.clear()
         self._has_failed = True
-        self._end_motion()
+        self._commands.end()
         self.state.robot_mode = RobotMode.OTHER
-        return ArmCommandError(
-            f"The arm is lost: {self._lost}.",
-            remedy="Restore the connection and restart the station.",
-        )
 
     def _shown_mode(self) -> RobotMode:
         """Return the arm's mode; a motion that nobody here commands is none."""
-        if self._lost is not None:
+        if self._link.loss is not None:
             return RobotMode.OTHER
         mode = self._reader.robot_mode
         if mode is RobotMode.MOVE and self._motion is None:
@@ -479,66 +364,42 @@ class FciArm(RobotArm):
         if mode is not self.state.robot_mode:
             self.state.robot_mode = mode
 
-    def _end_motion(self) -> None:
-        self._controller, self._generator = None, MotionGeneratorMode.NONE
-        self._needed = 0
+    def _begin(self, answer: RobotAnswer) -> int:
+        """Wait until the states show a motion that the arm has accepted.
 
-    def _await_motion(self) -> None:
-        """Wait until the states show the motion that the arm has accepted.
+        Returns:
+            The number of its request.
 
         Raises:
-            ArmCommandError: The motion has ended before it began, or does not show.
+            ArmCommandError: The arm refuses the motion, or it does not show.
         """
-        reader = self._reader
-        motion, self._motion = self._motion, None
+        if answer.status != MoveStatus.MOTION_STARTED:
+            raise self._refused(answer)
         for _ in range(_LONGEST_START):
-            if self._lost is not None or motion is None:
+            if self._commands.is_shown() or self._link.loss is not None:
                 break
-            if reader.modes == self._modes and reader.robot_mode is RobotMode.MOVE:
-                self._motion = motion
-                self._show_mode()
-                return
-            self._receive_in_time()
-            end = self._client.take(motion)
+            self._link.receive_next()
+            end = self._link.take(answer.command_id)
             if end is not None:
-                self._end_motion()
                 raise self._refused(end)
-        self._end_motion()
-        raise ArmCommandError("The arm does not show the motion that it has accepted.")
+        if not self._commands.is_shown() or self._link.loss is not None:
+            raise ArmCommandError(
+                "The arm does not show the motion that it has accepted."
+            )
+        return answer.command_id
 
     def _take_answers(self) -> None:
         """Look whether the arm has answered what it was asked before."""
-        try:
-            if self._stop is not None:
-                stop = self._client.take(self._stop)
-                if stop is not None:
-                    self._stop = None
-                    self._note_failure(stop)
-            if self._recovery is not None:
-                recovery = self._client.take(self._recovery)
-                if recovery is not None:
-                    self._recovery = None
-                    self._note_failure(recovery)
-            if self._ended is not None:
-                end = self._client.take(self._ended)
-                if end is not None:
-                    self._ended = None
-                    self._note_failure(end)
-        except (FciNetworkError, FciProtocolError) as error:
-            self._lose(error)
-
-    def _note_failure(self, answer: RobotAnswer) -> None:
-        if answer.status != RecoveryStatus.SUCCESS:  # 0 for every command
-            self._failure = refusal_of(
-                answer.command, answer.status, self._reader.robot_mode
-            )
-
-    def _give(self, part: int) -> None:
-        """Note a part of the cycle's command; send when nothing is missing."""
-        self._given |= part
-        if self._given == self._needed and not self._due:
-            self._writer.number(self._reader.message_id)
-            self._network.send_datagram(self._writer.message)
+        for number in list(self._waiting):
+            answer = self._link.take(number)
+            if answer is None:
+                continue
+            self._waiting.remove(number)
+            self._stop = None if number == self._stop else self._stop
+            self._recovery = None if number == self._recovery else self._recovery
+            if answer.status:  # 0 is success for every command
+                mode = self._reader.robot_mode
+                self._failure = refusal_of(answer.command, answer.status, mode)
 
     def _set(self, command: Command, values: Mapping[str, Any]) -> None:
         """Change a setting, and wait for a state that shows it.
@@ -552,7 +413,7 @@ class FciArm(RobotArm):
                 f"{command.name} is not possible while a motion runs.",
                 remedy="Stop the controllers of this arm first.",
             )
-        answer = self._ask(command, values)
+        answer = self._link.ask(command, values)
         if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
             raise InvalidCommandError(
                 refusal_of(command, answer.status, self._reader.robot_mode),
@@ -560,20 +421,7 @@ class FciArm(RobotArm):
             )
         if answer.status != SetterStatus.SUCCESS:
             raise self._refused(answer)
-        self._receive_in_time()
-
-    def _ask(self, command: Command, values: Mapping[str, Any]) -> RobotAnswer:
-        """Ask for something and return the first answer.
-
-        Raises:
-            ArmCommandError: The arm is lost.
-        """
-        if self._lost is not None:
-            raise self._lose(FciNetworkError(self._lost))
-        try:
-            return self._client.ask(command, values)
-        except (FciNetworkError, FciProtocolError) as error:
-            raise self._lose(error) from error
+        self._link.receive_next()
 
     def _refused(self, answer: RobotAnswer) -> ArmCommandError:
         mode = self._reader.robot_mode
@@ -581,16 +429,4 @@ class FciArm(RobotArm):
         return ArmCommandError(
             refusal_of(answer.command, answer.status, mode),
             remedy=f"{todo[0].upper()}{todo[1:]}.",
-        )
-
-    def _check_generator(self, generator: MotionGeneratorMode, what: str) -> None:
-        if self._generator is not generator:
-            raise self._not_commandable(what)
-
-    def _not_commandable(self, what: str) -> ArmCommandError:
-        controller = self._controller.value if self._controller else "none"
-        return ArmCommandError(
-            f"The arm takes no {what}: it is in mode {self.state.robot_mode.name}, "
-            f"controller {controller}, motion generator {self._generator.value}.",
-            remedy="Start a motion with the fitting modes first.",
         )

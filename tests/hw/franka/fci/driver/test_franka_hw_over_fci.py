@@ -17,7 +17,7 @@ from station.hw.franka.fci.wire.robot_protocol import Command, MoveStatus
 from station.hw.franka.franka_combined_hw import FrankaCombinedHW
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulated.arm_model import ArmModel
-from tests.hw.franka.fci.driver.test_fci_arm import answering
+from tests.hw.franka.fci.driver.test_driver import answering
 from tests.hw.franka.fci.stepped_network import SteppedNetwork
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.hw.franka.test_franka_hw import (
@@ -110,7 +110,7 @@ def test_lost_arm_stops_the_controllers_with_its_reason():
     hw = make()
     switch(hw, "jp")
     drive(hw, PositionJointInterface, list(hw.robot_state.q_d), 5)
-    hw.arm._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
+    hw.arm._link._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
     run(hw, 1)
     assert hw.is_interrupted()
     reason = hw.interruption_of(controllers("jp")[0])
