@@ -361,10 +361,8 @@ class ControlLoop:
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
         pace = RobotPace(robot, self.clock.now, self.period)
         while not self._stopping:
-            lateness, elapsed = pace.wait()
-            self.heartbeat.beats[0] = pace.woke
+            elapsed = pace.wait(self._meter, self.heartbeat.beats)
             if elapsed:
-                self._meter.woke(lateness, elapsed - 1)
                 self._cycle(elapsed * self.period)
             else:
                 self._look_around()
@@ -386,8 +384,7 @@ class ControlLoop:
                 return
 
     def _cycle(self, period: float) -> None:
-        if period > self._longest_period:
-            period = self._longest_period
+        period = min(period, self._longest_period)
         self.time = time = self.time + period
         self.cycle += 1
         if self._operations.waiting or self.stop_latch.pending:

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 
 from station.core.hardware.robot_hw import RobotClock
+from station.core.loop.loop_report import LoopMeter
+from station.kernel.doubles import Doubles
 
 
 class RobotPace:
@@ -12,9 +14,6 @@ class RobotPace:
         robot: The robot.
         now: Wall time [s].
         period: The robot's period [s].
-
-    Attributes:
-        woke: When the last wait ended [s].
     """
 
     def __init__(
@@ -23,17 +22,22 @@ class RobotPace:
         self._wait = robot.wait
         self._now = now
         self._period = period
-        self._last = self.woke = now()
+        self._last = now()
 
-    def wait(self) -> tuple[float, int]:
-        """Wait for the next state; return how late it came [s], and elapsed periods.
+    def wait(self, meter: LoopMeter, beats: Doubles) -> int:
+        """Wait for the next state; return how many periods have elapsed.
 
         The two clocks drift apart, so each state is due a period after the last one.
+
+        Args:
+            meter: Is told how late the state has come, and what was skipped.
+            beats: Takes the time at which the wait ended.
         """
         elapsed = self._wait()
-        self.woke = woke = self._now()
-        if not elapsed:
-            return 0.0, 0
-        lateness = woke - self._last - elapsed * self._period
-        self._last = woke
-        return max(0.0, lateness), elapsed
+        woke = self._now()
+        beats[0] = woke
+        if elapsed:
+            lateness = woke - self._last - elapsed * self._period
+            meter.woke(max(0.0, lateness), elapsed - 1)
+            self._last = woke
+        return elapsed

@@ -50,6 +50,7 @@ from station.hw.franka.arm.control_mode import (
     find_conflicts,
     is_supported,
 )
+from station.hw.franka.arm.loop_period import arm_cycles_of
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
@@ -76,9 +77,6 @@ if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
-# Longest period of the loop with which the gains that franka_control configures for
-# effort controllers are stable [s].
-_SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {float(mode.value): mode.name.lower() for mode in RobotMode}
 
 
@@ -309,30 +307,15 @@ class FrankaHW(RobotHW):
         Raises:
             HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
-        cycle_time, arm_id = self.arm.cycle_time, self._parameters.arm_id
-        if period < 0.999 * cycle_time:
-            raise HardwareInterfaceError(
-                f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' takes at most "
-                f"{1.0 / cycle_time:g} commands per second.",
-                remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
-                details={"rate": 1.0 / period},
-            )
-        self._nominal_cycles = max(1, round(period / cycle_time))
+        self._nominal_cycles = arm_cycles_of(
+            period, self.arm.cycle_time, self._parameters.arm_id
+        )
         if self._real_arm is not None and self._nominal_cycles > 1:
             raise HardwareInterfaceError(
-                f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' at "
-                f"{self._parameters.robot_ip} needs {1.0 / cycle_time:g} commands per "
-                "second.",
-                remedy=f"Set station.rate to {1.0 / cycle_time:g}.",
+                f"The loop runs at {1.0 / period:g} Hz; a real arm needs a command in "
+                "each of its cycles.",
+                remedy=f"Set station.rate to {1.0 / self.arm.cycle_time:g}.",
                 details={"rate": 1.0 / period},
-            )
-        if period > _SLOWEST_TORQUE_PERIOD:
-            _logger.warning(
-                "arm '%s' with a loop of %g Hz: torque controllers need small gains "
-                "below %g Hz, above all the damping; franka_control's are too large",
-                arm_id,
-                1.0 / period,
-                1.0 / _SLOWEST_TORQUE_PERIOD,
             )
 
     def longest_period(self) -> float:

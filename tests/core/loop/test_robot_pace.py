@@ -52,11 +52,24 @@ def test_stop_is_carried_out_while_a_robot_with_a_clock_is_silent():
     assert loop.time == pytest.approx(PERIOD)
 
 
+class Meter:
+    """Writes down what it is told."""
+
+    def __init__(self):
+        self.told = []
+
+    def woke(self, lateness, skipped):
+        self.told.append((lateness, skipped))
+
+
 def test_lateness_is_counted_from_the_state_before():
     times = iter([0.0, 0.0011, 0.0020, 0.0060, 0.0082])
-    robot = PacedJoint(1, 1, 0, 3)
-    pace = RobotPace(robot, lambda: next(times), PERIOD)
-    told = [pace.wait() for _ in range(4)]
-    assert [elapsed for _, elapsed in told] == [1, 1, 0, 3]
-    expected = [0.0001, 0.0, 0.0, 0.0032]
-    assert [lateness for lateness, _ in told] == pytest.approx(expected)
+    meter, beats = Meter(), [0.0]
+    pace = RobotPace(PacedJoint(1, 1, 0, 3), lambda: next(times), PERIOD)
+    assert [pace.wait(meter, beats) for _ in range(4)] == [1, 1, 0, 3]
+    assert meter.told == [
+        pytest.approx((0.0001, 0)),
+        pytest.approx((0.0, 0)),
+        pytest.approx((0.0032, 2)),
+    ]
+    assert beats == [0.0082]

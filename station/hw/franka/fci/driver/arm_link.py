@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from station.core.errors import ArmCommandError, StationError
+from station.core.errors import ArmCommandError, InvalidCommandError, StationError
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.fci.driver.network import (
     SLICE,
@@ -13,10 +13,15 @@ from station.hw.franka.fci.driver.network import (
     FciNetworkError,
     Network,
 )
+from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.driver.robot_client import RobotAnswer, RobotClient
 from station.hw.franka.fci.driver.state_reader import StateReader
 from station.hw.franka.fci.wire.messages import FciProtocolError
-from station.hw.franka.fci.wire.robot_protocol import Command, RobotProtocol
+from station.hw.franka.fci.wire.robot_protocol import (
+    Command,
+    RobotProtocol,
+    SetterStatus,
+)
 
 CYCLE_TIME = 0.001
 """Time from one state to the next [s]."""
@@ -63,8 +68,9 @@ class ArmLink:
         """Say who this side is, and wait for the first state.
 
         Raises:
-            FciNetworkError: The arm does not answer.
-            FciProtocolError: The arm does not speak this version.
+            StationError: The arm does not answer (`FciNetworkError`), or does not
+                speak this version (`FciProtocolError`).
+            FciNetworkError: No state has come.
         """
         try:
             self._client.connect()
@@ -141,6 +147,36 @@ class ArmLink:
             return self._client.ask(command, values)
         except (FciNetworkError, FciProtocolError) as error:
             raise self._lose(error) from error
+
+    def change(self, command: Command, values: Mapping[str, Any]) -> None:
+        """Change a setting, and wait for a state that shows it.
+
+        Raises:
+            ArmCommandError: The arm is lost or refuses.
+            InvalidCommandError: The arm refuses the value.
+        """
+        answer = self.ask(command, values)
+        if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
+            raise InvalidCommandError(
+                refusal_of(command, answer.status, self.reader.robot_mode),
+                remedy="Give values that this arm allows.",
+            )
+        if answer.status != SetterStatus.SUCCESS:
+            raise self.refused(answer)
+        self.receive_next()
+
+    def refused(self, answer: RobotAnswer) -> ArmCommandError:
+        """Return what a caller is told of an answer that is no success."""
+        mode = self.reader.robot_mode
+        todo = REMEDIES.get(mode, "stop the running motion, then try again")
+        return ArmCommandError(
+            refusal_of(answer.command, answer.status, mode),
+            remedy=f"{todo[0].upper()}{todo[1:]}.",
+        )
+
+    def forget(self, number: int) -> None:
+        """Drop the answers to a request, also those that are still to come."""
+        self._client.forget(number)
 
     def take(self, number: int) -> RobotAnswer | None:
         """Return the next answer to a request if it is there; the arm may get lost."""

@@ -12,7 +12,7 @@ from typing import Any
 
 from typing_extensions import override
 
-from station.core.errors import ArmCommandError, InvalidCommandError
+from station.core.errors import ArmCommandError
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError, error_names
 from station.core.franka.franka_model import FrankaModel
@@ -29,14 +29,13 @@ from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
 from station.hw.franka.fci.driver.network import Network
 from station.hw.franka.fci.driver.realtime import realtime_problem
-from station.hw.franka.fci.driver.refusals import refusal_of
+from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.driver.robot_client import RobotAnswer
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
     MoveStatus,
     RobotProtocol,
-    SetterStatus,
 )
 from station.kernel.doubles import Storage
 
@@ -45,13 +44,6 @@ MEASURED_REST = 0.02
 arm's velocities is 3 mrad/s (see `Realism`)."""
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""
-_REMEDIES = {
-    RobotMode.OTHER: "open the brakes and activate FCI in Desk",
-    RobotMode.GUIDING: "let go of the guiding buttons",
-    RobotMode.REFLEX: "remove the cause, then recover",
-    RobotMode.USER_STOPPED: "release the user stop",
-    RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
-}
 
 
 class FciArm(RobotArm):
@@ -207,6 +199,7 @@ class FciArm(RobotArm):
         if motion is None:
             return
         self._commands.end()
+        self._link.forget(motion)  # how it ends is what the stop is answered
         try:
             self._stop = self._link.send(Command.STOP_MOVE)
         except ArmCommandError:
@@ -318,7 +311,7 @@ class FciArm(RobotArm):
     def remedy(self) -> str | None:
         if self._link.loss is not None:
             return "restore the connection and restart the station"
-        todo = _REMEDIES.get(self._shown_mode())
+        todo = REMEDIES.get(self._shown_mode())
         if todo is None or not self._failure:
             return todo
         return f"{todo} ({self._failure})"
@@ -374,14 +367,14 @@ class FciArm(RobotArm):
             ArmCommandError: The arm refuses the motion, or it does not show.
         """
         if answer.status != MoveStatus.MOTION_STARTED:
-            raise self._refused(answer)
+            raise self._link.refused(answer)
         for _ in range(_LONGEST_START):
             if self._commands.is_shown() or self._link.loss is not None:
                 break
             self._link.receive_next()
             end = self._link.take(answer.command_id)
             if end is not None:
-                raise self._refused(end)
+                raise self._link.refused(end)
         if not self._commands.is_shown() or self._link.loss is not None:
             raise ArmCommandError(
                 "The arm does not show the motion that it has accepted."
@@ -413,20 +406,4 @@ class FciArm(RobotArm):
                 f"{command.name} is not possible while a motion runs.",
                 remedy="Stop the controllers of this arm first.",
             )
-        answer = self._link.ask(command, values)
-        if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
-            raise InvalidCommandError(
-                refusal_of(command, answer.status, self._reader.robot_mode),
-                remedy="Give values that this arm allows.",
-            )
-        if answer.status != SetterStatus.SUCCESS:
-            raise self._refused(answer)
-        self._link.receive_next()
-
-    def _refused(self, answer: RobotAnswer) -> ArmCommandError:
-        mode = self._reader.robot_mode
-        todo = _REMEDIES.get(mode, "stop the running motion, then try again")
-        return ArmCommandError(
-            refusal_of(answer.command, answer.status, mode),
-            remedy=f"{todo[0].upper()}{todo[1:]}.",
-        )
+        self._link.change(command, values)

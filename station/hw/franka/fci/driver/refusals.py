@@ -49,6 +49,14 @@ _MODES = {
     RobotMode.USER_STOPPED: "User stopped",
     RobotMode.AUTOMATIC_ERROR_RECOVERY: "Automatic error recovery",
 }
+REMEDIES = {
+    RobotMode.OTHER: "open the brakes and activate FCI in Desk",
+    RobotMode.GUIDING: "let go of the guiding buttons",
+    RobotMode.REFLEX: "remove the cause, then recover",
+    RobotMode.USER_STOPPED: "release the user stop",
+    RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
+}
+"""What to do before an arm in a mode can move."""
 
 
 def refusal_of(command: Command, number: int, mode: RobotMode) -> str:

@@ -43,6 +43,7 @@ class RobotClient:
         self._protocol = protocol
         self._messages = Messages(HEADER, protocol.exchanges)
         self._count = 0
+        self._forgotten = 0
         self._answers: dict[int, list[RobotAnswer]] = {}
 
     def connect(self) -> None:
@@ -112,9 +113,12 @@ class RobotClient:
             if not data:
                 return None
             for answer in self._messages.feed(data):
+                if answer.command_id == self._forgotten:
+                    continue
                 self._answers.setdefault(answer.command_id, []).append(answer)
         return found.pop(0)
 
     def forget(self, number: int) -> None:
-        """Drop what else was answered to a request."""
+        """Drop the answers to a request, also those that are still to come."""
         self._answers.pop(number, None)
+        self._forgotten = number

@@ -79,7 +79,7 @@ def test_arm_that_does_not_answer_is_told(monkeypatch):
 def test_loop_at_another_rate_than_the_arm_is_refused():
     hw = make()
     hw.check_period(PERIOD)
-    with pytest.raises(HardwareInterfaceError, match=ADDRESS) as error:
+    with pytest.raises(HardwareInterfaceError, match="real arm needs") as error:
         hw.check_period(0.002)
     assert "1000" in error.value.remedy
 
