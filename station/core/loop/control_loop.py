@@ -88,7 +88,6 @@ class ControlLoop:
         self.hw = hw
         self.manager = manager
         self.clock = clock
-        self._now = clock.now
         self.period = period
         self.pace = Pace(real_time_factor)
         self.snapshots = snapshots or SnapshotRing()
@@ -302,10 +301,7 @@ class ControlLoop:
     def _run(self) -> None:
         self._scheduler = request_realtime_priority()
         try:
-            if self._robot_clock is None:
-                self._run_until_stopped()
-            else:
-                self._run_at_the_pace_of(self._robot_clock)
+            self._run_until_stopped()
         except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
             self._failure = trace_of_fault()
             self._state = LoopState.FAILED
@@ -330,6 +326,9 @@ class ControlLoop:
         )
 
     def _run_until_stopped(self) -> None:
+        if self._robot_clock is not None:
+            self._run_at_the_pace_of(self._robot_clock)
+            return
         pace, beats = self.pace, self.heartbeat.beats
         deadline = self.clock.now() + self.period / pace.real_time_factor
         while not self._stopping:
@@ -370,8 +369,7 @@ class ControlLoop:
     def _sleep_in_slices(self, deadline: float) -> None:
         """Sleep until `deadline`, the end of the loop, or a change of the pace."""
         clock, pace = self.clock, self.pace
-        factor = pace.real_time_factor
-        now = clock.now()
+        factor, now = pace.real_time_factor, clock.now()
         while now < deadline and not self._stopping:
             clock.sleep_until(min(deadline, now + SLICE))
             now = clock.now()
@@ -389,7 +387,7 @@ class ControlLoop:
         self.cycle += 1
         if self._operations.waiting or self.stop_latch.pending:
             self._between_cycles()
-        now = self._now
+        now = self.clock.now
         begun = now()
         self.hw.read(time, period)
         read = now()

@@ -17,14 +17,12 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Sequence
-from math import inf
 from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.errors import (
-    HardwareInterfaceError,
     ParameterError,
     SwitchRefusedError,
 )
@@ -50,9 +48,9 @@ from station.hw.franka.arm.control_mode import (
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.arm.loop_period import arm_cycles_of
-from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
+from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.arm.sensor_check import SensorCheck
+from station.hw.franka.commands.arm_cycles import ArmCycles
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
@@ -110,8 +108,6 @@ class FrankaHW(RobotHW):
         self._arm = arm
         self._real_arm: FciArm | None = None
         self.guest: FciGuest | None = None
-        self._time_due = 0.0
-        self._nominal_cycles = 1  # arm cycles per loop cycle
         self._fingers: FingerJoints | None = None
         self._blind: str | None = None  # which reading is not finite
 
@@ -129,7 +125,7 @@ class FrankaHW(RobotHW):
         if self._arm is None:
             self._make_arm(root_params)
         # The arm once more, known to be there: `arm` looks each time, read() does not.
-        self._driven, self._cycle_time = self.arm, self.arm.cycle_time
+        self._driven = self.arm
         self._mode = self.arm.state.doubles(MODE)
         self._sensors = SensorCheck(self.arm.state)
         self._first_bad = self._sensors.first_bad
@@ -150,6 +146,9 @@ class FrankaHW(RobotHW):
             self.commands,
             self.cartesian,
             CommandFilter(limits, self.arm.state, self.commands),
+        )
+        self._cycles = ArmCycles(
+            self.arm, self._sender, self._parameters.most_lost_packets
         )
         self._motion = MotionStart(self.arm, self._sender)
         self._add_fingers(arm_id)
@@ -240,24 +239,11 @@ class FrankaHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
-
-        When the loop is slower than the arm, the arm gets the last command again in its
-        cycles within a nominal period, each time through filter and limits. The cycles
-        that a late loop has missed are lost packets: the arm extrapolates its motion,
-        and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
-        so that short delays lose no packet.
-        """
-        arm = self._driven
-        if self.guest is not None:
-            self.guest.before_read()
-        self._time_due += period
-        cycles = round(self._time_due / self._cycle_time)
-        self._time_due -= cycles * self._cycle_time
-        if cycles == 1 == self._nominal_cycles:
-            arm.read_once()
-        else:
-            self._catch_up(cycles)
+        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
+        arm, guest = self._driven, self.guest
+        if guest is not None:
+            guest.before_read()
+        cycles = self._cycles.read(period)
         if self._motion.is_waiting:
             self._motion.advance(cycles)
         bad, self._blind = self._first_bad(), None
@@ -267,18 +253,8 @@ class FrankaHW(RobotHW):
             arm.stop_motion()
         if self._fingers is not None:
             self._fingers.read()
-        if self.guest is not None:
-            self.guest.after_read()
-
-    def _catch_up(self, cycles: int) -> None:
-        """Read the arm once for each of several cycles, or none."""
-        late = min(cycles - self._nominal_cycles, self._parameters.most_lost_packets)
-        bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
-        lost = 0 if bridged else max(0, late)
-        for cycle in range(min(cycles, self._nominal_cycles + late)):
-            if cycle > lost:
-                self._sender.send_again()
-            self._driven.read_once()
+        if guest is not None:
+            guest.after_read()
 
     @override
     def write(self, time: float, period: float) -> None:
@@ -307,22 +283,12 @@ class FrankaHW(RobotHW):
         Raises:
             HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
-        self._nominal_cycles = arm_cycles_of(
-            period, self.arm.cycle_time, self._parameters.arm_id
-        )
-        if self._real_arm is not None and self._nominal_cycles > 1:
-            raise HardwareInterfaceError(
-                f"The loop runs at {1.0 / period:g} Hz; a real arm needs a command in "
-                "each of its cycles.",
-                remedy=f"Set station.rate to {1.0 / self.arm.cycle_time:g}.",
-                details={"rate": 1.0 / period},
-            )
+        is_real = self._real_arm is not None
+        self._cycles.plan(period, self._parameters.arm_id, is_real=is_real)
 
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
-        lost = self._parameters.most_lost_packets
-        waits = self._parameters.waits_for_late_loop
-        return (self._nominal_cycles + lost) * self.arm.cycle_time if waits else inf
+        return self._cycles.longest_period()
 
     @override
     def check_for_conflict(

@@ -10,16 +10,20 @@ _logger = logging.getLogger(__name__)
 _SLOWEST_TORQUE_PERIOD = 0.004
 
 
-def arm_cycles_of(period: float, cycle_time: float, arm_id: str) -> int:
+def arm_cycles_of(
+    period: float, cycle_time: float, arm_id: str, *, is_real: bool = False
+) -> int:
     """Return how many cycles of the arm a period of the loop has; warn of a slow loop.
 
     Args:
         period: Nominal period of the loop [s], > 0.
         cycle_time: Time from one state of the arm to the next [s], > 0.
         arm_id: Name of the arm.
+        is_real: Whether the arm needs a command in each of its cycles.
 
     Raises:
-        HardwareInterfaceError: `period` is shorter than the arm's own cycle.
+        HardwareInterfaceError: `period` is shorter than the arm's own cycle, or longer
+            than that of a real arm.
     """
     if period < 0.999 * cycle_time:
         raise HardwareInterfaceError(
@@ -36,4 +40,12 @@ def arm_cycles_of(period: float, cycle_time: float, arm_id: str) -> int:
             1.0 / period,
             1.0 / _SLOWEST_TORQUE_PERIOD,
         )
-    return max(1, round(period / cycle_time))
+    cycles = max(1, round(period / cycle_time))
+    if is_real and cycles > 1:
+        raise HardwareInterfaceError(
+            f"The loop runs at {1.0 / period:g} Hz; the real arm '{arm_id}' needs a "
+            "command in each of its cycles.",
+            remedy=f"Set station.rate to {1.0 / cycle_time:g}.",
+            details={"rate": 1.0 / period},
+        )
+    return cycles

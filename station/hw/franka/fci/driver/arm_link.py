@@ -128,7 +128,7 @@ class ArmLink:
         Raises:
             ArmCommandError: The arm is lost.
         """
-        self._check()
+        self.check()
         try:
             return self._client.send(command)
         except FciNetworkError as error:
@@ -142,7 +142,7 @@ class ArmLink:
         Raises:
             ArmCommandError: The arm is lost.
         """
-        self._check()
+        self.check()
         try:
             return self._client.ask(command, values)
         except (FciNetworkError, FciProtocolError) as error:
@@ -200,7 +200,7 @@ class ArmLink:
         if self._silence >= UDP_TIMEOUT:
             self._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
 
-    def _check(self) -> None:
+    def check(self) -> None:
         """Refuse what needs an arm.
 
         Raises:

@@ -118,14 +118,13 @@ class FciArm(RobotArm):
 
     @override
     def read_once(self) -> RobotState:
-        commands = self._commands
-        commands.begin_cycle()
+        self._commands.begin_cycle()
         if self._due > 0:
             self._due -= 1
         elif self._link.loss is None:
             self._link.receive_next()
             self._link.count()
-        commands.is_late = self._due > 0
+        self._commands.is_late = self._due > 0
         if self._waiting:
             self._take_answers()
         return self.state
@@ -144,13 +143,7 @@ class FciArm(RobotArm):
         is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
         if motion_generator_mode is MotionGeneratorMode.NONE and not is_external:
             return "the internal controller needs a motion generator"
-        problem = self._find_problem(self._thread) if self._is_enforced else None
-        if problem is not None:
-            return (
-                f"{problem}; allow SCHED_FIFO and boot a real-time kernel, or set "
-                "realtime_config: ignore (see docs/real_arm.md)"
-            )
-        return None
+        return self._find_problem(self._thread) if self._is_enforced else None
 
     @override
     def is_at_rest(self) -> bool:
@@ -271,11 +264,7 @@ class FciArm(RobotArm):
 
     @override
     def check_recovery(self) -> None:
-        if self._link.loss is not None:
-            raise ArmCommandError(
-                f"The arm cannot recover: {self._link.loss}.",
-                remedy="Restore the connection and restart the station.",
-            )
+        self._link.check()
         if self.state.robot_mode is RobotMode.USER_STOPPED:
             raise ArmCommandError(
                 "The arm cannot recover: the user stop is pressed.",
@@ -312,9 +301,7 @@ class FciArm(RobotArm):
         if self._link.loss is not None:
             return "restore the connection and restart the station"
         todo = REMEDIES.get(self._shown_mode())
-        if todo is None or not self._failure:
-            return todo
-        return f"{todo} ({self._failure})"
+        return f"{todo} ({self._failure})" if todo and self._failure else todo
 
     @override
     def simulation(self) -> ArmSimulation | None:
@@ -353,9 +340,7 @@ class FciArm(RobotArm):
         return mode
 
     def _show_mode(self) -> None:
-        mode = self._shown_mode()
-        if mode is not self.state.robot_mode:
-            self.state.robot_mode = mode
+        self.state.robot_mode = self._shown_mode()
 
     def _begin(self, answer: RobotAnswer) -> int:
         """Wait until the states show a motion that the arm has accepted.
