@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from station.core.errors import LoopError
@@ -44,7 +44,7 @@ class Operation:
                 self.error = error
         self.done.release()
 
-    def outcome(self, timeout: float, details: dict[str, object]) -> object:
+    def outcome(self, timeout: float, details: Mapping[str, object]) -> object:
         """Wait until it was done; return what it returned, or raise what it raised.
 
         Args:
@@ -59,7 +59,7 @@ class Operation:
             raise LoopError(
                 f"The control loop did not answer within {timeout} s.",
                 remedy="See the report of the loop: it is overloaded, or it has died.",
-                details=details,
+                details=dict(details),
             )
         if self.error is not None:
             raise self.error
