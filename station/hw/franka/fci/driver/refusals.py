@@ -67,7 +67,13 @@ def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
         number: The status of the answer.
         mode: The arm's mode.
     """
-    name = command.name.replace("_", " ").title().replace("Ee", "EE")
+    name = (
+        command.name
+        .replace("_", " ")
+        .title()
+        .replace("Ee", "EE")
+        .replace(" To ", " to ")
+    )
     try:
         status = _STATUSES.get(command, SetterStatus)(number).name
     except ValueError:

@@ -100,6 +100,12 @@ def test_refused_setting_is_told_in_libfrankas_words(
         arm.set_joint_impedance([100.0] * 7)
 
 
+def test_command_has_libfrankas_name(monkeypatch, network, arm):
+    answering(monkeypatch, network, Command.SET_NE_TO_EE, 1)
+    with pytest.raises(ArmCommandError, match="libfranka: Set NE to EE command rejec"):
+        arm.set_end_effector_frame(arm.state.NE_T_EE)
+
+
 def test_other_version_is_refused_with_both_numbers():
     class Older(SteppedNetwork):
         def send(self, data):
