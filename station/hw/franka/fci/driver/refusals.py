@@ -67,13 +67,9 @@ def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
         number: The status of the answer.
         mode: The arm's mode.
     """
-    name = (
-        command.name
-        .replace("_", " ")
-        .title()
-        .replace("Ee", "EE")
-        .replace(" To ", " to ")
-    )
+    name = command.name.replace("_", " ").title()
+    # Names of frames keep their capitals: "Set NE to EE".
+    name = name.replace("Ne ", "NE ").replace("Ee", "EE").replace(" To ", " to ")
     try:
         status = _STATUSES.get(command, SetterStatus)(number).name
     except ValueError:
