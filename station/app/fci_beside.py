@@ -84,6 +84,7 @@ class FciBeside:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 pass_fds=inherited,
+                start_new_session=True,  # Ctrl-C is for the station, which ends it
             )
         os.close(memory)
         try:

@@ -119,6 +119,7 @@ class FciArm(RobotArm):
     @override
     def read_once(self) -> RobotState:
         self._commands.begin_cycle()
+        self._thread = threading.get_native_id()
         if self._due > 0:
             self._due -= 1
         elif self._link.loss is None:
@@ -166,7 +167,6 @@ class FciArm(RobotArm):
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
     ) -> None:
-        self._thread = threading.get_native_id()
         reason = self.refusal(controller_mode, motion_generator_mode)
         if self._motion is not None:
             reason = "a motion runs already"

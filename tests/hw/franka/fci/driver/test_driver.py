@@ -1,5 +1,7 @@
 """What the driver does when the arm refuses, errs, or is gone."""
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import pytest
@@ -127,6 +129,16 @@ def test_motion_needs_a_realtime_thread_unless_told_otherwise(network):
     with pytest.raises(ArmCommandError, match="unable to set realtime"):
         arm.start_motion(JOINT, POSITION)
     assert arm.read_once().robot_mode is RobotMode.IDLE
+
+
+def test_thread_that_reads_is_the_one_that_has_to_be_realtime(network):
+    asked = []
+    arm = FciArm(network, PlainModel, find_problem=asked.append)
+    with ThreadPoolExecutor(1) as control:
+        control.submit(arm.read_once).result()
+        reader = control.submit(threading.get_native_id).result()
+    assert arm.refusal(JOINT, POSITION) is None
+    assert asked == [reader]
 
 
 def test_torques_and_motion_leave_together_and_once_per_state(network, arm):
