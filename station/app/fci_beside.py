@@ -24,7 +24,7 @@ from station.hw.franka.fci.server.fci_door import (
     receive_frame,
     send_frame,
 )
-from station.hw.franka.fci.server.fci_guest import FciGuest
+from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.franka_hw import FrankaHW
 
@@ -135,6 +135,7 @@ class FciBeside:
 
     def _welcome(self) -> None:
         self._hw.guest = self._guest
+        self._loop.reading = GuestReading(self._guest, self._loop.reading)
 
     def _serve(self) -> None:
         """Carry out what the process passes on, until it ends."""

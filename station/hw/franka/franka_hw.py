@@ -17,6 +17,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Sequence
+from math import inf
 from typing import TYPE_CHECKING
 
 from typing_extensions import override
@@ -48,9 +49,9 @@ from station.hw.franka.arm.control_mode import (
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.loop_period import arm_cycles_of
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.arm.sensor_check import SensorCheck
-from station.hw.franka.commands.arm_cycles import ArmCycles
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
@@ -67,7 +68,9 @@ from station.hw.franka.franka_parameters import (
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
 from station.hw.urdf_loader import load_urdf
-from station.kernel.arm_codes import MOVE
+from station.kernel.arm_reading import ArmReading
+from station.kernel.arm_writing import ArmWatch, ArmWriting
+from station.kernel.stages import RobotWatch, Stage
 
 if TYPE_CHECKING:
     from station.hw.franka.fci.driver.fci_arm import FciArm
@@ -109,7 +112,6 @@ class FrankaHW(RobotHW):
         self._real_arm: FciArm | None = None
         self.guest: FciGuest | None = None
         self._fingers: FingerJoints | None = None
-        self._blind: str | None = None  # which reading is not finite
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -124,11 +126,8 @@ class FrankaHW(RobotHW):
         arm_id, limits = self._parameters.arm_id, self._parameters.limits
         if self._arm is None:
             self._make_arm(root_params)
-        # The arm once more, known to be there: `arm` looks each time, read() does not.
-        self._driven = self.arm
         self._mode = self.arm.state.doubles(MODE)
         self._sensors = SensorCheck(self.arm.state)
-        self._first_bad = self._sensors.first_bad
         description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -147,10 +146,17 @@ class FrankaHW(RobotHW):
             self.cartesian,
             CommandFilter(limits, self.arm.state, self.commands),
         )
-        self._cycles = ArmCycles(
-            self.arm, self._sender, self._parameters.most_lost_packets
-        )
         self._motion = MotionStart(self.arm, self._sender)
+        self._watch = ArmWatch(self, self._mode, _MODE_NAMES, self._motion)
+        self._writing = ArmWriting(self._mode, self._sender)
+        self._reading = ArmReading(
+            self.arm.cycles(),
+            self._sensors.readings,
+            self._motion,
+            cycle_time=self.arm.cycle_time,
+            catch_up=self._catch_up,
+            end_motion=self.arm.stop_motion,
+        )
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
             self.register_interface(interface)
@@ -235,34 +241,55 @@ class FrankaHW(RobotHW):
 
     @override
     def mode(self) -> str:
-        return _MODE_NAMES[self._mode[0]]
+        return self._watch.mode()
+
+    @override
+    def watch(self) -> RobotWatch:
+        return self._watch
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
-        arm, guest = self._driven, self.guest
-        if guest is not None:
-            guest.before_read()
-        cycles = self._cycles.read(period)
-        if self._motion.is_waiting:
-            self._motion.advance(cycles)
-        bad, self._blind = self._first_bad(), None
-        if bad >= 0:
-            # A controller that used a reading that is not finite would command garbage.
-            self._blind = self._sensors.describe(bad)
-            arm.stop_motion()
-        if self._fingers is not None:
-            self._fingers.read()
-        if guest is not None:
-            guest.after_read()
+        """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
+
+        When the loop is slower than the arm, the arm gets the last command again in its
+        cycles within a nominal period, each time through filter and limits. The cycles
+        that a late loop has missed are lost packets: the arm extrapolates its motion,
+        and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
+        so that short delays lose no packet.
+        """
+        self._reading.run(time, period)
+
+    @override
+    def reading(self) -> Stage:
+        return self._reading
+
+    def _catch_up(self) -> int:
+        """Read the arm once for each cycle that is due; return how many there are."""
+        reading, cycle_time = self._reading, self.arm.cycle_time
+        cycles = round(reading.time_due / cycle_time)
+        reading.time_due -= cycles * cycle_time
+        late = min(cycles - reading.nominal, self._parameters.most_lost_packets)
+        bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
+        lost = 0 if bridged else max(0, late)
+        for cycle in range(min(cycles, reading.nominal + late)):
+            if cycle > lost:
+                self._sender.send_again()
+            self.arm.read_once()
+        return cycles
+
+    def _blindness(self) -> str | None:
+        """Return which reading is not finite; None when all are."""
+        bad = self._reading.bad
+        return None if bad < 0 else self._sensors.describe(bad)
 
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        if self._fingers is not None:
-            self._fingers.write()
-        if self._mode[0] == MOVE:
-            self._sender.send_limited(period)
+        self._writing.run(time, period)
+
+    @override
+    def writing(self) -> Stage:
+        return self._writing
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -283,12 +310,20 @@ class FrankaHW(RobotHW):
         Raises:
             HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
-        is_real = self._real_arm is not None
-        self._cycles.plan(period, self._parameters.arm_id, is_real=is_real)
+        self._reading.nominal = arm_cycles_of(
+            period,
+            self.arm.cycle_time,
+            self._parameters.arm_id,
+            is_real=self._real_arm is not None,
+        )
 
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
-        return self._cycles.longest_period()
+        lost, waits = (
+            self._parameters.most_lost_packets,
+            self._parameters.waits_for_late_loop,
+        )
+        return (self._reading.nominal + lost) * self.arm.cycle_time if waits else inf
 
     @override
     def check_for_conflict(
@@ -325,9 +360,10 @@ class FrankaHW(RobotHW):
                 f"A client of the Franka Control Interface moves arm '{arm_id}'.",
                 remedy="Let the client end its motion first.",
             )
-        if self._control_mode_of(start) and self._blind is not None:
+        blindness = self._blindness()
+        if self._control_mode_of(start) and blindness is not None:
             raise SwitchRefusedError(
-                f"Arm '{arm_id}' is blind: {self._blind}.",
+                f"Arm '{arm_id}' is blind: {blindness}.",
                 remedy="Wait until the sensor reads finite numbers again.",
             )
         if not is_supported(mode):
@@ -370,18 +406,16 @@ class FrankaHW(RobotHW):
 
     @override
     def is_interrupted(self) -> bool:
-        motion = self._motion
-        if not motion.is_active or motion.is_waiting:
-            return False
-        return self._mode[0] != MOVE
+        return self._watch.is_interrupted()
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
         arm = self.arm
-        if self._blind is not None:
-            return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
+        blindness = self._blindness()
+        if blindness is not None:
+            return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
         errors = "; ".join(error.description for error in arm.errors())
         causes = self._sender.refusal or errors or arm.failure()
         because = f" ({causes})" if causes else ""
@@ -419,6 +453,8 @@ class FrankaHW(RobotHW):
             self._fingers = FingerJoints(grippers[arm_id], names, arm_id)
             interfaces, told = self.commands.interfaces(), self._parameters
             self._fingers.register(interfaces, in_states=told.publishes_fingers)
+            self._reading.fingers = self._fingers.sensor
+            self._writing.fingers = self._fingers
             self.register_interface(self._fingers.services)
 
     def _mode_after(

@@ -1,15 +1,11 @@
 """The fingers of a Franka hand in a MuJoCo world."""
 
 from math import sqrt
-from typing import TYPE_CHECKING
 
 from station.hw.franka.hand.hand_services import MAX_FORCE
 from station.hw.mujoco.world import World
 from station.kernel.doubles import Doubles
 from station.kernel.finger_motor import FingerMotor, FingerSensor
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 OPEN_WIDTH = 0.08
 """Distance between the fingers when the hand is open [m]. Source: the limits of the
@@ -32,7 +28,7 @@ class SimulatedGripper:
 
     Attributes:
         effort_limit: Largest force of the motor on each finger, from the URDF [N].
-        before_step: Sets the motor's control.
+        preparation: Sets the motor's control.
     """
 
     def __init__(
@@ -48,7 +44,7 @@ class SimulatedGripper:
         self._start_width = width
         self._memory = self._finger.simulator_memory()
         self._motor = FingerMotor(self._memory)
-        self.before_step: Callable[[], bool] = self._motor.before
+        self.preparation = self._motor
         self._servo = (0.0, 0.0)
         self.hold(width)
         world.add_actor(self)

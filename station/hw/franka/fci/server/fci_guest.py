@@ -5,9 +5,12 @@ Either the station's controllers command the arm, or the client does.
 
 from collections.abc import Callable
 
+from typing_extensions import override
+
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
 from station.hw.franka.fci.server.shared_page import SharedPage
+from station.kernel.stages import Stage
 
 
 class FciGuest:
@@ -103,3 +106,21 @@ class FciGuest:
 
     def _is_free(self) -> bool:
         return self._may_move() and not self._is_commanded()
+
+
+class GuestReading(Stage):
+    """Reads a robot, with the guest of its arm before and after.
+
+    Args:
+        guest: The guest.
+        reading: Reads the robot.
+    """
+
+    def __init__(self, guest: FciGuest, reading: Stage) -> None:
+        self._guest, self._reading = guest, reading
+
+    @override
+    def run(self, time: float, period: float) -> None:
+        self._guest.before_read()
+        self._reading.run(time, period)
+        self._guest.after_read()

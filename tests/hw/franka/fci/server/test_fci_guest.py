@@ -6,7 +6,7 @@ from station.core.errors import ArmCommandError, SwitchRefusedError
 from station.core.franka import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
-from station.hw.franka.fci.server.fci_guest import FciGuest
+from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from tests.hw.franka.plain_model import PlainModel
 from tests.hw.franka.test_franka_hw import PERIOD, controllers, make, switch
@@ -33,6 +33,7 @@ class BesideNetwork:
             is_commanded=lambda: self.hw.is_commanded,
             may_move=lambda: self.may_move,
         )
+        self._reading = GuestReading(self.guest, self.hw.reading())
         self._answers = bytearray()
         self.guest.open()
 
@@ -48,7 +49,7 @@ class BesideNetwork:
         self.page.put_command(bytes(data))
 
     def wait(self, buffer):
-        self.hw.read(0.0, PERIOD)
+        self._reading.run(0.0, PERIOD)
         self.hw.write(0.0, PERIOD)
         state = self.page.take_state()
         if state is None:
