@@ -50,7 +50,7 @@ from station.hw.franka.arm.control_mode import (
     is_supported,
 )
 from station.hw.franka.arm.loop_period import arm_cycles_of
-from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
+from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
@@ -59,8 +59,10 @@ from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.joint_limit_warnings import joint_limit_warnings
+from station.hw.franka.commands.late_cycles import catch_up
 from station.hw.franka.commands.motion_start import MotionStart
 from station.hw.franka.commands.rate_limiter import rate_limits_of
+from station.hw.franka.commands.switch_checks import check_free
 from station.hw.franka.franka_parameters import (
     FrankaParameters,
     read_command_settings,
@@ -265,17 +267,8 @@ class FrankaHW(RobotHW):
 
     def _catch_up(self) -> int:
         """Read the arm once for each cycle that is due; return how many there are."""
-        reading, cycle_time = self._reading, self.arm.cycle_time
-        cycles = round(reading.time_due / cycle_time)
-        reading.time_due -= cycles * cycle_time
-        late = min(cycles - reading.nominal, self._parameters.most_lost_packets)
-        bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
-        lost = 0 if bridged else max(0, late)
-        for cycle in range(min(cycles, reading.nominal + late)):
-            if cycle > lost:
-                self._sender.send_again()
-            self.arm.read_once()
-        return cycles
+        lost = self._parameters.most_lost_packets
+        return catch_up(self.arm, self._sender, self._reading, lost)
 
     def _blindness(self) -> str | None:
         """Return which reading is not finite; None when all are."""
@@ -319,10 +312,8 @@ class FrankaHW(RobotHW):
 
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
-        lost, waits = (
-            self._parameters.most_lost_packets,
-            self._parameters.waits_for_late_loop,
-        )
+        lost = self._parameters.most_lost_packets
+        waits = self._parameters.waits_for_late_loop
         return (self._reading.nominal + lost) * self.arm.cycle_time if waits else inf
 
     @override
@@ -350,21 +341,12 @@ class FrankaHW(RobotHW):
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
         mode = self._mode_after(start, stop)
         arm_id = self._parameters.arm_id
-        if self._control_mode_of(start) and not self._services.is_connected():
-            raise SwitchRefusedError(
-                f"Arm '{arm_id}' is not connected.",
-                remedy="Connect the arm first.",
-            )
-        if self._control_mode_of(start) and self.guest and self.guest.is_moving:
-            raise SwitchRefusedError(
-                f"A client of the Franka Control Interface moves arm '{arm_id}'.",
-                remedy="Let the client end its motion first.",
-            )
-        blindness = self._blindness()
-        if self._control_mode_of(start) and blindness is not None:
-            raise SwitchRefusedError(
-                f"Arm '{arm_id}' is blind: {blindness}.",
-                remedy="Wait until the sensor reads finite numbers again.",
+        if self._control_mode_of(start):
+            check_free(
+                arm_id,
+                is_connected=self._services.is_connected(),
+                has_guest=self.guest is not None and self.guest.is_moving,
+                blindness=self._blindness(),
             )
         if not is_supported(mode):
             raise SwitchRefusedError(
