@@ -192,8 +192,8 @@ class FrankaHW(RobotHW):
         else:
             from station.hw.franka.simulated.arm_placement import simulate_one
 
-            world = simulate_one(self._parameters, root_params)
-            self.enter_world(world, self._parameters.arm_id)
+            told = self._parameters
+            self.enter_world(simulate_one(told, root_params), told.arm_id)
 
     def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
         """Drive an arm of a simulated world; before `init`.
@@ -267,8 +267,8 @@ class FrankaHW(RobotHW):
 
     def _catch_up(self) -> int:
         """Read the arm once for each cycle that is due; return how many there are."""
-        lost = self._parameters.most_lost_packets
-        return catch_up(self.arm, self._sender, self._reading, lost)
+        told = self._parameters
+        return catch_up(self.arm, self._sender, self._reading, told.most_lost_packets)
 
     def _blindness(self) -> str | None:
         """Return which reading is not finite; None when all are."""
@@ -303,18 +303,15 @@ class FrankaHW(RobotHW):
         Raises:
             HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
-        self._reading.nominal = arm_cycles_of(
-            period,
-            self.arm.cycle_time,
-            self._parameters.arm_id,
-            is_real=self._real_arm is not None,
-        )
+        is_real, name = self._real_arm is not None, self._parameters.arm_id
+        time = self.arm.cycle_time
+        self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
-        lost = self._parameters.most_lost_packets
-        waits = self._parameters.waits_for_late_loop
-        return (self._reading.nominal + lost) * self.arm.cycle_time if waits else inf
+        told, nominal = self._parameters, self._reading.nominal
+        longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
+        return longest if told.waits_for_late_loop else inf
 
     @override
     def check_for_conflict(
@@ -339,8 +336,7 @@ class FrankaHW(RobotHW):
             settings = read_command_settings(self._hw_params)
         except ParameterError as exc:
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
-        mode = self._mode_after(start, stop)
-        arm_id = self._parameters.arm_id
+        mode, arm_id = self._mode_after(start, stop), self._parameters.arm_id
         if self._control_mode_of(start):
             check_free(
                 arm_id,
@@ -394,12 +390,11 @@ class FrankaHW(RobotHW):
     def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
-        arm = self.arm
         blindness = self._blindness()
         if blindness is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
-        errors = "; ".join(error.description for error in arm.errors())
-        causes = self._sender.refusal or errors or arm.failure()
+        errors = "; ".join(error.description for error in self.arm.errors())
+        causes = self._sender.refusal or errors or self.arm.failure()
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
 
