@@ -77,7 +77,7 @@ class FciRun:
         world = simulate_one(parameters, root)
         gripper = world.grippers.get(arm_id)
         hand = None if gripper is None else HandServices(arm_id, gripper)
-        library = self._model_library(parameters)
+        library = model_library_of(parameters, self._warn)
         server = FciServer(world.arms[arm_id], hand, self._settings, library)
         with contextlib.closing(server), realtime_interpreter():
             granted = request_realtime_priority()
@@ -120,12 +120,22 @@ class FciRun:
             })
         )
 
-    def _model_library(self, parameters: FrankaParameters) -> ModelLibrary:
-        description = load_arm_description(
-            parameters.robot_description, parameters.limits
-        )
-        try:
-            return build_model_library(description)
-        except ModelLibraryError as error:
-            self._warn(f"Clients get no model library: {error} {error.remedy}")
-            return lambda _architecture, _system: None
+
+def model_library_of(
+    parameters: FrankaParameters, warn: Callable[[str], None]
+) -> ModelLibrary:
+    """Return where clients get the model of an arm from.
+
+    Args:
+        parameters: The arm.
+        warn: Takes a line when there is no model for them.
+
+    Raises:
+        RobotDescriptionError: The URDF cannot be used.
+    """
+    description = load_arm_description(parameters.robot_description, parameters.limits)
+    try:
+        return build_model_library(description)
+    except ModelLibraryError as error:
+        warn(f"Clients get no model library: {error} {error.remedy}")
+        return lambda _architecture, _system: None

@@ -95,6 +95,7 @@ class InProcessStation:
         self._stack = ExitStack()
         if threaded:
             self._stack.enter_context(realtime_interpreter())
+            self._stack.callback(self.facade.loop.hw.close)
             self._stack.callback(self.facade.loop.stop)
             self.facade.loop.start()
         else:

@@ -135,12 +135,18 @@ class StationRun:
         if self._recorder is not None:
             stack.callback(self._recorder.close)
             self._recorder.start_thread()
+        stack.callback(station.loop.hw.close)
         stack.callback(station.loop.stop, LOOP_TIMEOUT)
         stack.callback(_hold, station)
         station.loop.start()
         if self._config.start:
             announce(f"Starting the controllers {', '.join(self._config.start)}")
             station.switch_controllers(SwitchRequest(start=self._config.start))
+        if self._config.fci.enabled:
+            # Imported here: it loads the Franka, and most stations do without.
+            from station.app.fci_beside import FciBeside
+
+            stack.enter_context(FciBeside(station, self._config.fci.host, self._warn))
         announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT

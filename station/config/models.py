@@ -212,6 +212,18 @@ class FoxgloveSection(_Section):
     port: Port
 
 
+class FciSection(_Section):
+    """The Franka Control Interface beside the loop.
+
+    Attributes:
+        enabled: Whether programs of libfranka can connect to the simulated arm.
+        host: Address to listen at; the port is libfranka's. There are no tokens.
+    """
+
+    enabled: bool
+    host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
+
+
 class StationConfig(_Section):
     """The whole configuration from which a station is built.
 
@@ -228,6 +240,7 @@ class StationConfig(_Section):
         watchdog: The process beside the station.
         records: Recordings and incidents.
         foxglove: The server for Foxglove.
+        fci: The server for programs of libfranka.
     """
 
     station: LoopSection
@@ -240,6 +253,7 @@ class StationConfig(_Section):
     watchdog: WatchdogSection
     records: RecordsSection
     foxglove: FoxgloveSection
+    fci: FciSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
 
     def controller_modules(self) -> frozenset[str]:

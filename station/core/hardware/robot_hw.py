@@ -8,6 +8,7 @@ and a refused switch raises with its reason instead of returning `False`.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol
 
 from station.core.description.repair import Repair
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
@@ -70,6 +71,22 @@ class SwitchState(Enum):
     DONE = "done"
     ONGOING = "ongoing"
     ERROR = "error"
+
+
+class RobotClock(Protocol):
+    """Paces a control thread in the place of the wall clock. Control thread only.
+
+    A real arm has a clock, and a loop with another clock would see some of its states
+    twice or never. So the loop waits for the arm.
+    """
+
+    def wait(self) -> int:
+        """Wait for the robot's next state, some milliseconds at most.
+
+        Returns:
+            How many of its cycles have passed since the last call: usually 1, 0 if no
+            state came. A robot that is lost lets time pass, so that the cycles go on.
+        """
 
 
 class RobotHW(InterfaceManager):
@@ -247,6 +264,16 @@ class RobotHW(InterfaceManager):
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
         return None
+
+    def robot_clock(self) -> RobotClock | None:
+        """Return what paces the control thread; None for the wall clock.
+
+        The same object from `init` on.
+        """
+        return None
+
+    def close(self) -> None:
+        """Let the hardware go, once nothing uses this robot any more."""
 
     def simulated_world(self) -> SimulatedWorld | None:
         """Return the simulated world of the robot; None for a real robot.

@@ -3,7 +3,8 @@
 Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
 never made up for: the next cycle gets the longer `period`, which is the scheduled time
 since the last cycle and so a multiple of the nominal period, up to what the robot
-waits for.
+waits for. A robot with a clock of its own (`RobotHW.robot_clock`) paces the thread
+instead: a cycle begins when its state has arrived.
 
 While it is paused the thread goes on waking: posted operations, the stop and switches
 are carried out, the robot is not written to and no controller is updated. A long wait
@@ -22,12 +23,13 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
-from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.hardware.services import InterruptibleServices, find_services
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
+from station.core.loop.robot_pace import RobotPace
 from station.core.loop.scheduling import request_realtime_priority
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
@@ -92,6 +94,7 @@ class ControlLoop(ControlCycle):
         self.heartbeat = heartbeat or Heartbeat()
         interface = hw.get(JointStateInterface)
         world = hw.simulated_world()
+        self._robot_clock = hw.robot_clock()
         self._joints = JointStateGroup(interface.handles() if interface else [])
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
@@ -223,16 +226,8 @@ class ControlLoop(ControlCycle):
             return action()
         operation = self._operations.post(action)
         self.check_alive()  # after it: whoever dies later gives it up
-        if not operation.done.acquire(timeout=timeout):
-            operation.abandoned = True
-            raise LoopError(
-                f"The control loop did not answer within {timeout} s.",
-                remedy="See the report of the loop: it is overloaded, or it has died.",
-                details={"state": self._state.value, "failure": self._failure},
-            )
-        if operation.error is not None:
-            raise operation.error
-        return operation.result  # type: ignore[return-value]  # of this action
+        details = {"state": self._state.value, "failure": self._failure}
+        return operation.outcome(timeout, details)  # type: ignore[return-value]  # of this action
 
     def check_alive(self) -> None:
         """Refuse when the loop died; nothing moves any more.
@@ -337,6 +332,9 @@ class ControlLoop(ControlCycle):
         )
 
     def _run_until_stopped(self) -> None:
+        if self._robot_clock is not None:
+            self._run_at_the_pace_of(self._robot_clock)
+            return
         pace, beats = self.pace, self.heartbeat.beats
         deadline = self.clock.now() + self.period / pace.real_time_factor
         while not self._stopping:
@@ -365,11 +363,19 @@ class ControlLoop(ControlCycle):
                 self.run_one((1 + skipped) * self.period)
             deadline += (1 + skipped) * wall_period
 
+    def _run_at_the_pace_of(self, robot: RobotClock) -> None:
+        pace = RobotPace(robot, self.clock.now, self.period)
+        while not self._stopping:
+            elapsed = pace.wait(self._meter, self.heartbeat.beats)
+            if elapsed:
+                self.run_one(elapsed * self.period)
+            else:
+                self._look_around()
+
     def _sleep_in_slices(self, deadline: float) -> None:
         """Sleep until `deadline`, the end of the loop, or a change of the pace."""
         clock, pace = self.clock, self.pace
-        factor = pace.real_time_factor
-        now = clock.now()
+        factor, now = pace.real_time_factor, clock.now()
         while now < deadline and not self._stopping:
             clock.sleep_until(min(deadline, now + SLICE))
             now = clock.now()

@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from station.core.errors import LoopError
@@ -43,6 +43,27 @@ class Operation:
             except BaseException as error:  # noqa: BLE001 - handed to the caller
                 self.error = error
         self.done.release()
+
+    def outcome(self, timeout: float, details: Mapping[str, object]) -> object:
+        """Wait until it was done; return what it returned, or raise what it raised.
+
+        Args:
+            timeout: How long to wait [s wall time].
+            details: About the loop, for the error.
+
+        Raises:
+            LoopError: Nobody did it in time; nobody will do it later.
+        """
+        if not self.done.acquire(timeout=timeout):
+            self.abandoned = True
+            raise LoopError(
+                f"The control loop did not answer within {timeout} s.",
+                remedy="See the report of the loop: it is overloaded, or it has died.",
+                details=dict(details),
+            )
+        if self.error is not None:
+            raise self.error
+        return self.result
 
     def give_up(self, error: LoopError) -> None:
         """End the wait of the caller with an error: nobody will run the operation."""

@@ -108,6 +108,13 @@ class FrankaCombinedHW(CombinedRobotHW):
                 f"and have {len(gravities)} vectors of gravity: {sorted(gravities)}.",
                 remedy="Give all arms the same gravity.",
             )
+        for name, one in zip(names, parameters, strict=True):
+            if one.robot_ip is not None:
+                raise ParameterError(
+                    f"The arm '{name}' has robot_ip {one.robot_ip}; the arms of "
+                    "FrankaCombinedHW are simulated.",
+                    remedy="Leave robot_ip out, or drive one real arm with FrankaHW.",
+                )
         placements = [placement_of(one) for one in parameters]
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, combine_descriptions(placements))

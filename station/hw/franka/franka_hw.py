@@ -24,7 +24,6 @@ from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.errors import (
-    HardwareInterfaceError,
     ParameterError,
     SwitchRefusedError,
 )
@@ -33,6 +32,7 @@ from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     ResourceConflict,
+    RobotClock,
     RobotHW,
     SwitchState,
 )
@@ -49,7 +49,8 @@ from station.hw.franka.arm.control_mode import (
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
+from station.hw.franka.arm.loop_period import arm_cycles_of
+from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
@@ -58,8 +59,10 @@ from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.joint_limit_warnings import joint_limit_warnings
+from station.hw.franka.commands.late_cycles import catch_up
 from station.hw.franka.commands.motion_start import MotionStart
 from station.hw.franka.commands.rate_limiter import rate_limits_of
+from station.hw.franka.commands.switch_checks import check_free
 from station.hw.franka.franka_parameters import (
     FrankaParameters,
     read_command_settings,
@@ -72,17 +75,16 @@ from station.kernel.arm_writing import ArmWatch, ArmWriting
 from station.kernel.stages import RobotWatch, Stage
 
 if TYPE_CHECKING:
+    from station.hw.franka.fci.driver.fci_arm import FciArm
+    from station.hw.franka.fci.server.fci_guest import FciGuest
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
-# Longest period of the loop with which the gains that franka_control configures for
-# effort controllers are stable [s].
-_SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {float(mode.value): mode.name.lower() for mode in RobotMode}
 
 
 class FrankaHW(RobotHW):
-    """A Franka arm with seven joints, simulated unless it is given another arm.
+    """A Franka arm with seven joints: the one at `robot_ip`, or a simulated one.
 
     Interfaces: JointState and EffortJoint with the measured state, PositionJoint and
     VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`;
@@ -95,17 +97,22 @@ class FrankaHW(RobotHW):
     of this arm, as `robot_description` in the root namespace if there is none yet.
 
     Args:
-        arm: The arm to drive; None makes a simulated one in a world of its own.
+        arm: The arm to drive; None connects to the arm at the parameter `robot_ip`,
+            and without one makes a simulated arm in a world of its own.
 
     Attributes:
         commands: The command buffers and their limits; from `init` on.
         cartesian: The same for Cartesian commands.
+        guest: A client that may command the arm while no controller does; None if no
+            clients are served.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
         super().__init__()
         self._world: FrankaWorld | None = None
         self._arm = arm
+        self._real_arm: FciArm | None = None
+        self.guest: FciGuest | None = None
         self._fingers: FingerJoints | None = None
 
     @override
@@ -120,10 +127,7 @@ class FrankaHW(RobotHW):
         self._settings, self._hw_params = read_command_settings(hw_params), hw_params
         arm_id, limits = self._parameters.arm_id, self._parameters.limits
         if self._arm is None:
-            # Imported here: a station with a real arm runs without MuJoCo.
-            from station.hw.franka.simulated.arm_placement import simulate_one
-
-            self.enter_world(simulate_one(self._parameters, root_params), arm_id)
+            self._make_arm(root_params)
         self._mode = self.arm.state.doubles(MODE)
         self._sensors = SensorCheck(self.arm.state)
         description = load_arm_description(self._parameters.robot_description, limits)
@@ -171,6 +175,26 @@ class FrankaHW(RobotHW):
         for interface in (state_interface(self.arm, arm_id), models, services):
             self.register_interface(interface)
 
+    def _make_arm(self, root_params: Parameters) -> None:
+        """Connect to the real arm at `robot_ip`, or simulate one.
+
+        Raises:
+            ParameterError: The scene is malformed.
+            RobotDescriptionError: The URDF cannot be used.
+            FciNetworkError: The real arm does not answer.
+            FciProtocolError: The real arm speaks another version.
+        """
+        # Imported here: neither of them needs what the other one is made of.
+        if self._parameters.robot_ip is not None:
+            from station.hw.franka.fci.driver.connection import connect
+
+            self._arm = self._real_arm = connect(self._parameters)
+        else:
+            from station.hw.franka.simulated.arm_placement import simulate_one
+
+            told = self._parameters
+            self.enter_world(simulate_one(told, root_params), told.arm_id)
+
     def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
         """Drive an arm of a simulated world; before `init`.
 
@@ -208,6 +232,11 @@ class FrankaHW(RobotHW):
         return self.arm.state
 
     @property
+    def is_commanded(self) -> bool:
+        """Whether controllers command the arm, or are about to."""
+        return self._motion.is_active
+
+    @property
     def control_mode(self) -> ControlMode:
         """The kinds of command that the running controllers give."""
         return self._motion.mode
@@ -238,17 +267,8 @@ class FrankaHW(RobotHW):
 
     def _catch_up(self) -> int:
         """Read the arm once for each cycle that is due; return how many there are."""
-        reading, cycle_time = self._reading, self.arm.cycle_time
-        cycles = round(reading.time_due / cycle_time)
-        reading.time_due -= cycles * cycle_time
-        late = min(cycles - reading.nominal, self._parameters.most_lost_packets)
-        bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
-        lost = 0 if bridged else max(0, late)
-        for cycle in range(min(cycles, reading.nominal + late)):
-            if cycle > lost:
-                self._sender.send_again()
-            self.arm.read_once()
-        return cycles
+        told = self._parameters
+        return catch_up(self.arm, self._sender, self._reading, told.most_lost_packets)
 
     def _blindness(self) -> str | None:
         """Return which reading is not finite; None when all are."""
@@ -283,29 +303,15 @@ class FrankaHW(RobotHW):
         Raises:
             HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
-        cycle_time, arm_id = self.arm.cycle_time, self._parameters.arm_id
-        if period < 0.999 * cycle_time:
-            raise HardwareInterfaceError(
-                f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' takes at most "
-                f"{1.0 / cycle_time:g} commands per second.",
-                remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
-                details={"rate": 1.0 / period},
-            )
-        self._reading.nominal = max(1, round(period / cycle_time))
-        if period > _SLOWEST_TORQUE_PERIOD:
-            _logger.warning(
-                "arm '%s' with a loop of %g Hz: torque controllers need small gains "
-                "below %g Hz, above all the damping; franka_control's are too large",
-                arm_id,
-                1.0 / period,
-                1.0 / _SLOWEST_TORQUE_PERIOD,
-            )
+        is_real, name = self._real_arm is not None, self._parameters.arm_id
+        time = self.arm.cycle_time
+        self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
     def longest_period(self) -> float:
         """Return how long the simulated world goes on without the loop [s]."""
-        lost = self._parameters.most_lost_packets
-        waits = lost < MOST_LOST_PACKETS
-        return (self._reading.nominal + lost) * self.arm.cycle_time if waits else inf
+        told, nominal = self._parameters, self._reading.nominal
+        longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
+        return longest if told.waits_for_late_loop else inf
 
     @override
     def check_for_conflict(
@@ -330,18 +336,13 @@ class FrankaHW(RobotHW):
             settings = read_command_settings(self._hw_params)
         except ParameterError as exc:
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
-        mode = self._mode_after(start, stop)
-        arm_id = self._parameters.arm_id
-        if self._control_mode_of(start) and not self._services.is_connected():
-            raise SwitchRefusedError(
-                f"Arm '{arm_id}' is not connected.",
-                remedy="Connect the arm first.",
-            )
-        blindness = self._blindness()
-        if self._control_mode_of(start) and blindness is not None:
-            raise SwitchRefusedError(
-                f"Arm '{arm_id}' is blind: {blindness}.",
-                remedy="Wait until the sensor reads finite numbers again.",
+        mode, arm_id = self._mode_after(start, stop), self._parameters.arm_id
+        if self._control_mode_of(start):
+            check_free(
+                arm_id,
+                is_connected=self._services.is_connected(),
+                has_guest=self.guest is not None and self.guest.is_moving,
+                blindness=self._blindness(),
             )
         if not is_supported(mode):
             raise SwitchRefusedError(
@@ -389,14 +390,22 @@ class FrankaHW(RobotHW):
     def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
-        arm = self.arm
         blindness = self._blindness()
         if blindness is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
-        errors = "; ".join(error.description for error in arm.errors())
-        causes = self._sender.refusal or errors
+        errors = "; ".join(error.description for error in self.arm.errors())
+        causes = self._sender.refusal or errors or self.arm.failure()
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
+
+    @override
+    def robot_clock(self) -> RobotClock | None:
+        return self._real_arm
+
+    @override
+    def close(self) -> None:
+        if self._real_arm is not None:
+            self._real_arm.close()
 
     @override
     def simulated_world(self) -> "FrankaWorld | None":

@@ -88,6 +88,7 @@ class FrankaParameters:
         realism_seed: Of the simulated arm's random numbers, >= 0.
         publishes_fingers: Whether the joint states have the fingers of a simulated hand
             as franka_gripper publishes them (`fingers_in_joint_states`).
+        robot_ip: Where the real arm is; None for a simulated one.
     """
 
     arm_id: str
@@ -106,12 +107,16 @@ class FrankaParameters:
     is_realistic: bool
     realism_seed: int
     publishes_fingers: bool
+    robot_ip: str | None
+
+    @property
+    def waits_for_late_loop(self) -> bool:
+        """Whether `realtime_config` is `ignore`."""
+        return self.most_lost_packets < MOST_LOST_PACKETS
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
     """Read what FrankaHW needs once.
-
-    `robot_ip` is accepted, so that files for a real arm load, and not used.
 
     Args:
         params: The robot's namespace.
@@ -154,6 +159,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         service_limits=_service_limits(params.namespace("service_limits")),
         is_realistic=_is_realistic(params),
         realism_seed=_seed(params),
+        robot_ip=_robot_ip(params),
     )
 
 
@@ -178,6 +184,16 @@ def read_command_settings(params: Parameters) -> CommandSettings:
         cutoff_frequency=frequency,
         internal_controller=_INTERNAL_CONTROLLERS[controller],
     )
+
+
+def _robot_ip(params: Parameters) -> str | None:
+    if not params.has("robot_ip"):
+        return None
+    address = params.get_str("robot_ip").strip()
+    if not address:
+        wanted = "the address of a real arm, or left out for a simulated one"
+        _refuse(params, "robot_ip", address, wanted)
+    return address
 
 
 def _base(params: Parameters) -> Pose:

@@ -39,8 +39,11 @@ def test_a_simulated_arm_errs_unless_it_is_ideal() -> None:
             read_parameters(params(**wrong))
 
 
-def test_robot_ip_of_a_real_arms_file_is_accepted() -> None:
-    assert read_parameters(params(robot_ip="172.16.0.2")).arm_id == "panda"
+def test_robot_ip_names_a_real_arm() -> None:
+    assert read_parameters(params(robot_ip="172.16.0.2")).robot_ip == "172.16.0.2"
+    assert read_parameters(params()).robot_ip is None
+    with pytest.raises(ParameterError, match="robot_ip"):
+        read_parameters(params(robot_ip=" "))
 
 
 @pytest.mark.parametrize(

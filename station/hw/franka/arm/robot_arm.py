@@ -101,6 +101,13 @@ class RobotArm(ABC):
     def is_at_rest(self) -> bool:
         """Return whether neither the arm nor its desired motion moves."""
 
+    def is_stopping(self) -> bool:
+        """Return whether the arm still refuses a motion because it ends the last one.
+
+        An arm that takes a motion over at once never does.
+        """
+        return False
+
     @abstractmethod
     def start_motion(
         self,
@@ -292,6 +299,10 @@ class RobotArm(ABC):
     @abstractmethod
     def errors(self) -> list[ArmError]:
         """Return the present errors, or else the errors that ended the last motion."""
+
+    def failure(self) -> str:
+        """Return in the arm's own words why the last motion ended; empty if unknown."""
+        return ""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:

@@ -9,6 +9,7 @@ that the torque controller starts from the pose that the arm keeps, without brak
 torques.
 """
 
+from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.robot_arm import REST_VELOCITY, RobotArm
@@ -101,7 +102,12 @@ class MotionStart:
             return
         self._waited += cycles
         is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
-        if is_ready or self._waited > LONGEST_WAIT:
+        if (is_ready and not arm.is_stopping()) or self._waited > LONGEST_WAIT:
             self.is_waiting = False
             self._sender.begin(self.mode, settings)
-            arm.start_motion(*modes)
+            try:
+                arm.start_motion(*modes)
+            except ArmCommandError as error:
+                # An arm behind a network may refuse what seemed possible.
+                self.has_failed = True
+                self._sender.refusal = error.message.rstrip(".")

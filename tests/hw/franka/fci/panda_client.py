@@ -112,7 +112,7 @@ def gripper(_panda, host):
 
 
 def collision(panda, _host):
-    """Push into the table, recover, and move away with high thresholds."""
+    """Push into the table, recover, and move away."""
     robot = panda.get_robot()
     start, q_start = panda.get_pose(), panda.q
     goal = start.copy()
@@ -127,8 +127,6 @@ def collision(panda, _host):
     time.sleep(0.3)  # the hand bounces off the table
     panda.recover()
     recovered = robot.read_once()
-    high = [100.0] * 7, [100.0] * 7, [100.0] * 6, [100.0] * 6
-    robot.set_collision_behavior(*high)
     return {
         "arrived": arrived,
         "said": said,

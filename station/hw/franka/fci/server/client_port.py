@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
 from station.core.errors import StationError
-from station.hw.franka.fci.server.message_reader import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError
 
 _logger = logging.getLogger(__name__)
 _CHUNK = 65_536

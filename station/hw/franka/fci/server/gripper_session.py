@@ -11,7 +11,6 @@ from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.server.message_reader import (
-    FciProtocolError,
     MessageReader,
     Request,
 )
@@ -22,6 +21,7 @@ from station.hw.franka.fci.wire.gripper_protocol import (
     GripperProtocol,
     GripperStatus,
 )
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
 from station.hw.franka.hand.hand_services import HandServices
 

@@ -5,17 +5,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Generic, TypeVar
 
-from station.core.errors import StationError
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import Exchange
 from station.hw.franka.fci.wire.structure import Structure
 
 _Command = TypeVar("_Command", bound=IntEnum)
-
-
-class FciProtocolError(StationError):
-    """A client sent what the protocol does not have; the connection ends."""
-
-    code = "fci_protocol"
 
 
 @dataclass(frozen=True, slots=True)

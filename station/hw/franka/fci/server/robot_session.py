@@ -28,11 +28,11 @@ from station.hw.franka.arm.robot_arm import (
 )
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
-    FciProtocolError,
     MessageReader,
     Request,
 )
 from station.hw.franka.fci.server.state_writer import StateWriter
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     NO_CONTROLLER,
@@ -84,6 +84,7 @@ class RobotSession:
         arm: The arm.
         model_library: Where model libraries come from.
         protocol: The version that is spoken.
+        is_free: Returns whether this client may move the arm: nobody else does.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.
@@ -94,8 +95,10 @@ class RobotSession:
         arm: RobotArm,
         model_library: ModelLibrary = _no_library,
         protocol: RobotProtocol = PANDA,
+        is_free: Callable[[], bool] = lambda: True,
     ) -> None:
         self._arm = arm
+        self._is_free = is_free
         self._model_library = model_library
         self._protocol = protocol
         self._reader = MessageReader(HEADER, protocol.exchanges)
@@ -183,6 +186,10 @@ class RobotSession:
         """
         return self._writer.write(message_id, self._generator, self._controller)
 
+    def preempt(self) -> bytes:
+        """Take the arm away from the client; return the end of its motion."""
+        return self._end_motion(MoveStatus.PREEMPTED)
+
     def close(self) -> None:
         """End the client's motion: it has gone."""
         if self._motion is not None:
@@ -233,6 +240,8 @@ class RobotSession:
         allowed += (*values["maximum_goal_pose_deviation"],)
         if not all(isfinite(value) and value >= 0.0 for value in allowed):
             return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        if not self._is_free():
+            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         try:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
         except ArmCommandError:

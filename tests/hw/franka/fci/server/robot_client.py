@@ -1,6 +1,7 @@
 """The client's side of the protocol for one session, without sockets."""
 
 from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.wire.messages import Messages
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PANDA,
@@ -14,22 +15,14 @@ UDP_PORT = 4711
 
 def request(command, command_id, values=None, protocol=PANDA):
     """Return a request as bytes."""
-    body = protocol.exchanges[command].request.pack(values or {})
-    head = {"command": command, "command_id": command_id, "size": 12 + len(body)}
-    return HEADER.pack(head) + body
+    messages = Messages(HEADER, protocol.exchanges)
+    return messages.request(command, command_id, values or {})
 
 
 def answers(data, protocol=PANDA):
     """Return (command, command_id, fields) of every answer in some bytes."""
-    found = []
-    while data:
-        head = HEADER.unpack(data[:12])
-        body, data = data[12 : head["size"]], data[head["size"] :]
-        command = Command(head["command"])
-        response = protocol.exchanges[command].response
-        fields = response.unpack(body[: response.size])
-        found.append((command, head["command_id"], fields))
-    return found
+    messages = Messages(HEADER, protocol.exchanges)
+    return [(one.command, one.command_id, one.values) for one in messages.feed(data)]
 
 
 class RobotClient:

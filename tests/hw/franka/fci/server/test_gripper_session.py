@@ -4,13 +4,13 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.hw.franka.fci.server.gripper_session import GripperSession
-from station.hw.franka.fci.server.message_reader import FciProtocolError
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
     GripperCommand,
     GripperStatus,
 )
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 

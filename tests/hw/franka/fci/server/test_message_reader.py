@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.hw.franka.fci.server.message_reader import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import HEADER, Command
 from tests.hw.franka.fci.server.robot_client import RobotClient, request
 from tests.hw.franka.scripted_arm import ScriptedArm

@@ -11,7 +11,7 @@ import pytest
 from station.core.franka import RobotMode
 from station.core.franka.franka_errors import ERROR_INDEX
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.fci.server.message_reader import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     NO_GENERATOR,

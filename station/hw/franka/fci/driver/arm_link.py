@@ -1,0 +1,222 @@
+"""The link to an arm: its states as they arrive, its answers, and its loss."""
+
+import time
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from station.core.errors import ArmCommandError, InvalidCommandError, StationError
+from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.fci.driver.network import (
+    SLICE,
+    UDP_TIMEOUT,
+    FciNetworkError,
+    Network,
+)
+from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
+from station.hw.franka.fci.driver.robot_client import RobotAnswer, RobotClient
+from station.hw.franka.fci.driver.state_reader import StateReader
+from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.robot_protocol import (
+    Command,
+    RobotProtocol,
+    SetterStatus,
+)
+
+CYCLE_TIME = 0.001
+"""Time from one state to the next [s]."""
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+class ArmLink:
+    """Receives states and asks for things, until the arm is lost. Control thread.
+
+    Args:
+        network: The connection to the arm.
+        protocol: The version that is spoken.
+        state: The state to keep up to date.
+        on_state: Called after every state that was read.
+        on_loss: Called when the arm is lost.
+
+    Attributes:
+        reader: The newest state's number and modes.
+        loss: Why the arm is lost; None while it is there.
+
+    Raises:
+        FciNetworkError: The arm does not answer.
+        FciProtocolError: The arm does not speak this version.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        protocol: RobotProtocol,
+        state: RobotState,
+        *,
+        on_state: Callable[[], None],
+        on_loss: Callable[[], None],
+    ) -> None:
+        self._network = network
+        self._on_state, self._on_loss = on_state, on_loss
+        self._client = RobotClient(network, protocol)
+        self.reader = StateReader(state, protocol, CYCLE_TIME)
+        self.loss: str | None = None
+        self._silence = 0.0
+        self._counted = 0  # message_id up to which `count` has told
+
+    def connect(self) -> None:
+        """Say who this side is, and wait for the first state.
+
+        Raises:
+            StationError: The arm does not answer (`FciNetworkError`), or does not
+                speak this version (`FciProtocolError`).
+            FciNetworkError: No state has come.
+        """
+        try:
+            self._client.connect()
+            self.receive_next()
+            if self.loss is not None:
+                raise FciNetworkError(
+                    self.loss,
+                    remedy="Let UDP datagrams of the arm through the firewall.",
+                )
+        except StationError:
+            self._network.close()
+            raise
+        self._counted = self.reader.message_id
+
+    def receive(self) -> bool:
+        """Wait for a newer state, `SLICE` at most; return whether one has come.
+
+        States that have piled up are passed over, as in libfranka.
+        """
+        reader, network = self.reader, self._network
+        size = network.wait(reader.message)
+        if not reader.is_newer(size):
+            if not size:
+                self._note_silence()
+            return False
+        self._read()
+        if reader.message_id > self._counted + 1:
+            while size := network.poll(reader.message):
+                if reader.is_newer(size):
+                    self._read()
+        return True
+
+    def receive_next(self) -> None:
+        """Wait for a newer state, as long as an arm may be silent."""
+        while self.loss is None and not self.receive():
+            pass
+
+    def count(self) -> int:
+        """Return the elapsed cycles since the last call; of a lost arm always 1."""
+        elapsed = self.reader.message_id - self._counted
+        self._counted = self.reader.message_id
+        return elapsed if self.loss is None else 1
+
+    def pass_time(self) -> None:
+        """Let a cycle pass without an arm."""
+        time.sleep(CYCLE_TIME)
+
+    def send_command(self, message: bytearray) -> None:
+        """Send a command; what the network does not take is lost."""
+        self._network.send_datagram(message)
+
+    def send(self, command: Command) -> int:
+        """Send a request without fields; return its number.
+
+        Raises:
+            ArmCommandError: The arm is lost.
+        """
+        self.check()
+        try:
+            return self._client.send(command)
+        except FciNetworkError as error:
+            raise self._lose(error) from error
+
+    def ask(
+        self, command: Command, values: Mapping[str, Any] = _NOTHING
+    ) -> RobotAnswer:
+        """Ask for something and return the first answer.
+
+        Raises:
+            ArmCommandError: The arm is lost.
+        """
+        self.check()
+        try:
+            return self._client.ask(command, values)
+        except (FciNetworkError, FciProtocolError) as error:
+            raise self._lose(error) from error
+
+    def change(self, command: Command, values: Mapping[str, Any]) -> None:
+        """Change a setting, and wait for a state that shows it.
+
+        Raises:
+            ArmCommandError: The arm is lost or refuses.
+            InvalidCommandError: The arm refuses the value.
+        """
+        answer = self.ask(command, values)
+        if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
+            raise InvalidCommandError(
+                refusal_of(command, answer.status, self.reader.robot_mode),
+                remedy="Give values that this arm allows.",
+            )
+        if answer.status != SetterStatus.SUCCESS:
+            raise self.refused(answer)
+        self.receive_next()
+
+    def refused(self, answer: RobotAnswer) -> ArmCommandError:
+        """Return what a caller is told of an answer that is no success."""
+        mode = self.reader.robot_mode
+        todo = REMEDIES.get(mode, "stop the running motion, then try again")
+        return ArmCommandError(
+            refusal_of(answer.command, answer.status, mode),
+            remedy=f"{todo[0].upper()}{todo[1:]}.",
+        )
+
+    def forget(self, number: int) -> None:
+        """Drop the answers to a request, also those that are still to come."""
+        self._client.forget(number)
+
+    def take(self, number: int) -> RobotAnswer | None:
+        """Return the next answer to a request if it is there; the arm may get lost."""
+        try:
+            return self._client.take(number)
+        except (FciNetworkError, FciProtocolError) as error:
+            self._lose(error)
+            return None
+
+    def close(self) -> None:
+        """Hang up."""
+        self._network.close()
+
+    def _read(self) -> None:
+        self.reader.read()
+        self._silence = 0.0
+        self._on_state()
+
+    def _note_silence(self) -> None:
+        self._silence += SLICE
+        if self._silence >= UDP_TIMEOUT:
+            self._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
+
+    def check(self) -> None:
+        """Refuse what needs an arm.
+
+        Raises:
+            ArmCommandError: The arm is lost.
+        """
+        if self.loss is not None:
+            raise self._told()
+
+    def _lose(self, error: StationError) -> ArmCommandError:
+        """Give the arm up; return what a caller is told."""
+        self.loss = error.message
+        self._on_loss()
+        return self._told()
+
+    def _told(self) -> ArmCommandError:
+        return ArmCommandError(
+            f"The arm is lost: {self.loss}.",
+            remedy="Restore the connection and restart the station.",
+        )

@@ -1,0 +1,175 @@
+"""The motion that this side commands: its modes, its commands, and its log.
+
+Source: libfranka@0.9.2 src/robot_impl.cpp, Robot::Impl::sendRobotCommand, update.
+"""
+
+from collections.abc import Callable
+from math import pi
+from typing import Any
+
+from station.core.errors import ArmCommandError
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.franka.franka_services import ArmRecord
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.fci.driver.command_writer import CommandWriter
+from station.hw.franka.fci.driver.motion_log import MotionLog
+from station.hw.franka.fci.driver.state_reader import StateReader
+from station.hw.franka.fci.wire.robot_protocol import (
+    MoveController,
+    MoveGenerator,
+    RobotProtocol,
+)
+from station.kernel.doubles import Storage
+
+_DEVIATIONS = (10.0, 3.12, 2.0 * pi)
+"""Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""
+_CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
+_GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
+# Torques alone are a motion with joint velocities that are zero, as in libfranka.
+_GENERATORS[MotionGeneratorMode.NONE] = MoveGenerator.JOINT_VELOCITY
+_FIELDS = {
+    MotionGeneratorMode.NONE: "tau_J_d",
+    MotionGeneratorMode.JOINT_POSITION: "q_c",
+    MotionGeneratorMode.JOINT_VELOCITY: "dq_c",
+    MotionGeneratorMode.CARTESIAN_POSITION: "O_T_EE_c",
+    MotionGeneratorMode.CARTESIAN_VELOCITY: "O_dP_EE_c",
+}
+_TORQUES, _MOTION = 1, 2
+
+
+class CommandedMotion:
+    """Sends the commands of one motion after the other. Control thread.
+
+    A command leaves as soon as everything that its motion needs is there: torques, the
+    motion, or both. It answers the newest state; half of a command is never sent.
+
+    Args:
+        protocol: The version that is spoken.
+        reader: The newest state.
+        send: Sends a command.
+        cycle_time: Time from one state to the next [s].
+
+    Attributes:
+        is_late: Whether the present cycle has passed, so that nothing is sent for it.
+    """
+
+    def __init__(
+        self,
+        protocol: RobotProtocol,
+        reader: StateReader,
+        send: Callable[[bytearray], None],
+        cycle_time: float,
+    ) -> None:
+        self._protocol, self._reader, self._send = protocol, reader, send
+        self._cycle_time = cycle_time
+        self._writer = CommandWriter(protocol)
+        self._controller: ControllerMode | None = None
+        self._generator = MotionGeneratorMode.NONE
+        self._modes = (0, 0)  # as on the wire
+        self._needed = self._given = 0
+        self._log = MotionLog(protocol, "tau_J_d", cycle_time)
+        self.is_late = False
+
+    def begin(
+        self, controller: ControllerMode, generator: MotionGeneratorMode
+    ) -> dict[str, Any]:
+        """Prepare a motion; return the request for it.
+
+        Args:
+            controller: Which controller makes the torques.
+            generator: Which motion is commanded.
+        """
+        kind, motion = _CONTROLLERS[controller], _GENERATORS[generator]
+        self._controller, self._generator = controller, generator
+        self._modes = (1 + motion, kind)
+        needs_torques = controller is ControllerMode.EXTERNAL_CONTROLLER
+        moves = generator is not MotionGeneratorMode.NONE
+        self._needed, self._given = _TORQUES * needs_torques + _MOTION * moves, 0
+        self._writer.clear()
+        self._log = MotionLog(self._protocol, _FIELDS[generator], self._cycle_time)
+        return {
+            "controller_mode": kind,
+            "motion_generator_mode": motion,
+            "maximum_path_deviation": _DEVIATIONS,
+            "maximum_goal_pose_deviation": _DEVIATIONS,
+        }
+
+    def end(self) -> None:
+        """Take no more commands."""
+        self._controller, self._generator = None, MotionGeneratorMode.NONE
+        self._needed = 0
+
+    def begin_cycle(self) -> None:
+        """Forget the half of a command that was given for the last cycle."""
+        self._given = 0
+
+    def note_state(self) -> None:
+        """Keep the newest state for the log."""
+        self._log.note(self._reader.message, self._writer.message)
+
+    def is_shown(self) -> bool:
+        """Return whether the newest state has this motion."""
+        reader = self._reader
+        return reader.robot_mode is RobotMode.MOVE and reader.modes == self._modes
+
+    def records(self) -> list[ArmRecord]:
+        """Return the last cycles, oldest first."""
+        return self._log.records()
+
+    def torques(self, tau: Storage) -> None:
+        """Command torques.
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+            ArmCommandError: The motion has no torques.
+        """
+        if self._controller is not ControllerMode.EXTERNAL_CONTROLLER:
+            raise self._not_commandable("joint torques")
+        self._writer.torques(tau)
+        self._give(_TORQUES)
+
+    def joints(self, generator: MotionGeneratorMode, values: Storage) -> None:
+        """Command joint positions or velocities.
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+            ArmCommandError: The motion is of another kind.
+        """
+        self._check_generator(generator)
+        self._writer.joints(_FIELDS[generator], values)
+        self._give(_MOTION)
+
+    def cartesian(
+        self,
+        generator: MotionGeneratorMode,
+        values: Storage,
+        elbow: list[float] | None,
+    ) -> None:
+        """Command a pose or a twist.
+
+        Raises:
+            InvalidCommandError: The numbers are none, or the elbow is impossible.
+            ArmCommandError: The motion is of another kind.
+        """
+        self._check_generator(generator)
+        self._writer.cartesian(_FIELDS[generator], values, elbow)
+        self._give(_MOTION)
+
+    def _give(self, part: int) -> None:
+        """Note a part of the cycle's command; send when nothing is missing."""
+        self._given |= part
+        if self._given == self._needed and not self.is_late:
+            self._writer.number(self._reader.message_id)
+            self._send(self._writer.message)
+
+    def _check_generator(self, generator: MotionGeneratorMode) -> None:
+        if self._generator is not generator:
+            raise self._not_commandable(generator.value.replace("_", " "))
+
+    def _not_commandable(self, what: str) -> ArmCommandError:
+        controller = self._controller.value if self._controller else "none"
+        return ArmCommandError(
+            f"The arm takes no {what}: it is in mode {self._reader.robot_mode.name}, "
+            f"controller {controller}, motion generator {self._generator.value}.",
+            remedy="Start a motion with the fitting modes first.",
+        )

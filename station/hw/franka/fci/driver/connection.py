@@ -1,0 +1,39 @@
+"""Connect to the arm that the parameters of FrankaHW name."""
+
+from station.core.errors import StationError
+from station.core.franka.franka_model import FrankaModel
+from station.hw.franka.arm.arm_description import load_arm_description
+from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.network import FciNetwork
+from station.hw.franka.fci.wire.robot_protocol import PANDA
+from station.hw.franka.franka_parameters import FrankaParameters
+
+
+def connect(parameters: FrankaParameters) -> FciArm:
+    """Return the arm at `robot_ip`, with the configured collision behaviour.
+
+    Args:
+        parameters: The parameters, with a `robot_ip`.
+
+    Raises:
+        RobotDescriptionError: The URDF cannot be used for the model.
+        FciNetworkError: The arm does not answer.
+        FciProtocolError: The arm speaks another version.
+        StationError: The arm refuses its settings, or is lost at once.
+    """
+    description = load_arm_description(parameters.robot_description, parameters.limits)
+
+    def make_model() -> FrankaModel:
+        # Imported here: it loads MuJoCo, whose formulas combine the inertias of links.
+        from station.hw.franka.simulated.arm_model import ArmModel
+
+        return ArmModel(description)
+
+    network = FciNetwork(parameters.robot_ip or "", PANDA.port)
+    arm = FciArm(network, make_model, is_enforced=not parameters.waits_for_late_loop)
+    try:
+        arm.set_collision_behavior(parameters.collision_behavior)
+    except StationError:
+        arm.close()
+        raise
+    return arm

@@ -1,0 +1,394 @@
+"""An arm behind the Franka Control Interface.
+
+Source: libfranka@0.9.2 src/robot_impl.cpp, Robot::Impl; differs: a motion is stopped
+without waiting for the end of the stop, and what the arm answers in a cycle is looked
+at in a later one, because the control thread waits for nothing but the next state.
+"""
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from typing_extensions import override
+
+from station.core.errors import ArmCommandError
+from station.core.franka.arm_simulation import ArmSimulation
+from station.core.franka.franka_errors import ArmError, error_names
+from station.core.franka.franka_model import FrankaModel
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.robot_arm import (
+    REST_VELOCITY,
+    ControllerMode,
+    MotionGeneratorMode,
+    RobotArm,
+)
+from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
+from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
+from station.hw.franka.fci.driver.network import Network
+from station.hw.franka.fci.driver.realtime import realtime_problem
+from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
+from station.hw.franka.fci.driver.robot_client import RobotAnswer
+from station.hw.franka.fci.wire.robot_protocol import (
+    PANDA,
+    Command,
+    MoveStatus,
+    RobotProtocol,
+)
+from station.kernel.doubles import Storage
+
+MEASURED_REST = 0.02
+"""Joints that are measured slower than this are at rest [rad/s]: the noise of a real
+arm's velocities is 3 mrad/s (see `Realism`)."""
+_LONGEST_START = 1000
+"""States within which a motion that the arm has accepted shows."""
+
+
+class FciArm(RobotArm):
+    """Drives an arm over a network. Its states pace the control loop: see `wait`.
+
+    Requests that change something wait for the arm's answer, a few milliseconds, while
+    no motion runs. A motion is stopped without waiting.
+
+    An arm that is lost (no state for `UDP_TIMEOUT`, or a broken connection) is in mode
+    Other from then on, and `read_once` returns at once.
+
+    Args:
+        network: The connection to the arm.
+        make_model: Makes a model of the arm.
+        is_enforced: Whether a motion needs a real-time thread (`realtime_config`).
+        protocol: The version that is spoken.
+        find_problem: Returns why a thread is not real-time enough; None if it is.
+
+    Raises:
+        FciNetworkError: The arm does not answer.
+        FciProtocolError: The arm does not speak this version.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        make_model: Callable[[], FrankaModel],
+        *,
+        is_enforced: bool = True,
+        protocol: RobotProtocol = PANDA,
+        find_problem: Callable[[int], str | None] = realtime_problem,
+    ) -> None:
+        self.cycle_time = CYCLE_TIME
+        self.state = RobotState()
+        self._make_model = make_model
+        self._is_enforced, self._find_problem = is_enforced, find_problem
+        self._link = ArmLink(
+            network,
+            protocol,
+            self.state,
+            on_state=self._take_state,
+            on_loss=self._give_up,
+        )
+        self._reader = self._link.reader
+        self._commands = CommandedMotion(
+            protocol, self._reader, self._link.send_command, self.cycle_time
+        )
+        # Requests by their numbers: the motion, and those that wait for an answer.
+        self._motion: int | None = None
+        self._waiting: list[int] = []
+        self._stop: int | None = None
+        self._recovery: int | None = None
+        self._failure = ""  # why the last motion, stop or recovery failed
+        self._has_failed = False
+        self._due = 0  # states that `wait` has taken and `read_once` has not
+        self._thread = threading.get_native_id()
+        self._link.connect()
+
+    def wait(self) -> int:
+        """Wait for the arm's next state, `SLICE` at most; return the elapsed cycles.
+
+        This is the clock of a control loop: 0 when no state has come, more than 1 when
+        states were lost or came while the loop did something else. `read_once` then
+        returns at once, as often as cycles have elapsed.
+        """
+        if self._link.loss is None:
+            self._link.receive()
+        else:
+            self._link.pass_time()
+        self._due = elapsed = self._link.count()
+        return elapsed
+
+    @override
+    def read_once(self) -> RobotState:
+        self._commands.begin_cycle()
+        self._thread = threading.get_native_id()
+        if self._due > 0:
+            self._due -= 1
+        elif self._link.loss is None:
+            self._link.receive_next()
+            self._link.count()
+        self._commands.is_late = self._due > 0
+        if self._waiting:
+            self._take_answers()
+        return self.state
+
+    @override
+    def refusal(
+        self,
+        controller_mode: ControllerMode,
+        motion_generator_mode: MotionGeneratorMode,
+    ) -> str | None:
+        if self._link.loss is not None:
+            return f"{self._link.loss}; {self.remedy()}"
+        mode = self._shown_mode()
+        if mode not in (RobotMode.IDLE, RobotMode.MOVE):
+            return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
+        is_external = controller_mode is ControllerMode.EXTERNAL_CONTROLLER
+        if motion_generator_mode is MotionGeneratorMode.NONE and not is_external:
+            return "the internal controller needs a motion generator"
+        return self._find_problem(self._thread) if self._is_enforced else None
+
+    @override
+    def is_at_rest(self) -> bool:
+        state = self.state
+        return (
+            not self.is_stopping()
+            and all(abs(dq) < REST_VELOCITY for dq in state.doubles("dq_d"))
+            and all(abs(dq) < MEASURED_REST for dq in state.doubles("dq"))
+        )
+
+    @override
+    def is_stopping(self) -> bool:
+        if self._stop is not None:
+            self._take_answers()
+        return self._stop is not None
+
+    @override
+    def start_motion(
+        self,
+        controller_mode: ControllerMode,
+        motion_generator_mode: MotionGeneratorMode,
+    ) -> None:
+        reason = self.refusal(controller_mode, motion_generator_mode)
+        if self._motion is not None:
+            reason = "a motion runs already"
+        elif self.is_stopping():
+            reason = "the last motion is still coming to rest"
+        if reason is not None:
+            raise ArmCommandError(
+                f"The arm cannot start a motion: {reason}.",
+                remedy="Stop the running motion, recover, or ask for other modes.",
+            )
+        self._failure, self._has_failed = "", False
+        request = self._commands.begin(controller_mode, motion_generator_mode)
+        try:
+            self._motion = self._begin(self._link.ask(Command.MOVE, request))
+        finally:
+            if self._motion is None:
+                self._commands.end()
+        self._show_mode()
+
+    @override
+    def stop_motion(self) -> None:
+        motion, self._motion = self._motion, None
+        if motion is None:
+            return
+        self._commands.end()
+        self._link.forget(motion)  # how it ends is what the stop is answered
+        try:
+            self._stop = self._link.send(Command.STOP_MOVE)
+        except ArmCommandError:
+            return  # the arm is lost, and its state says so
+        self._waiting.append(self._stop)
+        self._show_mode()
+        self._take_answers()
+
+    @override
+    def command_joint_torques(self, tau: Storage) -> None:
+        self._commands.torques(tau)
+
+    @override
+    def command_joint_positions(self, q: Storage) -> None:
+        self._commands.joints(MotionGeneratorMode.JOINT_POSITION, q)
+
+    @override
+    def command_joint_velocities(self, dq: Storage) -> None:
+        self._commands.joints(MotionGeneratorMode.JOINT_VELOCITY, dq)
+
+    @override
+    def command_cartesian_pose(
+        self, pose: Storage, elbow: list[float] | None = None
+    ) -> None:
+        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_POSITION, pose, elbow)
+
+    @override
+    def command_cartesian_velocity(
+        self, twist: Storage, elbow: list[float] | None = None
+    ) -> None:
+        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_VELOCITY, twist, elbow)
+
+    @override
+    def load_model(self) -> FrankaModel:
+        return self._make_model()
+
+    @override
+    def refresh_state(self) -> None:
+        """Do nothing: the arm sends every field in every cycle."""
+
+    @override
+    def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
+        self._set(Command.SET_JOINT_IMPEDANCE, {"K_theta": stiffness})
+
+    @override
+    def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
+        self._set(Command.SET_CARTESIAN_IMPEDANCE, {"K_x": stiffness})
+
+    @override
+    def set_end_effector_frame(self, frame: Sequence[float]) -> None:
+        self._set(Command.SET_NE_TO_EE, {"NE_T_EE": frame})
+
+    @override
+    def set_stiffness_frame(self, frame: Sequence[float]) -> None:
+        self._set(Command.SET_EE_TO_K, {"EE_T_K": frame})
+
+    @override
+    def set_load(self, load: Load) -> None:
+        values = {
+            "m_load": load.mass,
+            "F_x_Cload": load.center_of_mass,
+            "I_load": load.inertia,
+        }
+        self._set(Command.SET_LOAD, values)
+
+    @override
+    def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
+        self._set(Command.SET_COLLISION_BEHAVIOR, asdict(behavior))
+
+    @override
+    def check_recovery(self) -> None:
+        self._link.check()
+        if self.state.robot_mode is RobotMode.USER_STOPPED:
+            raise ArmCommandError(
+                "The arm cannot recover: the user stop is pressed.",
+                remedy="Release the user stop.",
+            )
+
+    @override
+    def automatic_error_recovery(self) -> None:
+        self.check_recovery()
+        if self.state.robot_mode is not RobotMode.REFLEX or self._recovery is not None:
+            return
+        self._failure = ""
+        self._recovery = self._link.send(Command.AUTOMATIC_ERROR_RECOVERY)
+        self._waiting.append(self._recovery)
+
+    @override
+    def errors(self) -> list[ArmError]:
+        names = error_names(self.state.current_errors)
+        if not names and self._has_failed:
+            names = error_names(self.state.last_motion_errors)
+        cycle = self._reader.message_id
+        return [ArmError(name, "", 0.0, 0.0, "", cycle) for name in names]
+
+    @override
+    def failure(self) -> str:
+        return self._link.loss or self._failure
+
+    @override
+    def log(self) -> list[ArmRecord]:
+        return self._commands.records() if self._has_failed else []
+
+    @override
+    def remedy(self) -> str | None:
+        if self._link.loss is not None:
+            return "restore the connection and restart the station"
+        todo = REMEDIES.get(self._shown_mode())
+        return f"{todo} ({self._failure})" if todo and self._failure else todo
+
+    @override
+    def simulation(self) -> ArmSimulation | None:
+        return None
+
+    def close(self) -> None:
+        """Stop a motion and hang up."""
+        self.stop_motion()
+        self._link.close()
+
+    def _take_state(self) -> None:
+        """Look what a new state says of the motion."""
+        if self._motion is not None:
+            self._commands.note_state()
+            if not self._commands.is_shown():
+                self._waiting.append(self._motion)
+                self._motion, self._has_failed = None, True
+                self._commands.end()
+        self._show_mode()
+
+    def _give_up(self) -> None:
+        """End everything: the arm is lost."""
+        self._motion = self._stop = self._recovery = None
+        self._waiting.clear()
+        self._has_failed = True
+        self._commands.end()
+        self.state.robot_mode = RobotMode.OTHER
+
+    def _shown_mode(self) -> RobotMode:
+        """Return the arm's mode; a motion that nobody here commands is none."""
+        if self._link.loss is not None:
+            return RobotMode.OTHER
+        mode = self._reader.robot_mode
+        if mode is RobotMode.MOVE and self._motion is None:
+            return RobotMode.IDLE
+        return mode
+
+    def _show_mode(self) -> None:
+        self.state.robot_mode = self._shown_mode()
+
+    def _begin(self, answer: RobotAnswer) -> int:
+        """Wait until the states show a motion that the arm has accepted.
+
+        Returns:
+            The number of its request.
+
+        Raises:
+            ArmCommandError: The arm refuses the motion, or it does not show.
+        """
+        if answer.status != MoveStatus.MOTION_STARTED:
+            raise self._link.refused(answer)
+        for _ in range(_LONGEST_START):
+            if self._commands.is_shown() or self._link.loss is not None:
+                break
+            self._link.receive_next()
+            end = self._link.take(answer.command_id)
+            if end is not None:
+                raise self._link.refused(end)
+        if not self._commands.is_shown() or self._link.loss is not None:
+            raise ArmCommandError(
+                "The arm does not show the motion that it has accepted."
+            )
+        return answer.command_id
+
+    def _take_answers(self) -> None:
+        """Look whether the arm has answered what it was asked before."""
+        for number in list(self._waiting):
+            answer = self._link.take(number)
+            if answer is None:
+                continue
+            self._waiting.remove(number)
+            self._stop = None if number == self._stop else self._stop
+            self._recovery = None if number == self._recovery else self._recovery
+            if answer.status:  # 0 is success for every command
+                mode = self._reader.robot_mode
+                self._failure = refusal_of(answer.command, answer.status, mode)
+
+    def _set(self, command: Command, values: Mapping[str, Any]) -> None:
+        """Change a setting, and wait for a state that shows it.
+
+        Raises:
+            ArmCommandError: A motion runs, or the arm is lost or refuses.
+            InvalidCommandError: The arm refuses the value.
+        """
+        if self._motion is not None:
+            raise ArmCommandError(
+                f"{command.name} is not possible while a motion runs.",
+                remedy="Stop the controllers of this arm first.",
+            )
+        self._link.change(command, values)

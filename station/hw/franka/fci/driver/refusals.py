@@ -1,0 +1,87 @@
+"""What the arm's answers mean, in libfranka's words.
+
+Source: libfranka@0.9.2 src/robot_impl.h, handleCommandResponse; differs: what to do is
+said beside them.
+"""
+
+from enum import IntEnum
+
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.fci.wire.robot_protocol import (
+    Command,
+    MoveStatus,
+    RecoveryStatus,
+    SetterStatus,
+    StopMoveStatus,
+)
+
+_STATUSES: dict[Command, type[IntEnum]] = {
+    Command.MOVE: MoveStatus,
+    Command.STOP_MOVE: StopMoveStatus,
+    Command.AUTOMATIC_ERROR_RECOVERY: RecoveryStatus,
+}
+_WORDS = {
+    "PREEMPTED": "command preempted!",
+    "START_AT_SINGULAR_POSE_REJECTED": (
+        "command rejected: cannot start at singular pose!"
+    ),
+    "INVALID_ARGUMENT_REJECTED": "command rejected: invalid argument!",
+    "REFLEX_ABORTED": "command aborted: motion aborted by reflex!",
+    "EMERGENCY_ABORTED": "command aborted: User Stop pressed!",
+    "INPUT_ERROR_ABORTED": "command aborted: invalid input provided!",
+    "MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED": (
+        "command rejected: manual error recovery required!"
+    ),
+    "ABORTED": "command aborted!",
+}
+_WORDS_OF_MOVE = {
+    "INVALID_ARGUMENT_REJECTED": (
+        "command rejected: maximum path deviation out of range!"
+    ),
+}
+# The names by which libfranka calls the modes.
+_MODES = {
+    RobotMode.OTHER: "Other",
+    RobotMode.IDLE: "Idle",
+    RobotMode.MOVE: "Move",
+    RobotMode.GUIDING: "Guiding",
+    RobotMode.REFLEX: "Reflex",
+    RobotMode.USER_STOPPED: "User stopped",
+    RobotMode.AUTOMATIC_ERROR_RECOVERY: "Automatic error recovery",
+}
+REMEDIES = {
+    RobotMode.OTHER: "open the brakes and activate FCI in Desk",
+    RobotMode.GUIDING: "let go of the guiding buttons",
+    RobotMode.REFLEX: "remove the cause, then recover",
+    RobotMode.USER_STOPPED: "release the user stop",
+    RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
+}
+"""What to do before an arm in a mode can move."""
+
+
+def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
+    """Return what libfranka says of an answer that is no success.
+
+    Args:
+        command: What was asked for.
+        number: The status of the answer.
+        mode: The arm's mode.
+    """
+    name = command.name.replace("_", " ").title()
+    # Names of frames keep their capitals: "Set NE to EE".
+    name = name.replace("Ne ", "NE ").replace("Ee", "EE").replace(" To ", " to ")
+    try:
+        status = _STATUSES.get(command, SetterStatus)(number).name
+    except ValueError:
+        status = ""
+    if status == "COMMAND_NOT_POSSIBLE_REJECTED":
+        brakes = " Did you open the brakes?" if mode is RobotMode.OTHER else ""
+        return (
+            f"libfranka: {name} command rejected: command not possible in the current "
+            f'mode ("{_MODES[mode]}")!{brakes}'
+        )
+    words = _WORDS_OF_MOVE if command is Command.MOVE else _WORDS
+    said = words.get(status, _WORDS.get(status))
+    if said is None:
+        return f"libfranka: Unexpected response while handling {name} command!"
+    return f"libfranka: {name} {said}"

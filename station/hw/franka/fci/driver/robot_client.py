@@ -1,0 +1,124 @@
+"""Requests to an arm and its answers, over the TCP connection.
+
+Source: libfranka@0.9.2 src/network.h, connect; src/robot_impl.h, executeCommand.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+from station.hw.franka.fci.driver.network import (
+    TCP_TIMEOUT,
+    FciNetworkError,
+    Network,
+)
+from station.hw.franka.fci.wire.messages import Answer, FciProtocolError, Messages
+from station.hw.franka.fci.wire.robot_protocol import (
+    HEADER,
+    Command,
+    ConnectStatus,
+    RobotProtocol,
+)
+
+RobotAnswer: TypeAlias = Answer[Command]
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+class IncompatibleVersionError(FciProtocolError):
+    """The arm speaks another version of the protocol."""
+
+    code = "fci_version"
+
+
+class RobotClient:
+    """Asks an arm, and keeps the answers that come later. Control thread.
+
+    Args:
+        network: The network.
+        protocol: The version that is spoken.
+    """
+
+    def __init__(self, network: Network, protocol: RobotProtocol) -> None:
+        self._network = network
+        self._protocol = protocol
+        self._messages = Messages(HEADER, protocol.exchanges)
+        self._count = 0
+        self._forgotten = 0
+        self._answers: dict[int, list[RobotAnswer]] = {}
+
+    def connect(self) -> None:
+        """Say which version this side speaks, and where it receives states.
+
+        Raises:
+            FciNetworkError: No answer came.
+            IncompatibleVersionError: The arm speaks another version.
+            FciProtocolError: The answer is none.
+        """
+        own, port = self._protocol.version, self._network.udp_port
+        answer = self.ask(Command.CONNECT, {"version": own, "udp_port": port})
+        if answer.status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION:
+            raise IncompatibleVersionError(
+                "libfranka: Incompatible library version (server version: "
+                f"{answer.values['version']}, library version: {own}).",
+                remedy="This driver is for a Panda with a system whose libfranka is "
+                "0.8 or 0.9; others speak another version.",
+            )
+        if answer.status != ConnectStatus.SUCCESS:
+            raise FciProtocolError(
+                "libfranka: Protocol error during connection attempt"
+            )
+
+    def send(self, command: Command, values: Mapping[str, Any] = _NOTHING) -> int:
+        """Send a request; return its number.
+
+        Raises:
+            FciNetworkError: The connection is broken.
+        """
+        self._count += 1
+        self._network.send(self._messages.request(command, self._count, values))
+        return self._count
+
+    def ask(
+        self, command: Command, values: Mapping[str, Any] = _NOTHING
+    ) -> RobotAnswer:
+        """Send a request and wait for its first answer.
+
+        Raises:
+            FciNetworkError: The connection is broken, or no answer came in time.
+            FciProtocolError: What came is no answer.
+        """
+        number = self.send(command, values)
+        answer = self.take(number) or self.take(number, TCP_TIMEOUT)
+        if answer is None:
+            raise FciNetworkError(
+                f"libfranka: TCP receive: no answer to {command.name} within "
+                f"{TCP_TIMEOUT:g} s",
+                remedy="Check the arm and the network, then restart the station.",
+            )
+        return answer
+
+    def take(self, number: int, timeout: float = 0.0) -> RobotAnswer | None:
+        """Return the next answer to a request; None if there is none.
+
+        Args:
+            number: Number of the request.
+            timeout: How long to wait for something to arrive [s].
+
+        Raises:
+            FciNetworkError: The connection is broken.
+            FciProtocolError: What came is no answer.
+        """
+        while not (found := self._answers.get(number)):
+            data = self._network.receive(timeout)
+            if not data:
+                return None
+            for answer in self._messages.feed(data):
+                if answer.command_id == self._forgotten:
+                    continue
+                self._answers.setdefault(answer.command_id, []).append(answer)
+        return found.pop(0)
+
+    def forget(self, number: int) -> None:
+        """Drop the answers to a request, also those that are still to come."""
+        self._answers.pop(number, None)
+        self._forgotten = number

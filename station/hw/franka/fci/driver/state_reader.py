@@ -1,0 +1,116 @@
+"""Read the message that an arm sends every cycle into the state of the seam."""
+
+import struct
+from typing import TYPE_CHECKING
+
+from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
+
+if TYPE_CHECKING:
+    from station.kernel.doubles import Doubles
+
+_FIRST_DOUBLE = "O_T_EE"
+_BEHIND_DOUBLES = "motion_generator_mode"
+_MASSES = ("m_ee", "m_load")
+_FIRST_OF_LOADS, _BEHIND_LOADS = "m_ee", "elbow"
+_ID = struct.Struct("<Q")
+_RATE = struct.Struct("<d")
+_MODES = {mode.value: mode for mode in RobotMode}
+
+
+class StateReader:
+    """Keeps one message, and the state in step with it. Control thread.
+
+    Args:
+        state: The state to bring up to date.
+        protocol: The version of the protocol.
+        cycle_time: Time from one message to the next [s].
+
+    Attributes:
+        message: Where the next message is to be received.
+        message_id: Number of the message that was read last.
+        modes: Its `motion_generator_mode` and `controller_mode`, as on the wire.
+        robot_mode: Its mode of the arm.
+    """
+
+    def __init__(
+        self, state: RobotState, protocol: RobotProtocol, cycle_time: float
+    ) -> None:
+        layout = protocol.state
+        self._state = state
+        self._cycle_time = cycle_time
+        self._size = layout.size
+        self._places = places = layout.offsets
+        # A byte more than a message has, so that one that is too long shows as such.
+        self.message = bytearray(layout.size + 1)
+        first, behind = places[_FIRST_DOUBLE], places[_BEHIND_DOUBLES]
+        numbers = memoryview(self.message)[first:behind].cast("d")
+        self._arrays: list[tuple[Doubles, Doubles]] = []
+        for name, offset in places.items():
+            if first <= offset < behind and name not in _MASSES:
+                place = (offset - first) // 8
+                part = numbers[place : place + layout.counts[name]]
+                self._arrays.append((state.doubles(name), part))
+        self._loads = slice(places[_FIRST_OF_LOADS], places[_BEHIND_LOADS])
+        self._known_loads = b""
+        self._flags = [
+            (
+                getattr(state, field),
+                slice(places[name], places[name] + layout.counts[name]),
+            )
+            for field, name in (
+                ("current_errors", "errors"),
+                ("last_motion_errors", "reflex_reason"),
+            )
+        ]
+        self._known_flags = [b"", b""]
+        self.message_id = 0
+        self.modes = (0, 0)
+        self.robot_mode = RobotMode.OTHER
+
+    def is_newer(self, size: int) -> bool:
+        """Return whether `message` holds a state that is newer than the last one.
+
+        Args:
+            size: How many bytes were received.
+        """
+        if size != self._size:
+            return False
+        number: int = _ID.unpack_from(self.message, 0)[0]
+        return number > self.message_id
+
+    def read(self) -> None:
+        """Bring the state up to date with `message`, all but its `robot_mode`."""
+        message, state, places = self.message, self._state, self._places
+        for target, source in self._arrays:
+            target[:] = source
+        self.message_id = _ID.unpack_from(message, 0)[0]
+        state.time = self.message_id * self._cycle_time
+        rate = places["control_command_success_rate"]
+        state.control_command_success_rate = _RATE.unpack_from(message, rate)[0]
+        for i, (flags, part) in enumerate(self._flags):
+            raised = bytes(message[part])
+            if raised != self._known_flags[i]:
+                self._known_flags[i] = raised
+                flags[:] = [flag != 0 for flag in raised]
+        loads = bytes(message[self._loads])
+        if loads != self._known_loads:
+            self._known_loads = loads
+            self._read_loads()
+        behind = places[_BEHIND_DOUBLES]
+        self.modes = (message[behind], message[behind + 1])
+        mode = message[places["robot_mode"]]
+        self.robot_mode = _MODES.get(mode, RobotMode.OTHER)
+
+    def _read_loads(self) -> None:
+        """Combine end effector and load, as libfranka does when it converts a state."""
+        state, message, places = self._state, self.message, self._places
+        for name in _MASSES:
+            setattr(state, name, _RATE.unpack_from(message, places[name])[0])
+        total = combine_loads(
+            Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,)),
+            Load(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),
+        )
+        state.m_total, state.F_x_Ctotal = total.mass, total.center_of_mass
+        state.I_total = total.inertia

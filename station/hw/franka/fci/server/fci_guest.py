@@ -1,0 +1,126 @@
+"""A client of the Franka Control Interface on the arm of a running station.
+
+Either the station's controllers command the arm, or the client does.
+"""
+
+from collections.abc import Callable
+
+from typing_extensions import override
+
+from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
+from station.hw.franka.fci.server.shared_page import SharedPage
+from station.kernel.stages import Stage
+
+
+class FciGuest:
+    """Serves one client at a time, between and within the cycles. Control thread only.
+
+    In a cycle it copies bytes between the session and the page, and nothing else.
+
+    Args:
+        arm: The arm.
+        page: Where messages are left and found.
+        model_library: Where model libraries come from.
+        is_commanded: Returns whether the station's controllers command the arm.
+        may_move: Returns whether the station lets anybody move the arm.
+    """
+
+    def __init__(
+        self,
+        arm: RobotArm,
+        page: SharedPage,
+        model_library: ModelLibrary,
+        *,
+        is_commanded: Callable[[], bool],
+        may_move: Callable[[], bool],
+    ) -> None:
+        self._arm = arm
+        self._page = page
+        self._model_library = model_library
+        self._is_commanded, self._may_move = is_commanded, may_move
+        self._session: RobotSession | None = None
+        self._unsent = b""
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a motion of the client runs."""
+        return self._session is not None and self._session.is_moving
+
+    def open(self) -> None:
+        """Welcome a new client."""
+        self.leave()
+        self._page.take_command()  # one that the last client has left
+        self._session = RobotSession(
+            self._arm, self._model_library, is_free=self._is_free
+        )
+
+    def receive(self, data: bytes) -> tuple[bytes, int | None]:
+        """Take bytes of the client; return answers, and its UDP port.
+
+        Args:
+            data: The next bytes.
+
+        Raises:
+            FciProtocolError: The connection must end.
+        """
+        session = self._session
+        if session is None:
+            return b"", None
+        answers = session.receive(data)
+        return answers, session.udp_port
+
+    def leave(self) -> None:
+        """End what the client has begun: it has gone."""
+        session, self._session, self._unsent = self._session, None, b""
+        if session is not None:
+            session.close()
+
+    def before_read(self) -> None:
+        """Pass the client's command on, before the arm makes a step."""
+        session = self._session
+        if session is None:
+            return
+        if session.is_moving and not self._is_free():
+            self._unsent += session.preempt()
+            if not self._is_commanded():  # else the controllers have the arm by now
+                self._arm.stop_motion()
+        datagram = self._page.take_command()
+        if datagram is not None:
+            session.receive_command(datagram)
+        self._unsent += session.before_cycle()
+
+    def after_read(self) -> None:
+        """Leave the new state for the client, and the answers that became due."""
+        session, page = self._session, self._page
+        if session is None or session.udp_port is None:
+            return
+        arm = self._arm
+        arm.refresh_state()
+        self._unsent += session.after_cycle()
+        # The answer goes first: a client that sees its motion end asks for it.
+        if self._unsent and page.has_room():
+            page.put_answers(self._unsent)
+            self._unsent = b""
+        page.put_state(session.state(round(arm.state.time / arm.cycle_time)))
+
+    def _is_free(self) -> bool:
+        return self._may_move() and not self._is_commanded()
+
+
+class GuestReading(Stage):
+    """Reads a robot, with the guest of its arm before and after.
+
+    Args:
+        guest: The guest.
+        reading: Reads the robot.
+    """
+
+    def __init__(self, guest: FciGuest, reading: Stage) -> None:
+        self._guest, self._reading = guest, reading
+
+    @override
+    def run(self, time: float, period: float) -> None:
+        self._guest.before_read()
+        self._reading.run(time, period)
+        self._guest.after_read()

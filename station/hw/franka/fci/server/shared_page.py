@@ -1,0 +1,88 @@
+"""The memory that a control thread shares with the process that serves its clients.
+
+A control thread may not send or receive. It leaves messages here and finds commands
+here; another process moves them to and from the network. Nobody locks: each kind of
+message has two places, is written into the one that is not valid, and becomes valid by
+its number. Each number has one writer.
+"""
+
+import mmap
+
+from station.hw.franka.fci.wire.robot_protocol import PANDA
+
+_NUMBERS = 128
+_SLOT = 4096
+_STATE, _COMMAND, _ANSWERS = 0, 1, 2
+_SIZES = 8
+PAGE_BYTES = _NUMBERS + 6 * _SLOT
+"""Size of the shared memory [bytes]."""
+
+
+class SharedPage:
+    """States and answers go one way, commands the other.
+
+    Args:
+        memory: At least `PAGE_BYTES` writable bytes, zero at first.
+    """
+
+    def __init__(self, memory: mmap.mmap | bytearray) -> None:
+        view = memoryview(memory)
+        self._numbers = view[:_NUMBERS].cast("Q")
+        self._slots = [
+            view[_NUMBERS + i * _SLOT : _NUMBERS + (i + 1) * _SLOT] for i in range(6)
+        ]
+        self._command_size = PANDA.command.size
+        self._taken = 0  # number of the last command or state that this side took
+        self._state_taken = 0
+
+    def put_state(self, message: bytearray) -> None:
+        """Leave a state; an older one that nobody has taken is lost. Control thread."""
+        self._put(_STATE, message)
+
+    def take_state(self) -> memoryview | None:
+        """Return the newest state if it is a new one. Server's process."""
+        number = self._numbers[_STATE]
+        if number == self._state_taken:
+            return None
+        self._state_taken = number
+        return self._find(_STATE, number)
+
+    def put_command(self, datagram: bytes) -> None:
+        """Leave a command that is as long as one. Server's process."""
+        if len(datagram) == self._command_size:
+            self._put(_COMMAND, datagram)
+
+    def take_command(self) -> bytes | None:
+        """Return the newest command if it is a new one. Control thread."""
+        number = self._numbers[_COMMAND]
+        if number == self._taken:
+            return None
+        self._taken = number
+        return bytes(self._find(_COMMAND, number))
+
+    def has_room(self) -> bool:
+        """Return whether the last answers have been taken. Control thread."""
+        return self._numbers[_ANSWERS] == self._numbers[_SIZES - 1]
+
+    def put_answers(self, data: bytes) -> None:
+        """Leave answers, at most 4 KB, once there is room. Control thread."""
+        self._put(_ANSWERS, data)
+
+    def take_answers(self) -> bytes:
+        """Return the answers that were left; none if there are none. Server's side."""
+        number = self._numbers[_ANSWERS]
+        if number == self._numbers[_SIZES - 1]:
+            return b""
+        data = bytes(self._find(_ANSWERS, number))
+        self._numbers[_SIZES - 1] = number
+        return data
+
+    def _put(self, kind: int, data: bytes | bytearray) -> None:
+        number = self._numbers[kind] + 1
+        self._slots[2 * kind + number % 2][: len(data)] = data
+        self._numbers[_SIZES + 2 * kind + number % 2] = len(data)
+        self._numbers[kind] = number
+
+    def _find(self, kind: int, number: int) -> memoryview:
+        size = self._numbers[_SIZES + 2 * kind + number % 2]
+        return self._slots[2 * kind + number % 2][:size]

@@ -1,0 +1,97 @@
+"""Requests as bytes, and answers out of a stream of bytes: the client's direction."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Generic, TypeVar
+
+from station.core.errors import StationError
+from station.hw.franka.fci.wire.robot_protocol import Exchange
+from station.hw.franka.fci.wire.structure import Structure
+
+_Command = TypeVar("_Command", bound=IntEnum)
+_NOTHING: Mapping[str, Any] = {}
+
+
+class FciProtocolError(StationError):
+    """The other side sent what the protocol does not have; the connection ends."""
+
+    code = "fci_protocol"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer(Generic[_Command]):
+    """One answer of a robot or a hand.
+
+    Attributes:
+        command: What is answered.
+        command_id: Number of the request.
+        status: The status, one of those of the command.
+        values: All fields, the status included.
+    """
+
+    command: _Command
+    command_id: int
+    status: int
+    values: Mapping[str, Any]
+
+
+class Messages(Generic[_Command]):
+    """Makes requests, and reads the answers, however TCP has cut them.
+
+    Args:
+        header: Head of every message.
+        exchanges: Request and answer of every command.
+    """
+
+    def __init__(
+        self, header: Structure, exchanges: Mapping[_Command, Exchange]
+    ) -> None:
+        self._header = header
+        self._exchanges = exchanges
+        self._received = bytearray()
+
+    def request(
+        self, command: _Command, number: int, values: Mapping[str, Any] = _NOTHING
+    ) -> bytes:
+        """Return a request as bytes.
+
+        Args:
+            command: What is asked for.
+            number: Number of the request, which its answers repeat.
+            values: The fields of the request.
+        """
+        body = self._exchanges[command].request.pack(values)
+        head = {"command": command, "command_id": number}
+        return self._header.pack({**head, "size": self._header.size + len(body)}) + body
+
+    def feed(self, data: bytes) -> Iterator[Answer[_Command]]:
+        """Return the answers that are complete now; the rest waits for more bytes.
+
+        What follows the fields of an answer, e.g. a model library, is passed over.
+
+        Args:
+            data: The next bytes of the stream.
+
+        Raises:
+            FciProtocolError: The stream has no answer of the protocol in it.
+        """
+        self._received += data
+        head_size = self._header.size
+        while len(self._received) >= head_size:
+            head = self._header.unpack(self._received[:head_size])
+            command, response = self._look_up(head["command"])
+            if head["size"] < head_size + response.size:
+                raise FciProtocolError("libfranka: Incorrect TCP message size.")
+            if len(self._received) < head["size"]:
+                return
+            body = bytes(self._received[head_size : head_size + response.size])
+            del self._received[: head["size"]]
+            values = response.unpack(body)
+            yield Answer(command, head["command_id"], values["status"], values)
+
+    def _look_up(self, number: int) -> tuple[_Command, Structure]:
+        for command, exchange in self._exchanges.items():
+            if command == number:
+                return command, exchange.response
+        raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")

@@ -1,0 +1,125 @@
+"""FrankaHW with a real arm's driver: what the loop and the controllers see of it."""
+
+import pytest
+
+from station.core.errors import (
+    HardwareInterfaceError,
+    ParameterError,
+    SwitchRefusedError,
+)
+from station.core.hardware.interfaces import PositionJointInterface
+from station.core.hardware.robot_hw import SwitchState
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.fci.driver import connection
+from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.network import FciNetworkError
+from station.hw.franka.fci.wire.robot_protocol import Command, MoveStatus
+from station.hw.franka.franka_combined_hw import FrankaCombinedHW
+from station.hw.franka.franka_hw import FrankaHW
+from station.hw.franka.simulated.arm_model import ArmModel
+from tests.hw.franka.fci.driver.test_driver import answering
+from tests.hw.franka.fci.stepped_network import SteppedNetwork
+from tests.hw.franka.scripted_arm import ScriptedArm
+from tests.hw.franka.test_franka_hw import (
+    PERIOD,
+    ROBOT,
+    controllers,
+    drive,
+    run,
+    switch,
+)
+
+ADDRESS = "172.16.0.2"
+
+
+@pytest.fixture
+def network(monkeypatch):
+    """Put a scripted arm at every address."""
+    joined = SteppedNetwork(ScriptedArm())
+    monkeypatch.setattr(connection, "FciNetwork", lambda _host, _port: joined)
+    return joined
+
+
+def make(**parameters):
+    robot = {**ROBOT, "robot_ip": ADDRESS, "realtime_config": "ignore", **parameters}
+    tree = ParameterTree({"robot": robot})
+    hw = FrankaHW()
+    hw.init(Parameters(tree), Parameters(tree, "robot"))
+    return hw
+
+
+def test_robot_ip_selects_the_driver_with_nothing_of_a_simulation(network):
+    hw = make(collision_config={"lower_torque_thresholds_nominal": [11.0] * 7})
+    assert isinstance(hw.arm, FciArm)
+    assert hw.simulated_world() is None
+    assert hw.arm.simulation() is None
+    assert hw.robot_clock() is hw.arm
+    assert not [name for name in hw.get_names() if "Gripper" in name]
+    behavior = network.arm.behavior
+    assert behavior.lower_torque_thresholds_nominal == (11.0,) * 7
+    hw.close()
+    assert network.is_closed
+
+
+@pytest.mark.usefixtures("network")
+def test_model_is_the_stations_own():
+    assert isinstance(make().arm.load_model(), ArmModel)
+
+
+def test_arm_that_does_not_answer_is_told(monkeypatch):
+    def refuse(host, port):
+        raise FciNetworkError(f"libfranka: Connection timeout at {host}:{port}.")
+
+    monkeypatch.setattr(connection, "FciNetwork", refuse)
+    with pytest.raises(FciNetworkError, match=r"timeout at 172\.16\.0\.2:1337"):
+        make()
+
+
+@pytest.mark.usefixtures("network")
+def test_loop_at_another_rate_than_the_arm_is_refused():
+    hw = make()
+    hw.check_period(PERIOD)
+    with pytest.raises(HardwareInterfaceError, match="real arm 'panda' needs") as error:
+        hw.check_period(0.002)
+    assert "1000" in error.value.remedy
+
+
+@pytest.mark.usefixtures("network")
+def test_switch_without_a_realtime_thread_is_refused(monkeypatch):
+    hw = make(realtime_config="enforce")
+    monkeypatch.setattr(hw.arm, "_find_problem", lambda _thread: "no SCHED_FIFO")
+    with pytest.raises(SwitchRefusedError, match="no SCHED_FIFO"):
+        hw.prepare_switch(controllers("jp"), [])
+
+
+def test_motion_that_the_arm_refuses_fails_the_switch_and_not_the_loop(
+    network, monkeypatch
+):
+    hw = make()
+    answering(
+        monkeypatch, network, Command.MOVE, MoveStatus.START_AT_SINGULAR_POSE_REJECTED
+    )
+    switch(hw, "jp")
+    assert hw.switch_result() is SwitchState.ERROR
+    run(hw, 3)
+    assert hw.mode() == "idle"
+
+
+@pytest.mark.usefixtures("network")
+def test_lost_arm_stops_the_controllers_with_its_reason():
+    hw = make()
+    switch(hw, "jp")
+    drive(hw, PositionJointInterface, list(hw.robot_state.q_d), 5)
+    hw.arm._link._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
+    run(hw, 1)
+    assert hw.is_interrupted()
+    reason = hw.interruption_of(controllers("jp")[0])
+    assert reason == "arm 'panda' went to other (libfranka: UDP receive: Timeout)"
+
+
+def test_combined_arms_are_simulated_alone():
+    tree = ParameterTree({
+        "robot": {"robot_hardware": ["left"], "left": {**ROBOT, "robot_ip": ADDRESS}}
+    })
+    with pytest.raises(ParameterError, match="robot_ip 172"):
+        FrankaCombinedHW().init(Parameters(tree), Parameters(tree, "robot"))

@@ -1,0 +1,124 @@
+"""The process that moves bytes between clients and a station; here it is a thread."""
+
+import socket
+import threading
+
+import pytest
+
+from station.hw.franka.fci.server.client_port import FciPortError
+from station.hw.franka.fci.server.fci_door import (
+    ANSWER,
+    DATA,
+    LEAVE,
+    OPEN,
+    REFUSAL,
+    UDP_PORT,
+    FciDoor,
+    StationGoneError,
+    receive_frame,
+    send_frame,
+)
+from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.robot_protocol import PANDA
+from tests.hw.franka.fci.server.server_bench import HOST
+
+
+class Door:
+    """A door in a thread, and the station's ends of its pipe and its page."""
+
+    def __init__(self):
+        memory = bytearray(PAGE_BYTES)
+        self.station, pipe = socket.socketpair()
+        self.station.settimeout(5.0)
+        self.page, self._pipe = SharedPage(memory), pipe
+        door = FciDoor(HOST, pipe, SharedPage(memory))
+        self._thread = threading.Thread(target=door.run)
+        self._thread.start()
+
+    def expect(self, kind, answer=b"", port=0):
+        """Wait for a frame, and answer it."""
+        found, data = receive_frame(self.station)
+        assert found == kind
+        send_frame(self.station, ANSWER, UDP_PORT.pack(port) + answer)
+        return data
+
+    def close(self):
+        """End the door, as a station that goes does."""
+        self.station.shutdown(socket.SHUT_WR)
+        self._thread.join(5.0)
+        assert not self._thread.is_alive()
+        self._pipe.close()
+        self.station.close()
+
+
+@pytest.fixture
+def door():
+    opened = Door()
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def client():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+        udp.bind(("0.0.0.0", 0))  # as libfranka does
+        udp.settimeout(5.0)
+        yield udp
+
+
+def test_bytes_of_a_client_go_through_and_answers_come_back(door):
+    with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
+        door.expect(OPEN)
+        tcp.sendall(b"request")
+        assert door.expect(DATA, b"answer") == b"request"
+        assert tcp.recv(100) == b"answer"
+        door.page.put_answers(b"later")
+        assert tcp.recv(100) == b"later"
+    door.expect(LEAVE)
+
+
+def test_states_and_commands_go_through_the_shared_memory(door, client):
+    with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
+        door.expect(OPEN)
+        tcp.sendall(b"connect")
+        door.expect(DATA, b"connected", client.getsockname()[1])
+        assert tcp.recv(100) == b"connected"
+        door.page.put_state(bytearray(b"s" * PANDA.state.size))
+        state, server = client.recvfrom(4096)
+        assert state == b"s" * PANDA.state.size
+
+        command = b"c" * PANDA.command.size
+        client.sendto(command, server)
+        tcp.sendall(b"next")  # a turn of the door later than the command
+        door.expect(DATA)
+        tcp.sendall(b"next")
+        door.expect(DATA)
+        assert door.page.take_command() == command
+    door.expect(LEAVE)
+
+
+def test_client_that_the_station_refuses_is_sent_away(door):
+    with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
+        door.expect(OPEN)
+        tcp.sendall(b"nonsense")
+        receive_frame(door.station)
+        send_frame(door.station, REFUSAL, b"no command")
+        door.expect(LEAVE)
+        assert tcp.recv(100) == b""
+    with socket.create_connection((HOST, PANDA.port), 5.0):
+        door.expect(OPEN)
+    door.expect(LEAVE)
+
+
+def test_address_that_is_taken_is_told():
+    with socket.create_server((HOST, PANDA.port)):
+        one, other = socket.socketpair()
+        with one, other, pytest.raises(FciPortError, match=HOST):
+            FciDoor(HOST, one, SharedPage(bytearray(PAGE_BYTES)))
+
+
+def test_end_of_the_other_side_is_told():
+    one, other = socket.socketpair()
+    other.close()
+    with one, pytest.raises(StationGoneError):
+        receive_frame(one)

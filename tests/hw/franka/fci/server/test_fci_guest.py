@@ -1,0 +1,177 @@
+"""A client beside the controllers of a station: one of them commands the arm."""
+
+import pytest
+
+from station.core.errors import ArmCommandError, SwitchRefusedError
+from station.core.franka import RobotMode
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading
+from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from tests.hw.franka.plain_model import PlainModel
+from tests.hw.franka.test_franka_hw import PERIOD, controllers, make, switch
+
+JOINT = ControllerMode.JOINT_IMPEDANCE
+POSITION = MotionGeneratorMode.JOINT_POSITION
+
+
+class BesideNetwork:
+    """Joins the driver, as a client, to the guest of a station; all in one thread.
+
+    A wait for a state is a cycle of the station.
+    """
+
+    udp_port = 4711
+
+    def __init__(self):
+        memory = bytearray(PAGE_BYTES)
+        self.hw, self.page, self.may_move = make(), SharedPage(memory), True
+        self.guest = self.hw.guest = FciGuest(
+            self.hw.arm,
+            SharedPage(memory),
+            lambda _architecture, _system: None,
+            is_commanded=lambda: self.hw.is_commanded,
+            may_move=lambda: self.may_move,
+        )
+        self._reading = GuestReading(self.guest, self.hw.reading())
+        self._answers = bytearray()
+        self.guest.open()
+
+    def send(self, data):
+        self._answers += self.guest.receive(data)[0]
+
+    def receive(self, timeout):
+        data = bytes(self._answers) + self.page.take_answers()
+        self._answers.clear()
+        return data
+
+    def send_datagram(self, data):
+        self.page.put_command(bytes(data))
+
+    def wait(self, buffer):
+        self._reading.run(0.0, PERIOD)
+        self.hw.write(0.0, PERIOD)
+        state = self.page.take_state()
+        if state is None:
+            return 0
+        buffer[: len(state)] = state
+        return len(state)
+
+    def poll(self, buffer):
+        return 0
+
+    def close(self):
+        self.guest.leave()
+
+
+@pytest.fixture
+def network():
+    return BesideNetwork()
+
+
+@pytest.fixture
+def client(network):
+    return FciArm(network, PlainModel, is_enforced=False)
+
+
+def move(client, cycles=50):
+    """Turn joint 1 with a growing velocity."""
+    for cycle in range(cycles):
+        q = list(client.state.q_d)
+        q[0] += 1e-7 * cycle
+        client.command_joint_positions(q)
+        client.read_once()
+
+
+def test_client_moves_an_arm_that_no_controller_commands(network, client):
+    before = network.hw.robot_state.q_d[0]
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    assert client.state.robot_mode is RobotMode.MOVE
+    assert network.hw.robot_state.q_d[0] == pytest.approx(before + 1e-7 * 49 * 25)
+    client.stop_motion()
+    client.read_once()
+    assert client.state.robot_mode is RobotMode.IDLE
+    assert not client.failure()
+
+
+def test_switch_is_refused_while_a_client_moves(network, client):
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    with pytest.raises(SwitchRefusedError, match="client of the Franka") as refused:
+        network.hw.prepare_switch(controllers("jp"), [])
+    assert "end its motion" in refused.value.remedy
+    move(client)
+    assert client.state.robot_mode is RobotMode.MOVE
+
+    client.stop_motion()
+    client.read_once()
+    network.hw.prepare_switch(controllers("jp"), [])
+
+
+def test_motion_is_refused_while_controllers_run(network, client):
+    switch(network.hw, "jp")
+    client.read_once()
+    words = r'Move command rejected: command not possible in the current mode \("Move"'
+    with pytest.raises(ArmCommandError, match=words):
+        client.start_motion(JOINT, POSITION)
+    assert network.hw.mode() == "move"
+
+    switch(network.hw, "none", "jp")
+    client.read_once()
+    client.start_motion(JOINT, POSITION)
+
+
+def test_setting_is_refused_while_controllers_run(network, client):
+    switch(network.hw, "jp")
+    client.read_once()
+    with pytest.raises(ArmCommandError, match="Set Joint Impedance command rejected"):
+        client.set_joint_impedance([1000.0] * 7)
+
+
+def test_state_is_read_beside_controllers(network, client):
+    switch(network.hw, "jp")
+    for _ in range(5):
+        before = client.state.time
+        client.read_once()
+        assert client.state.time == pytest.approx(before + PERIOD)
+    assert client.state.q == network.hw.robot_state.q
+
+
+def test_stop_of_the_station_ends_the_clients_motion(network, client):
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    network.may_move = False
+    client.read_once()
+    client.read_once()
+    assert network.hw.mode() == "idle"
+    assert client.failure() == "libfranka: Move command preempted!"
+    with pytest.raises(ArmCommandError, match="command not possible"):
+        client.start_motion(JOINT, POSITION)
+    network.may_move = True
+    client.start_motion(JOINT, POSITION)
+
+
+def test_switch_that_began_before_the_clients_motion_takes_the_arm_over(
+    network, client
+):
+    network.hw.prepare_switch(controllers("jp"), [])
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    network.hw.do_switch(controllers("jp"), [])
+    client.read_once()
+    client.read_once()
+    assert network.hw.mode() == "move"
+    assert client.failure() == "libfranka: Move command preempted!"
+    assert not network.guest.is_moving
+
+
+def test_client_that_goes_leaves_the_arm_holding(network, client):
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    network.close()
+    network.hw.read(0.0, PERIOD)
+    assert network.hw.mode() == "idle"
+    assert not network.guest.is_moving
+    network.guest.open()  # the next one
+    assert FciArm(network, PlainModel).state.robot_mode is RobotMode.IDLE

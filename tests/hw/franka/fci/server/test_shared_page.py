@@ -1,0 +1,49 @@
+"""The memory between a control thread and the process that serves its clients."""
+
+import pytest
+
+from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.robot_protocol import PANDA
+
+
+@pytest.fixture
+def sides():
+    """Return the page as the control thread sees it, and as the server sees it."""
+    memory = bytearray(PAGE_BYTES)
+    return SharedPage(memory), SharedPage(memory)
+
+
+def test_empty_page_has_nothing(sides):
+    control, server = sides
+    assert control.take_command() is None
+    assert server.take_state() is None
+    assert server.take_answers() == b""
+    assert control.has_room()
+
+
+def test_newest_state_is_taken_once(sides):
+    control, server = sides
+    for value in range(5):
+        control.put_state(bytearray([value] * PANDA.state.size))
+    taken = server.take_state()
+    assert bytes(taken) == bytes([4] * PANDA.state.size)
+    assert server.take_state() is None
+
+
+def test_newest_command_is_taken_once_and_others_are_no_commands(sides):
+    control, server = sides
+    size = PANDA.command.size
+    server.put_command(bytes([1] * size))
+    server.put_command(bytes([2] * size))
+    server.put_command(b"noise")
+    assert control.take_command() == bytes([2] * size)
+    assert control.take_command() is None
+
+
+def test_answers_wait_for_room(sides):
+    control, server = sides
+    control.put_answers(b"first")
+    assert not control.has_room()
+    assert server.take_answers() == b"first"
+    assert control.has_room()
+    assert server.take_answers() == b""
