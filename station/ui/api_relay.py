@@ -76,6 +76,8 @@ class ApiRelay:
             return _problem(
                 403, "forbidden", "Viewers only watch.", "Log in as operator."
             )
+        if self._access.is_lost:
+            return _unreachable("The station has ended, or is just being started anew")
         outgoing = self._http.build_request(
             request.method,
             f"{self._access.url}{PREFIX}{path}",
@@ -86,9 +88,7 @@ class ApiRelay:
         try:
             answer = await self._http.send(outgoing, stream=True)
         except httpx.TransportError as error:
-            detail = f"The station does not answer ({type(error).__name__})."
-            remedy = "Look whether `station run` still runs; this page reconnects."
-            return _problem(502, "unreachable", detail, remedy)
+            return _unreachable(f"The station does not answer ({type(error).__name__})")
         headers = {
             name: answer.headers[name]
             for name in _ANSWER_HEADERS
@@ -120,6 +120,9 @@ class ApiRelay:
         topic = str(browser.path_params["topic"])
         if not may_stream(topic):
             await _refuse(browser, _NOT_FOUND, "the dashboard does not forward this")
+            return
+        if self._access.is_lost:
+            await _refuse(browser, _STATION_GONE, "the station has ended")
             return
         address = self._access.url.replace("http", "ws", 1)
         query = f"?{browser.url.query}" if browser.url.query else ""
@@ -206,6 +209,11 @@ async def _body(answer: httpx.Response) -> AsyncIterator[bytes]:
             yield part
     finally:
         await answer.aclose()
+
+
+def _unreachable(detail: str) -> JSONResponse:
+    remedy = "Look whether `station run` still runs; this page reconnects."
+    return _problem(502, "unreachable", f"{detail}.", remedy)
 
 
 def _problem(status: int, code: str, detail: str, remedy: str) -> JSONResponse:

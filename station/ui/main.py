@@ -30,7 +30,7 @@ from station.web.limited_server import LimitedServer, connection_share
 from station.wire import StopState
 
 _logger = logging.getLogger(__name__)
-_LOOK_PERIOD = 0.2
+_LOOK_PERIOD = 0.05
 _CLOSING_TIME = 1
 _DESCRIPTORS = 3
 """File descriptors of a browser's 3D socket, with both ends of that to Viser."""
@@ -154,6 +154,7 @@ async def _serve(
             config.url, config.token, config.watchdog_url, config.viewer_token
         ),
         lease_changed,
+        follows=config.follower is not None,
         ca=config.ca,
     )
     pusher = SessionPusher(sessions, logged_in)
@@ -171,12 +172,14 @@ async def _serve(
         _gateway(config, button, dashboard, relay, forwarded, sessions, logged_in)
     )
 
-    def move_to(access: StationAccess) -> None:
-        api.talk_to(access.url, access.token)
-        button.move_to(access.token, access.watchdog_url)
+    def move_to(access: StationAccess | None) -> None:
         sessions.move_to(access)
-        logged_in.move_to(access.url)
-        viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
+        url, token = (api.url, None) if access is None else (access.url, access.token)
+        api.talk_to(url, token)
+        viser_loop.call_soon_threadsafe(shown.talk_to, url, token)
+        if access is not None:
+            button.move_to(access.token, access.watchdog_url)
+            logged_in.move_to(access.url)
 
     dashboard.start()
     try:
@@ -222,7 +225,7 @@ async def _wait_for_end(
     ended: asyncio.Event,
     serving: asyncio.Task[None],
     follower: StationFollower | None,
-    move_to: Callable[[StationAccess], None],
+    move_to: Callable[[StationAccess | None], None],
 ) -> None:
     """Wait for a signal, the server's end or the follower's word."""
     access = None if follower is None else follower.access
