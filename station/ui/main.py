@@ -195,10 +195,8 @@ async def _serve(
             asyncio.run_coroutine_threadsafe(pusher.close(), viser_loop)
         )
         guarded.stop()
-        await relay.close()
-        await forwarded.close()
-        await sessions.close()
-        await api.close()
+        for part in (relay, forwarded, sessions, api):
+            await part.close()
 
 
 def _client(config: DashboardConfig) -> AsyncStationClient:
