@@ -151,6 +151,11 @@ def _add_station_verbs(verbs: Verbs) -> None:
     # Given by `station run`: whom the dashboard follows, and how long without one.
     ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
     ui.add_argument("--watchdog", default="", help=argparse.SUPPRESS)
+    ui.add_argument(
+        "--base-moves",
+        action="store_true",
+        help="the robot's root link floats or drives",
+    )
     ui.add_argument("--beside", default="[]", help=argparse.SUPPRESS)
     ui.add_argument(
         "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS

@@ -65,6 +65,7 @@ class DashboardConfig:
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        base_moves: Whether the root link floats or drives instead.
         beside: Further robots of the same station, e.g. the second arm.
         host_names: Further names under which users reach the dashboard.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
@@ -85,6 +86,7 @@ class DashboardConfig:
     robot_description: str = "example-robot-data:panda"
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    base_moves: bool = False
     beside: tuple[DrawnRobot, ...] = ()
     host_names: tuple[str, ...] = ()
     watchdog_url: str = ""
@@ -207,12 +209,18 @@ def _client(config: DashboardConfig) -> AsyncStationClient:
 
 def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
     """Return the robots, or none and why they cannot be drawn."""
-    first = DrawnRobot(config.robot_description, config.arm_id, config.base)
+    if not config.robot_description:
+        return [], ""
     try:
+        first = load_robot(
+            config.robot_description,
+            config.arm_id,
+            config.base,
+            moves=config.base_moves,
+        )
         return [
-            load_robot(robot.robot_description, robot.arm_id, robot.base)
-            for robot in (first, *config.beside)
-            if robot.robot_description
+            first,
+            *(load_robot(r.robot_description, r.arm_id, r.base) for r in config.beside),
         ], ""
     except RobotModelError as error:
         _logger.warning("%s", error)
