@@ -94,7 +94,9 @@ class Dashboard:
     ) -> None:
         self._server = server
         self._client = client
-        self._link = StationLink(client)
+        robots = beside if robot is None else (robot, *beside)
+        sliding = {name for one in robots for name in one.sliding_joints()}
+        self._link = StationLink(client, sliding=sliding)
         self._reporter = Reporter(self._link.now)
         self._failures = 0
         self._objects = SceneObjects(server)

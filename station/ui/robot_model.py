@@ -15,7 +15,7 @@ import yourdfpy
 from numpy.typing import NDArray
 
 from station.core.description.robot_files import RobotFiles, load_robot_files
-from station.core.description.urdf import Urdf, Vector3
+from station.core.description.urdf import JointType, Urdf, Vector3
 from station.core.description.urdf_parser import parse_urdf
 from station.core.description.urdf_repair import repair_urdf
 from station.core.errors import RobotDescriptionError
@@ -82,6 +82,14 @@ class RobotModel:
                 high = joint.limit.upper
             limits[joint.name] = (low, high)
         return limits
+
+    def sliding_joints(self) -> set[str]:
+        """Return the joints of the robot whose positions are lengths."""
+        return {
+            joint.name
+            for joint in self.urdf.joints.values()
+            if joint.type is JointType.PRISMATIC
+        }
 
     def bounds(self, positions: Mapping[str, float]) -> NDArray[np.float64]:
         """Return the smallest box around the robot's collision geometry.

@@ -50,6 +50,7 @@ class StationLink:
     Args:
         client: The station; owned by the caller.
         now: Monotonic clock [s].
+        sliding: The joints whose positions are lengths.
 
     Attributes:
         client: As given.
@@ -59,9 +60,13 @@ class StationLink:
     """
 
     def __init__(
-        self, client: AsyncStationClient, now: Callable[[], float] = time.monotonic
+        self,
+        client: AsyncStationClient,
+        now: Callable[[], float] = time.monotonic,
+        sliding: Collection[str] = (),
     ) -> None:
         self.client = client
+        self._sliding = frozenset(sliding)
         self.now = now
         self.histories: dict[str, PlotHistory] = {}
         self._heard_at: float | None = None
@@ -121,6 +126,7 @@ class StationLink:
             positions=dict(self._positions),
             elements=dict(self._elements),
             samples=dict(self._samples),
+            sliding=self._sliding,
             limits=dict(self._limits),
         )
 

@@ -11,6 +11,8 @@ from station.wire import ControllerState
 
 _DEFAULT_KIND = "JointGroupPositionController"
 _DEFAULT_TYPE = f"effort_controllers/{_DEFAULT_KIND}"
+_MOST_NAMES = 3
+"""So many claimed resources are named in a row; of more there is the number."""
 _STARTABLE = frozenset({"initialized", "stopped"})
 
 
@@ -84,6 +86,7 @@ def workspace_state(view: StationView) -> dict[str, object]:
             else None
         ),
         "limits": {name: list(ends) for name, ends in view.limits.items()},
+        "sliding": sorted(view.sliding),
         "joints": [name for name in view.positions if "finger" not in name],
     }
 
@@ -100,11 +103,13 @@ def _short_claims(controller: ControllerState) -> list[str]:
         kind = kind.removeprefix("Franka").removesuffix("Joint")
         kind = kind.removesuffix("Cartesian").lower()
         numbers = [name[-1] for name in claim.resources if name[-1:].isdigit()]
-        if len(numbers) == len(claim.resources) and len(numbers) > 1:
+        stems = {name[:-1] for name in claim.resources}
+        if len(stems) == 1 and len(numbers) == len(claim.resources) > 1:
             parts.append(f"{kind} {numbers[0]}-{numbers[-1]}")
+        elif len(claim.resources) > _MOST_NAMES:
+            parts.append(f"{kind}, {len(claim.resources)} joints")
         elif claim.resources:
-            names = (name.partition("_")[2] or name for name in claim.resources)
-            parts.append(f"{kind} {', '.join(names)}")
+            parts.append(f"{kind} {', '.join(claim.resources)}")
     return parts or ["nothing"]
 
 
