@@ -16,16 +16,6 @@ from pathlib import Path
 from playwright.sync_api import Browser, Page, sync_playwright
 
 SIZES = ((1280, 800), (1920, 1080), (390, 844))
-DOCKS = (
-    "joints",
-    "controllers",
-    "gripper",
-    "move",
-    "tuning",
-    "plots",
-    "timeline",
-    "simulation",
-)
 PLACE = Path("artifacts/docks")
 README = Path("docs/images/dashboard.png")
 FLAGS = ["--no-sandbox", "--use-gl=swiftshader", "--enable-unsafe-swiftshader"]
@@ -80,6 +70,14 @@ def opened(browser: Browser, login: str, size: tuple[int, int], scheme: str) -> 
     return page
 
 
+def docks(page: Page) -> list[str]:
+    """Return the names of the docks, in their order on the page."""
+    names: list[str] = page.locator(".dock").evaluate_all(
+        "docks => docks.map((dock) => dock.dataset.dock)"
+    )
+    return names
+
+
 def show_dock(page: Page, dock: str, size: tuple[int, int]) -> None:
     """Unfold a dock and fold the others beside it; choose it on a narrow screen."""
     if size[0] <= NARROW:
@@ -123,7 +121,7 @@ def all_docks(browser: Browser, login: str, size: tuple[int, int], scheme: str) 
     take(page, f"00-first-{end}")
     move(page, size)
     take(page, f"01-moving-{end}")
-    for i, dock in enumerate(DOCKS):
+    for i, dock in enumerate(docks(page)):
         show_dock(page, dock, size)
         take(page, f"{i + 2:02}-{dock}-{end}")
     page.context.close()

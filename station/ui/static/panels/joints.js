@@ -6,6 +6,7 @@ import { desk, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 const DEGREES = 180 / Math.PI;
+const SUFFIX = "_joint"; // says nothing where all joints have it
 const NEAR_LIMIT = 0.05; // part of the range at each end
 
 class Joints extends Panel {
@@ -150,7 +151,8 @@ class Joints extends Panel {
   buildRows(names) {
     this.rows.clear();
     const prefix = sharedPrefix(names);
-    this.body.replaceChildren(...names.map((joint) => this.makeRow(joint, joint.slice(prefix.length))));
+    const end = names.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX)) ? -SUFFIX.length : undefined;
+    this.body.replaceChildren(...names.map((joint) => this.makeRow(joint, joint.slice(prefix.length, end))));
   }
 
   makeRow(joint, label) {
