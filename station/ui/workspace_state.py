@@ -1,5 +1,6 @@
 """What the docks of the page show besides the streams, as plain data."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from station.ui.controllers_model import claims_text, offer_for
@@ -95,7 +96,7 @@ def _trouble(view: StationView) -> str:
     return "Recover the arm first." if choose_rescue(view).trouble else ""
 
 
-def _short_claims(controller: ControllerState) -> list[str]:
+def _short_claims(controller: ControllerState, arms: Sequence[str]) -> list[str]:
     """Return each claim in one or two words, e.g. `effort 1-7`."""
     parts = []
     for claim in controller.claimed_resources:
@@ -109,8 +110,16 @@ def _short_claims(controller: ControllerState) -> list[str]:
         elif len(claim.resources) > _MOST_NAMES:
             parts.append(f"{kind}, {len(claim.resources)} joints")
         elif claim.resources:
-            parts.append(f"{kind} {', '.join(claim.resources)}")
+            prefixes = [f"{arm}_" for arm in arms if len(arms) == 1]
+            names = (_without(name, prefixes) for name in claim.resources)
+            parts.append(f"{kind} {', '.join(names)}")
     return parts or ["nothing"]
+
+
+def _without(name: str, prefixes: Sequence[str]) -> str:
+    for prefix in prefixes:
+        name = name.removeprefix(prefix)
+    return name
 
 
 def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
@@ -121,7 +130,10 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
         "state": controller.state,
         "fault": controller.fault,
         "claims": claims_text(controller),
-        "claims_short": _short_claims(controller),
+        "claims_short": _short_claims(
+            controller,
+            [] if view.status is None else [a.arm_id for a in view.status.robots],
+        ),
         "resources": sorted({
             resource
             for claim in controller.claimed_resources
