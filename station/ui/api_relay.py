@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from station.ui.forwarded_routes import PREFIX, may_ask, may_forward, may_stream
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Session
+from station.ui.socket_ends import until_first
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -167,14 +168,8 @@ async def _pass_frames(
     ended = asyncio.ensure_future(wait_for_end())
     downwards = asyncio.create_task(_to_browser(browser, upstream))
     listening = asyncio.create_task(_until_gone(browser))
-    ends: set[asyncio.Future[None]] = {ended, downwards, listening}
-    try:
-        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-        is_over = ended.done()
-    finally:
-        for end in ends:
-            end.cancel()
-        await asyncio.gather(*ends, return_exceptions=True)
+    await until_first(ended, downwards, listening)
+    is_over = not ended.cancelled()
     if browser.application_state is not WebSocketState.CONNECTED:
         return
     if listening.done() and not listening.cancelled():
