@@ -95,6 +95,10 @@ def show_dock(page: Page, dock: str, size: tuple[int, int]) -> None:
 
 def move(page: Page, size: tuple[int, int]) -> None:
     """Enable the sliders and move two joints, so that plots have something to show."""
+    recover = page.locator("#trouble button")  # An arm stops if its loop is starved.
+    if recover.is_visible():
+        recover.click()
+        recover.wait_for(state="hidden")
     enable = page.locator("#enable")
     if enable.is_visible():
         enable.click()
