@@ -3,8 +3,9 @@
 Run `python benchmarks/bench_dashboard.py [--seconds 20] [--browsers 3]` on a machine
 that does nothing else; it needs Chromium and the packages of the tests. It starts
 `station run` with its dashboard, measures without browsers, then with some that are
-niced, so that drawing in software on the same cores does not decide it. At the end it
-kills the station, starts it again, and measures how long the open page takes to return.
+niced, so that drawing in software on the same cores does not decide it. Then it kills
+the station, starts it again, and measures how long the open page takes to return. At
+the end it measures what six traces of the dock *Plots* cost a browser.
 
 The age of a pose: joint 1 turns steadily, so its angle says when the station had it. A
 page notes each message to its 3D view when the picture with it is due (the next
@@ -14,6 +15,7 @@ many stream frames: the age leaves out what that one needed on its way, under 1 
 
 import argparse
 import base64
+import contextlib
 import json
 import os
 import shutil
@@ -32,9 +34,10 @@ from typing import Any
 import msgspec
 import numpy as np
 import zstandard
+from live import BROWSER_FLAGS
 from measuring import print_table, print_title
 from numpy.typing import NDArray
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from station.client import StationClient
 from station.wire import LoopReport
@@ -158,6 +161,7 @@ def _report(station: RunningStation, seconds: float, count: int) -> None:
         with browsers(station.access, count) as pages:
             watched = measure(station, client, pages, seconds)
             come_back = reconnect_time(station, pages[0])
+        plots = plot_cost(station.access, seconds)
     print_title(f"The dashboard for {seconds:g} s, without and with {count} browsers")
     late = [one.loop.lateness for one in (alone, watched)]
     print_table(
@@ -167,6 +171,7 @@ def _report(station: RunningStation, seconds: float, count: int) -> None:
             ["lateness p99 [us]", *(one.p99 * 1e6 for one in late), "1.5 x none"],
             ["CPU of the dashboard [cores]", alone.cpu, watched.cpu, "0.5"],
             ["page is back after the station [s]", "", come_back, "3"],
+            ["6 traces of 30 Hz over 30 s in one browser [cores]", "", plots, "0.1"],
         ],
     )
     sys.stdout.write("\nThe pose on the screen\n")
@@ -183,28 +188,86 @@ def _report(station: RunningStation, seconds: float, count: int) -> None:
 
 
 @contextmanager
+def chromium() -> Iterator[Browser]:
+    """Run Chromium.
+
+    Raises:
+        FileNotFoundError: There is none.
+    """
+    path = shutil.which("chromium") or shutil.which("google-chrome")
+    if path is None:
+        raise FileNotFoundError("there is no Chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=BROWSER_FLAGS)
+        yield browser
+        browser.close()
+
+
+@contextmanager
 def browsers(access: dict[str, str], count: int) -> Iterator[list[Page]]:
     """Open the dashboard in browsers of their own sessions, drawn and ready.
 
     Raises:
         FileNotFoundError: There is no Chromium.
     """
-    path = shutil.which("chromium") or shutil.which("google-chrome")
-    if path is None:
-        raise FileNotFoundError("there is no Chromium")
-    with sync_playwright() as playwright:
-        flags = ["--no-sandbox", "--disable-gpu"]
-        chromium = playwright.chromium.launch(executable_path=path, args=flags)
+    with chromium() as browser:
         pages = []
         for _ in range(count):
-            page = chromium.new_context(viewport={"width": 1280, "height": 800})
-            page.add_init_script(_NOTE_MESSAGES)
-            pages.append(page.new_page())
+            context = browser.new_context(viewport={"width": 1280, "height": 800})
+            context.set_default_timeout(_PATIENCE * 1e3)
+            context.add_init_script(_NOTE_MESSAGES)
+            pages.append(context.new_page())
             pages[-1].goto(f"{access['ui_url']}/login?token={access['token']}")
         for page in pages:
-            page.wait_for_selector("#progress", state="hidden", timeout=_PATIENCE * 1e3)
+            page.wait_for_selector("#progress", state="hidden")
         yield pages
-        chromium.close()
+
+
+def plot_cost(access: dict[str, str], seconds: float) -> float:
+    """Return what drawing six traces costs a browser [cores].
+
+    The browser's processes are measured with the dock *Plots* open and folded; the
+    difference counts. There is no 3D view in that page.
+    """
+    keys = [f"position/{JOINT[:-1]}{i}" for i in range(1, 7)]
+    kept = json.dumps([{"keys": keys, "xy": False, "span": 30}])
+    with chromium() as browser:
+        page = browser.new_page()
+        page.set_default_timeout(_PATIENCE * 1e3)
+        page.route("**/ui/", lambda route: route.fulfill(body=""))
+        page.add_init_script(f"localStorage['station.plots-2'] = {kept!r};")
+        page.goto(f"{access['ui_url']}/login?token={access['token']}")
+        page.wait_for_selector('.dock[data-dock="plots"] .plot')
+        page.wait_for_timeout(30_000)  # until the traces are full
+        drawn = _browser_load(page, seconds)
+        page.locator('.dock[data-dock="plots"] .fold').click()
+        return drawn - _browser_load(page, seconds)
+
+
+def _browser_load(page: Page, seconds: float) -> float:
+    """Return the CPU time of Chromium's processes over the time of the wall."""
+    used, began = _browser_cpu(), time.monotonic()
+    page.wait_for_timeout(seconds * 1e3)
+    return (_browser_cpu() - used) / (time.monotonic() - began)
+
+
+def _browser_cpu() -> float:
+    """Return the CPU time that the Chromium of this process has used [s]."""
+    stats = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # It has ended meanwhile.
+            name, _, rest = path.read_text().partition("(")[2].rpartition(")")
+            stats[int(path.parent.name)] = (name, rest.split())
+    mine, size = {os.getpid()}, 0
+    while len(mine) > size:
+        size = len(mine)
+        mine |= {pid for pid, (_, rest) in stats.items() if int(rest[1]) in mine}
+    ticks = sum(
+        int(rest[11]) + int(rest[12])
+        for pid, (name, rest) in stats.items()
+        if pid in mine and name.startswith("chrom")
+    )
+    return ticks / _CLOCK
 
 
 def measure(

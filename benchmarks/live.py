@@ -17,6 +17,12 @@ from station.client import AsyncStationClient
 
 RATE = 100.0
 """Rate of a stream [Hz]."""
+BROWSER_FLAGS = [
+    "--no-sandbox",
+    "--use-gl=swiftshader",
+    "--enable-unsafe-swiftshader",
+]
+"""Arguments of Chromium: it draws in software, also where there is a GPU."""
 PATIENCE = 120.0
 """How long station and dashboard may take to start [s]."""
 
@@ -91,8 +97,7 @@ def browsers(access: dict[str, str], count: int) -> Iterator[None]:
     if path is None:
         raise FileNotFoundError("there is no Chromium")
     with sync_playwright() as playwright:
-        flags = ["--no-sandbox", "--disable-gpu"]
-        chromium = playwright.chromium.launch(executable_path=path, args=flags)
+        chromium = playwright.chromium.launch(executable_path=path, args=BROWSER_FLAGS)
         for _ in range(count):
             page = chromium.new_context().new_page()
             page.goto(f"{access['ui_url']}/login?token={access['token']}")

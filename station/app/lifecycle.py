@@ -236,6 +236,7 @@ class StationRun:
             robot_description=first[0],
             arm_id=first[1],
             base=first[2],
+            base_moves=robot.get("base", "fixed") != "fixed",
             beside=tuple(beside),
             watchdog_url=self._watchdog.url,
             reconnect_window=self._config.ui.reconnect_window,

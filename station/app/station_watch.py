@@ -34,7 +34,7 @@ class StationWatch:
     def __init__(self, parent: int, access: StationAccess, window: float) -> None:
         self._station = (parent, process_start(parent))
         self._window = window
-        self.access = access
+        self.access: StationAccess | None = access
         self.is_serving = False
         self.is_over = False
 
@@ -55,6 +55,7 @@ class StationWatch:
                 os._exit(0)
             elif lost_since is None:
                 lost_since = now
+                self.access = None
             elif now - lost_since > self._window:
                 break
             time.sleep(LOOK_PERIOD)

@@ -74,6 +74,7 @@ class UiOptions:
         robot_description: The robot to draw; empty draws none.
         arm_id: Prefix of the robot's joints.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        base_moves: Whether that link floats or drives instead.
         beside: Description, prefix and base of each further robot to draw.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
         reconnect_window: How long it waits for another station after a crash [s].
@@ -89,6 +90,7 @@ class UiOptions:
     robot_description: str = ""
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    base_moves: bool = False
     beside: tuple[tuple[str, str, tuple[float, ...]], ...] = ()
     watchdog_url: str = ""
     reconnect_window: float = 60.0
@@ -97,7 +99,8 @@ class UiOptions:
 
     def shown(self) -> str:
         """Return what the dashboard draws, and with which version of the program."""
-        drawn = (self.robot_description, self.arm_id, self.base, self.beside)
+        first = (self.robot_description, self.arm_id, self.base, self.base_moves)
+        drawn = (*first, self.beside)
         told = (self.reconnect_window, self.certificate)
         return f"{station.__version__} {drawn} {told}"
 
@@ -108,6 +111,7 @@ class UiOptions:
             *("--host", self.host, "--port", str(self.port)),
             *("--robot-description", self.robot_description),
             *("--base", *(f"{value:.6f}" for value in self.base)),
+            *(("--base-moves",) if self.base_moves else ()),
             *("--arm-id", self.arm_id, "--parent-pid", str(os.getpid())),
             *("--beside", json.dumps(self.beside)),
             *("--watchdog", self.watchdog_url),

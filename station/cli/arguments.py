@@ -149,12 +149,12 @@ def _add_station_verbs(verbs: Verbs) -> None:
         help="where the robot stands [m], [rad]",
     )
     # Given by `station run`: whom the dashboard follows, and how long without one.
-    ui.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
-    ui.add_argument("--watchdog", default="", help=argparse.SUPPRESS)
-    ui.add_argument("--beside", default="[]", help=argparse.SUPPRESS)
-    ui.add_argument(
-        "--reconnect-window", type=float, default=60.0, help=argparse.SUPPRESS
-    )
+    hidden = argparse.SUPPRESS
+    ui.add_argument("--parent-pid", type=int, help=hidden)
+    ui.add_argument("--watchdog", default="", help=hidden)
+    ui.add_argument("--base-moves", action="store_true", help=hidden)
+    ui.add_argument("--beside", default="[]", help=hidden)
+    ui.add_argument("--reconnect-window", type=float, default=60.0, help=hidden)
     add_robot_verbs(verbs)
 
 

@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from station.ui.forwarded_routes import PREFIX, may_ask, may_forward, may_stream
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Session
+from station.ui.socket_ends import until_first
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -76,6 +77,8 @@ class ApiRelay:
             return _problem(
                 403, "forbidden", "Viewers only watch.", "Log in as operator."
             )
+        if self._access.is_lost:
+            return _unreachable("The station has ended, or is just being started anew")
         outgoing = self._http.build_request(
             request.method,
             f"{self._access.url}{PREFIX}{path}",
@@ -86,9 +89,7 @@ class ApiRelay:
         try:
             answer = await self._http.send(outgoing, stream=True)
         except httpx.TransportError as error:
-            detail = f"The station does not answer ({type(error).__name__})."
-            remedy = "Look whether `station run` still runs; this page reconnects."
-            return _problem(502, "unreachable", detail, remedy)
+            return _unreachable(f"The station does not answer ({type(error).__name__})")
         headers = {
             name: answer.headers[name]
             for name in _ANSWER_HEADERS
@@ -120,6 +121,9 @@ class ApiRelay:
         topic = str(browser.path_params["topic"])
         if not may_stream(topic):
             await _refuse(browser, _NOT_FOUND, "the dashboard does not forward this")
+            return
+        if self._access.is_lost:
+            await _refuse(browser, _STATION_GONE, "the station has ended")
             return
         address = self._access.url.replace("http", "ws", 1)
         query = f"?{browser.url.query}" if browser.url.query else ""
@@ -164,14 +168,8 @@ async def _pass_frames(
     ended = asyncio.ensure_future(wait_for_end())
     downwards = asyncio.create_task(_to_browser(browser, upstream))
     listening = asyncio.create_task(_until_gone(browser))
-    ends: set[asyncio.Future[None]] = {ended, downwards, listening}
-    try:
-        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-        is_over = ended.done()
-    finally:
-        for end in ends:
-            end.cancel()
-        await asyncio.gather(*ends, return_exceptions=True)
+    await until_first(ended, downwards, listening)
+    is_over = not ended.cancelled()
     if browser.application_state is not WebSocketState.CONNECTED:
         return
     if listening.done() and not listening.cancelled():
@@ -206,6 +204,11 @@ async def _body(answer: httpx.Response) -> AsyncIterator[bytes]:
             yield part
     finally:
         await answer.aclose()
+
+
+def _unreachable(detail: str) -> JSONResponse:
+    remedy = "Look whether `station run` still runs; this page reconnects."
+    return _problem(502, "unreachable", f"{detail}.", remedy)
 
 
 def _problem(status: int, code: str, detail: str, remedy: str) -> JSONResponse:

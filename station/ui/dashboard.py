@@ -94,7 +94,9 @@ class Dashboard:
     ) -> None:
         self._server = server
         self._client = client
-        self._link = StationLink(client)
+        robots = beside if robot is None else (robot, *beside)
+        sliding = {name for one in robots for name in one.sliding_joints()}
+        self._link = StationLink(client, sliding=sliding)
         self._reporter = Reporter(self._link.now)
         self._failures = 0
         self._objects = SceneObjects(server)
@@ -222,14 +224,14 @@ class Dashboard:
     def _show_robot(self) -> None:
         self._objects.show(self._link.objects)
         if self._scene is not None:
-            self._scene.show(self._link.positions)
+            self._scene.show(self._link.drawn)
         for scene in self._beside:
-            scene.show(self._link.positions)
+            scene.show(self._link.drawn)
 
     def _refresh_views(self) -> None:
         self._link.wants_contacts = "forces" in self.views.wanted()
         view = self._link.view()
-        positions = view.positions
+        positions = self._link.drawn
         self.views.refresh(
             SceneFacts(
                 positions=positions,

@@ -18,6 +18,7 @@ from station.client import ApiError, AsyncStationClient
 from station.ui.cartesian_model import HELD_FOR
 from station.ui.hand_desk import HandDesk
 from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk, SetPoint
+from station.ui.socket_ends import until_first
 from station.ui.station_view import StationView
 
 if TYPE_CHECKING:
@@ -113,20 +114,11 @@ class DeskSocket:
             wait_for_end: Returns when the browser's session has ended.
         """
         await self._socket.accept()
-        ends = {
+        await until_first(
             asyncio.ensure_future(wait_for_end()),
             asyncio.create_task(self._listen()),
             asyncio.create_task(self._send()),
-        }
-        try:
-            done, _ = await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for end in ends:
-                end.cancel()
-            await asyncio.gather(*ends, return_exceptions=True)
-        for end in done:
-            if not end.cancelled() and (error := end.exception()) is not None:
-                raise error
+        )
         if self._socket.application_state is WebSocketState.CONNECTED:
             with contextlib.suppress(RuntimeError, WebSocketDisconnect):
                 await self._socket.close(_SESSION_ENDED, "the session has ended")

@@ -202,9 +202,10 @@ class _Gateway:
         session = self.find_session(request)
         if session is None:
             return _no_session()
+        access = self._parts.workspace.access
+        token = access.token_of(session)
         answer = await self._parts.api.forward(request, session)
-        if answer.status_code == 401:
-            # Its token was revoked, or the station has others since it was restarted.
+        if answer.status_code == 401 and access.is_withdrawn(session, token):
             self._parts.sessions.close(session.identifier)
         return answer
 

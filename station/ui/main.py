@@ -30,7 +30,7 @@ from station.web.limited_server import LimitedServer, connection_share
 from station.wire import StopState
 
 _logger = logging.getLogger(__name__)
-_LOOK_PERIOD = 0.2
+_LOOK_PERIOD = 0.05
 _CLOSING_TIME = 1
 _DESCRIPTORS = 3
 """File descriptors of a browser's 3D socket, with both ends of that to Viser."""
@@ -65,6 +65,7 @@ class DashboardConfig:
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
         base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        base_moves: Whether the root link floats or drives instead.
         beside: Further robots of the same station, e.g. the second arm.
         host_names: Further names under which users reach the dashboard.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
@@ -85,6 +86,7 @@ class DashboardConfig:
     robot_description: str = "example-robot-data:panda"
     arm_id: str = "panda"
     base: tuple[float, ...] = (0.0,) * 6
+    base_moves: bool = False
     beside: tuple[DrawnRobot, ...] = ()
     host_names: tuple[str, ...] = ()
     watchdog_url: str = ""
@@ -154,6 +156,7 @@ async def _serve(
             config.url, config.token, config.watchdog_url, config.viewer_token
         ),
         lease_changed,
+        follows=config.follower is not None,
         ca=config.ca,
     )
     pusher = SessionPusher(sessions, logged_in)
@@ -171,12 +174,14 @@ async def _serve(
         _gateway(config, button, dashboard, relay, forwarded, sessions, logged_in)
     )
 
-    def move_to(access: StationAccess) -> None:
-        api.talk_to(access.url, access.token)
-        button.move_to(access.token, access.watchdog_url)
+    def move_to(access: StationAccess | None) -> None:
         sessions.move_to(access)
-        logged_in.move_to(access.url)
-        viser_loop.call_soon_threadsafe(shown.talk_to, access.url, access.token)
+        url, token = (api.url, None) if access is None else (access.url, access.token)
+        api.talk_to(url, token)
+        viser_loop.call_soon_threadsafe(shown.talk_to, url, token)
+        if access is not None:
+            button.move_to(access.token, access.watchdog_url)
+            logged_in.move_to(access.url)
 
     dashboard.start()
     try:
@@ -192,10 +197,8 @@ async def _serve(
             asyncio.run_coroutine_threadsafe(pusher.close(), viser_loop)
         )
         guarded.stop()
-        await relay.close()
-        await forwarded.close()
-        await sessions.close()
-        await api.close()
+        for part in (relay, forwarded, sessions, api):
+            await part.close()
 
 
 def _client(config: DashboardConfig) -> AsyncStationClient:
@@ -206,12 +209,18 @@ def _client(config: DashboardConfig) -> AsyncStationClient:
 
 def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
     """Return the robots, or none and why they cannot be drawn."""
-    first = DrawnRobot(config.robot_description, config.arm_id, config.base)
+    if not config.robot_description:
+        return [], ""
     try:
+        first = load_robot(
+            config.robot_description,
+            config.arm_id,
+            config.base,
+            moves=config.base_moves,
+        )
         return [
-            load_robot(robot.robot_description, robot.arm_id, robot.base)
-            for robot in (first, *config.beside)
-            if robot.robot_description
+            first,
+            *(load_robot(r.robot_description, r.arm_id, r.base) for r in config.beside),
         ], ""
     except RobotModelError as error:
         _logger.warning("%s", error)
@@ -222,7 +231,7 @@ async def _wait_for_end(
     ended: asyncio.Event,
     serving: asyncio.Task[None],
     follower: StationFollower | None,
-    move_to: Callable[[StationAccess], None],
+    move_to: Callable[[StationAccess | None], None],
 ) -> None:
     """Wait for a signal, the server's end or the follower's word."""
     access = None if follower is None else follower.access

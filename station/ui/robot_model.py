@@ -15,14 +15,14 @@ import yourdfpy
 from numpy.typing import NDArray
 
 from station.core.description.robot_files import RobotFiles, load_robot_files
-from station.core.description.urdf import Urdf, Vector3
+from station.core.description.urdf import JointType, Urdf, Vector3
 from station.core.description.urdf_parser import parse_urdf
 from station.core.description.urdf_repair import repair_urdf
 from station.core.errors import RobotDescriptionError
 from station.ui.joint_frames import is_drawn_moving, link_poses
 from station.ui.link_surfaces import Surface, bounds_of, link_surfaces
+from station.ui.moving_base import BASE_LINK, carry
 
-_BASE_LINK = "station_base"
 # The exceptions of the libraries that read URDFs and meshes.
 LIBRARY_FAILURES = (
     ArithmeticError,
@@ -51,12 +51,16 @@ class RobotModel:
         drawing: The same robot with its visual meshes in a scene graph.
         surfaces: Collision geometry by link.
         arm_id: Prefix of a Panda's joints, by which the station calls the arm.
+        root: The robot's own root link.
+        moves: Whether that link moves in the world.
     """
 
     urdf: Urdf
     drawing: yourdfpy.URDF
     surfaces: Mapping[str, Surface] = field(default_factory=dict)
     arm_id: str = ""
+    root: str = ""
+    moves: bool = False
 
     def joint_limits(self) -> dict[str, tuple[float, float]]:
         """Return the position limits of the joints that are not mimic joints.
@@ -69,6 +73,8 @@ class RobotModel:
         for joint in self.urdf.joints.values():
             if not is_drawn_moving(joint) or joint.mimic is not None:
                 continue
+            if joint.name.startswith(BASE_LINK):
+                continue
             low, high = -2.0 * math.pi, 2.0 * math.pi
             if joint.limit is not None and joint.limit.lower is not None:
                 low = joint.limit.lower
@@ -76,6 +82,14 @@ class RobotModel:
                 high = joint.limit.upper
             limits[joint.name] = (low, high)
         return limits
+
+    def sliding_joints(self) -> set[str]:
+        """Return the joints of the robot whose positions are lengths."""
+        return {
+            joint.name
+            for joint in self.urdf.joints.values()
+            if joint.type is JointType.PRISMATIC
+        }
 
     def bounds(self, positions: Mapping[str, float]) -> NDArray[np.float64]:
         """Return the smallest box around the robot's collision geometry.
@@ -95,12 +109,16 @@ class RobotModel:
         return corners
 
     def base_position(self) -> Vector3:
-        """Return the position of the robot's root link, x, y, z [m]."""
+        """Return where the robot's root link begins, x, y, z [m]."""
         return self.urdf.joints_below(self.urdf.root)[0].origin.xyz
 
 
 def load_robot(
-    reference: str, arm_id: str = "panda", base: Sequence[float] = (0.0,) * 6
+    reference: str,
+    arm_id: str = "panda",
+    base: Sequence[float] = (0.0,) * 6,
+    *,
+    moves: bool = False,
 ) -> RobotModel:
     """Load a robot with its visual meshes.
 
@@ -108,6 +126,8 @@ def load_robot(
         reference: `example-robot-data:<robot>` or the path of a URDF file.
         arm_id: Replaces `panda` in the names of a Panda's joints and links.
         base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
+        moves: Whether the root link moves in the world. Its pose is then that of
+            `moving_base.base_positions`, and `base` is not used.
 
     Returns:
         The robot with its meshes.
@@ -120,12 +140,14 @@ def load_robot(
         # As the simulation reads it; see station.hw.mujoco.description_repair.
         files = replace(files, xml=repair_urdf(files.xml)[0])
         urdf = parse_urdf(files.xml, source=str(files.urdf_path))
-        xml = _with_base(files.xml, urdf.root, base)
+        xml = _with_base(files.xml, urdf.root, base, moves=moves)
         return RobotModel(
             parse_urdf(xml),
             _load_drawing(files, xml),
             link_surfaces(urdf, files.resolve_mesh),
             arm_id,
+            urdf.root,
+            moves,
         )
     except RobotDescriptionError as exc:
         raise RobotModelError(
@@ -154,15 +176,18 @@ def _described(error: BaseException) -> str:
     return str(error) or type(error).__name__
 
 
-def _with_base(xml: str, root: str, base: Sequence[float]) -> str:
-    """Return the URDF with a new root link; the old root link is at `base`."""
+def _with_base(xml: str, root: str, base: Sequence[float], *, moves: bool) -> str:
+    """Return the URDF with a new root link; the old one is at `base`, or moves."""
     robot = ElementTree.fromstring(xml)
+    if moves:
+        carry(robot, root)
+        return ElementTree.tostring(robot, encoding="unicode")
     joint = ElementTree.SubElement(
-        robot, "joint", name=f"{_BASE_LINK}_joint", type="fixed"
+        robot, "joint", name=f"{BASE_LINK}_joint", type="fixed"
     )
-    ElementTree.SubElement(joint, "parent", link=_BASE_LINK)
+    ElementTree.SubElement(joint, "parent", link=BASE_LINK)
     ElementTree.SubElement(joint, "child", link=root)
     xyz, rpy = (" ".join(map(str, part)) for part in (base[:3], base[3:]))
     ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
-    ElementTree.SubElement(robot, "link", name=_BASE_LINK)
+    ElementTree.SubElement(robot, "link", name=BASE_LINK)
     return ElementTree.tostring(robot, encoding="unicode")

@@ -65,8 +65,7 @@ class RobotScene:
                 f"The robot cannot be drawn: {type(exc).__name__}: {exc}. Its meshes "
                 "must be surfaces of triangles."
             ) from exc
-        first = robot.urdf.joints_below(robot.urdf.root)[0].child
-        self.base = _node_name(robot.drawing.scene.graph, first, root)
+        self.base = _node_name(robot.drawing.scene.graph, robot.root, root)
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the robot's joints.

@@ -38,6 +38,8 @@ class SessionAccess:
         lease_changed: Called with the lease that some session of this dashboard holds,
             or None, whenever it becomes another.
         now: Monotonic clock [s].
+        follows: Whether `move_to` tells of every start of the station. If not, a
+            station that was started anew is known by its refusals alone.
         ca: File of the certificates to trust with https; None for those of the station
             on this machine, or of the system.
     """
@@ -48,10 +50,13 @@ class SessionAccess:
         lease_changed: Callable[[str | None], None] = lambda _: None,
         now: Callable[[], float] = time.monotonic,
         *,
+        follows: bool = False,
         ca: str | None = None,
     ) -> None:
         self._ca = ca
         self._station = station
+        self._follows = follows
+        self._is_lost = False
         self._lease_changed = lease_changed
         self._now = now
         self._lease: _Lease | None = None
@@ -67,9 +72,20 @@ class SessionAccess:
         """The station's API."""
         return self._station.url
 
-    def move_to(self, station: StationAccess) -> None:
-        """Serve another station from now on, at which nobody holds control."""
-        self._station = station
+    @property
+    def is_lost(self) -> bool:
+        """Whether the station has ended and no other has taken its place yet."""
+        return self._is_lost
+
+    def move_to(self, station: StationAccess | None) -> None:
+        """Serve another station from now on, at which nobody holds control.
+
+        Args:
+            station: How to reach it; None while the former one has ended and it is not
+                known which comes next.
+        """
+        self._is_lost = station is None
+        self._station = station or self._station
         self._set(None)
 
     def own_token(self, token: str) -> str:
@@ -85,17 +101,33 @@ class SessionAccess:
         made = {self._station.token, self._station.viewer_token} - {""}
         return "" if token in made else token
 
-    def token_of(self, session: Session) -> str:
-        """Return the token that a session's requests carry.
+    def token_of(self, session: Session) -> str | None:
+        """Return the token that a session's requests carry; None while there is none.
 
-        Never that of another role: a viewer is a viewer at the station, too. A station
-        that does not know it ends the session.
+        Never that of another role: a viewer is a viewer at the station, too. While
+        `is_lost`, nobody gets a token that was meant for the station that has ended.
         """
+        if self._is_lost:
+            return None
         if session.token:
             return session.token
         if session.role is Role.OPERATOR:
             return self._station.token
         return self._station.viewer_token or _NOBODYS
+
+    def is_withdrawn(self, session: Session, token: str | None) -> bool:
+        """Return whether a session is over since the station does not know its token.
+
+        A station that was started anew does not know the tokens that the former one
+        made. That ends no session: this dashboard is about to be told the new ones.
+
+        Args:
+            session: Whose request was refused.
+            token: What the request carried.
+        """
+        if token is None or token != self.token_of(session):
+            return False
+        return bool(session.token) or not self._follows
 
     def lease_of(self, session: Session) -> str | None:
         """Return the lease that a session acts under; None without one."""
@@ -108,16 +140,17 @@ class SessionAccess:
         Args:
             session: The browser's session.
         """
-        headers = {"Authorization": f"Bearer {self.token_of(session)}"}
+        token = self.token_of(session)
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
         lease = self.lease_of(session)
         return headers if lease is None else {**headers, LEASE_HEADER: lease}
 
     def client_of(self, session: Session) -> AsyncStationClient:
         """Return a client that acts for a session; whoever calls closes it."""
         client = AsyncStationClient(
-            self.url, self.token_of(session), timeout=_REQUEST_TIMEOUT, ca=self._ca
+            self.url, _NOBODYS, timeout=_REQUEST_TIMEOUT, ca=self._ca
         )
-        client.lease.act_under(self.lease_of(session))
+        self.renew(client, session)
         return client
 
     def acting_for(self, session: Session) -> AsyncStationClient:

@@ -25,11 +25,13 @@ class StationFollower(Protocol):
     """Tells a dashboard which station it belongs to, and when it has to end.
 
     Attributes:
-        access: How to reach the station; replaced when another station takes over.
+        access: How to reach the station; None once it has ended, until another station
+            takes its place. Whoever answers at its address meanwhile must not be sent
+            its tokens, and does not know them.
         is_over: The dashboard has to end.
         is_serving: Set by the dashboard once it answers.
     """
 
-    access: StationAccess
+    access: StationAccess | None
     is_over: bool
     is_serving: bool

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from station.client import ApiError, AsyncStationClient
 from station.ui.layers.scene_facts import ARM_FIELDS, ArmFacts, arm_facts
+from station.ui.moving_base import base_positions
 from station.ui.plot_history import PlotHistory
 from station.ui.station_view import StationView
 from station.wire import (
@@ -23,6 +24,7 @@ from station.wire import (
     ControllerType,
     Hardware,
     JointStates,
+    Scene,
     SceneObject,
     Status,
     StreamFrame,
@@ -30,6 +32,8 @@ from station.wire import (
 
 JOINT_RATE = 60.0
 """Joint states per second for the 3D view [Hz]."""
+BASE_RATE = 30.0
+"""Poses of a floating or planar base per second for the 3D view [Hz]."""
 ARM_RATE = 10.0
 """States of a Franka arm per second for its frames and forces [Hz]."""
 SAMPLE_RATE = 30.0
@@ -46,6 +50,7 @@ class StationLink:
     Args:
         client: The station; owned by the caller.
         now: Monotonic clock [s].
+        sliding: The joints whose positions are lengths.
 
     Attributes:
         client: As given.
@@ -55,9 +60,13 @@ class StationLink:
     """
 
     def __init__(
-        self, client: AsyncStationClient, now: Callable[[], float] = time.monotonic
+        self,
+        client: AsyncStationClient,
+        now: Callable[[], float] = time.monotonic,
+        sliding: Collection[str] = (),
     ) -> None:
         self.client = client
+        self._sliding = frozenset(sliding)
         self.now = now
         self.histories: dict[str, PlotHistory] = {}
         self._heard_at: float | None = None
@@ -66,6 +75,7 @@ class StationLink:
         self._controllers: tuple[ControllerState, ...] = ()
         self._types: tuple[ControllerType, ...] = ()
         self._positions: dict[str, float] = {}
+        self._bases: dict[str, float] = {}
         self._objects: tuple[SceneObject, ...] = ()
         self._scene_of = ""
         self._contacts: tuple[Contact, ...] = ()
@@ -77,11 +87,17 @@ class StationLink:
         self._followers: dict[str, asyncio.Task[None]] = {}
         self._arm_followers: dict[str, asyncio.Task[None]] = {}
         self._arms: dict[str, ArmFacts] = {}
+        self._base_follower: asyncio.Task[None] | None = None
 
     @property
     def positions(self) -> dict[str, float]:
         """The newest joint positions by name [rad] or [m]; not to be changed."""
         return self._positions
+
+    @property
+    def drawn(self) -> dict[str, float]:
+        """`positions`, and those by which a moving base is drawn."""
+        return {**self._positions, **self._bases} if self._bases else self._positions
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
@@ -110,6 +126,7 @@ class StationLink:
             positions=dict(self._positions),
             elements=dict(self._elements),
             samples=dict(self._samples),
+            sliding=self._sliding,
             limits=dict(self._limits),
         )
 
@@ -126,6 +143,9 @@ class StationLink:
                 )
         finally:
             followers = [*self._followers.values(), *self._arm_followers.values()]
+            if self._base_follower is not None:
+                self._base_follower.cancel()
+                followers.append(self._base_follower)
             self.watch(())
             self._follow_arms(())
             await asyncio.gather(*followers, return_exceptions=True)
@@ -172,6 +192,8 @@ class StationLink:
         if self._scene_of == boot_id and not any(o.mass > 0.0 for o in self._objects):
             return
         self._objects = tuple(await self.client.scene())
+        if self._base_follower is None and await self.client.simulation.bases():
+            self._base_follower = asyncio.create_task(self._follow_base())
         self._scene_of = boot_id
 
     async def refresh_contacts(self) -> None:
@@ -230,6 +252,12 @@ class StationLink:
                     if position is not None
                 }
                 self._heard()
+
+    async def _follow_base(self) -> None:
+        async for frame in self._frames("scene", BASE_RATE, ("bases",)):
+            scene = Scene.model_validate({"objects": [], **frame.data})
+            # The names of the drawn joints have no robot in them: one base can move.
+            self._bases = base_positions(scene.bases[0]) if scene.bases else {}
 
     async def _follow_sample(self, name: str) -> None:
         async for frame in self._frames(f"controller_state/{name}", SAMPLE_RATE):

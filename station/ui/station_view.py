@@ -39,6 +39,7 @@ class StationView:
         positions: Joint positions by name [rad] or [m].
         elements: What running controllers take as set-point, by controller.
         samples: What watched controllers did last, by controller.
+        sliding: The drawn joints whose positions are lengths.
         limits: Position limits that the robot keeps; joints without are not in it.
     """
 
@@ -53,6 +54,7 @@ class StationView:
         default_factory=lambda: _NO_ELEMENTS
     )
     samples: Mapping[str, ControllerSample] = field(default_factory=lambda: _NO_SAMPLES)
+    sliding: frozenset[str] = frozenset()
     limits: Limits = field(default_factory=lambda: _NO_LIMITS)
 
     @property

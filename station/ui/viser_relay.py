@@ -11,6 +11,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
+from station.ui.socket_ends import until_first
 from station.ui.viser_door import SECRET_HEADER, SESSION_HEADER
 from station.ui.viser_frames import may_pass
 
@@ -100,15 +101,8 @@ async def _relay(
 ) -> None:
     downwards = asyncio.create_task(_to_browser(browser, upstream))
     upwards = asyncio.create_task(_to_viser(browser, upstream, role))
-    ends: set[asyncio.Future[None]] = {downwards, upwards, ended}
-    try:
-        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-        is_over = ended.done()
-    finally:
-        for end in ends:
-            end.cancel()
-        await asyncio.gather(*ends, return_exceptions=True)
-    if is_over and browser.application_state is WebSocketState.CONNECTED:
+    await until_first(downwards, upwards, ended)
+    if not ended.cancelled() and browser.application_state is WebSocketState.CONNECTED:
         await browser.close(_SESSION_ENDED, "the session has ended")
 
 

@@ -1,5 +1,6 @@
 """What the docks of the page show besides the streams, as plain data."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from station.ui.controllers_model import claims_text, offer_for
@@ -11,6 +12,8 @@ from station.wire import ControllerState
 
 _DEFAULT_KIND = "JointGroupPositionController"
 _DEFAULT_TYPE = f"effort_controllers/{_DEFAULT_KIND}"
+_MOST_NAMES = 3
+"""So many claimed resources are named in a row; of more there is the number."""
 _STARTABLE = frozenset({"initialized", "stopped"})
 
 
@@ -84,6 +87,7 @@ def workspace_state(view: StationView) -> dict[str, object]:
             else None
         ),
         "limits": {name: list(ends) for name, ends in view.limits.items()},
+        "sliding": sorted(view.sliding),
         "joints": [name for name in view.positions if "finger" not in name],
     }
 
@@ -92,7 +96,7 @@ def _trouble(view: StationView) -> str:
     return "Recover the arm first." if choose_rescue(view).trouble else ""
 
 
-def _short_claims(controller: ControllerState) -> list[str]:
+def _short_claims(controller: ControllerState, arms: Sequence[str]) -> list[str]:
     """Return each claim in one or two words, e.g. `effort 1-7`."""
     parts = []
     for claim in controller.claimed_resources:
@@ -100,12 +104,22 @@ def _short_claims(controller: ControllerState) -> list[str]:
         kind = kind.removeprefix("Franka").removesuffix("Joint")
         kind = kind.removesuffix("Cartesian").lower()
         numbers = [name[-1] for name in claim.resources if name[-1:].isdigit()]
-        if len(numbers) == len(claim.resources) and len(numbers) > 1:
+        stems = {name[:-1] for name in claim.resources}
+        if len(stems) == 1 and len(numbers) == len(claim.resources) > 1:
             parts.append(f"{kind} {numbers[0]}-{numbers[-1]}")
+        elif len(claim.resources) > _MOST_NAMES:
+            parts.append(f"{kind}, {len(claim.resources)} joints")
         elif claim.resources:
-            names = (name.partition("_")[2] or name for name in claim.resources)
+            prefixes = [f"{arm}_" for arm in arms if len(arms) == 1]
+            names = (_without(name, prefixes) for name in claim.resources)
             parts.append(f"{kind} {', '.join(names)}")
     return parts or ["nothing"]
+
+
+def _without(name: str, prefixes: Sequence[str]) -> str:
+    for prefix in prefixes:
+        name = name.removeprefix(prefix)
+    return name
 
 
 def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
@@ -116,7 +130,10 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
         "state": controller.state,
         "fault": controller.fault,
         "claims": claims_text(controller),
-        "claims_short": _short_claims(controller),
+        "claims_short": _short_claims(
+            controller,
+            [] if view.status is None else [a.arm_id for a in view.status.robots],
+        ),
         "resources": sorted({
             resource
             for claim in controller.claimed_resources

@@ -113,7 +113,7 @@ from station.wire.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
-from station.wire.scene import Contact, ObjectKind, Scene, SceneObject
+from station.wire.scene import Contact, MovingBase, ObjectKind, Scene, SceneObject
 from station.wire.simulation import (
     ResetRequest,
     Simulation,
@@ -247,6 +247,7 @@ __all__ = [
     "LoadRequest",
     "LoginRequest",
     "LoopReport",
+    "MovingBase",
     "NewToken",
     "ObjectKind",
     "Parameter",

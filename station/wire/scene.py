@@ -48,6 +48,32 @@ class SceneObject(ResponseModel):
     file: str = ""
 
 
+class MovingBase(ResponseModel):
+    """The root link of a simulated robot that floats or drives, where it is now.
+
+    Attributes:
+        link: Name of the root link.
+        position: Of its frame, in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "link": "base_footprint",
+                    "position": [0.8, -0.1, 0.0],
+                    "orientation": [0.0, 0.0, 0.1, 0.995],
+                }
+            ]
+        }
+    )
+
+    link: str
+    position: Measurements = Field(min_length=3, max_length=3)
+    orientation: Measurements = Field(min_length=4, max_length=4)
+
+
 class Contact(ResponseModel):
     """A point at which two bodies of a simulated world touch.
 
@@ -82,7 +108,10 @@ class Scene(ResponseModel):
         objects: The things; empty where there are none, and around a real robot.
         contacts: The contacts, 64 at most; empty around a real robot, which has no
             sensors for them.
+        bases: Where the root links are of simulated robots with a floating or planar
+            base; empty where all robots are fixed.
     """
 
     objects: Items[SceneObject]
     contacts: Items[Contact] = Field(default_factory=list)
+    bases: Items[MovingBase] = Field(default_factory=list)

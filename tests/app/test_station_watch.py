@@ -22,9 +22,13 @@ watch = StationWatch(os.getppid(), StationAccess("http://old", "secret", ""), WI
 assert watch.start()
 watch.is_serving = SERVING
 print(os.getpid(), flush=True)
+lost = False
 while not watch.is_over:
-    if watch.access.url != "http://old":
-        access = watch.access
+    access = watch.access
+    if access is None and not lost:
+        lost = True
+        print("lost", flush=True)
+    if access is not None and access.url != "http://old":
         print(access.url, access.token, access.viewer_token, flush=True)
         break
     time.sleep(0.02)
@@ -96,6 +100,7 @@ def test_a_dashboard_that_serves_learns_of_the_station_that_adopts_it(start):
     station, dashboard = start()
     station.kill()
     station.wait()
+    assert station.stdout.readline() == "lost\n"
 
     DashboardRecord(
         pid=dashboard,

@@ -30,9 +30,9 @@ ARTIFACTS = Path("artifacts")
 _READY_LINES = 20
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
-    """Debian's chromium without a GPU."""
+    """Debian's chromium without a GPU; its compiled shaders serve all modules."""
     if not Path(CHROMIUM).exists():
         pytest.fail(f"{CHROMIUM} is missing; install Debian's package `chromium`")
     with sync_playwright() as playwright:
@@ -102,8 +102,13 @@ def client(running_station):
 
 @pytest.fixture(scope="module")
 def page(browser, running_station):
-    """The dashboard, logged in; a script error on the page fails the last test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    """The dashboard, logged in; a script error on the page fails the last test.
+
+    Half the pixels in each direction: they are drawn in software.
+    """
+    context = browser.new_context(
+        viewport={"width": 1280, "height": 800}, device_scale_factor=0.5
+    )
     page = context.new_page()
     failures = []
     page.on("pageerror", lambda error: failures.append(str(error)))

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from station.wire import Fault
 from tests.browser.conftest import run_station
 from tests.browser.workspace_page import (
     CONTROLLER,
@@ -22,6 +21,13 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 CUBE_X, CUBE_Z = "0.5", "0.02"
+SCENE = f"""
+scene:
+  objects:
+    - {{name: cube, type: box, size: [0.04, 0.04, 0.04],
+        position: [{CUBE_X}, 0, {CUBE_Z}], mass: 0.1}}
+    - {{name: table, type: table, size: [0.3, 0.5, 0.3], position: [0, -0.6, 0.3]}}
+"""
 
 
 class Person:
@@ -61,9 +67,10 @@ class Person:
 
 @pytest.fixture(scope="module")
 def running_station(tmp_path_factory):
-    """A station with a cube beside the arm."""
+    """A station with a cube before the arm, and a table at its right."""
     home = tmp_path_factory.mktemp("station")
-    with run_station(home, str(ROOT / "examples/cube.yaml")) as running:
+    (home / "station.yaml").write_text(SCENE)
+    with run_station(home, str(home / "station.yaml")) as running:
         yield running
 
 
@@ -180,15 +187,30 @@ def test_the_cube_is_grasped_and_lifted(person, client):
     assert wait_until(lambda: client.scene()[0].position[2] > 0.1, 20)
 
 
-def test_a_collision_is_recovered_from_and_its_alarm_acknowledged(person, client):
-    client.robot("panda").inject(Fault(kind="collision", cycles=30))
-    person.page.locator("#alarms").get_by_text("Alarms 1").wait_for()
+def test_hitting_the_table_is_recovered_from_and_its_alarm_acknowledged(person, client):
+    enable(person)
+    person.field("Command of joint1", "-90")
+    assert wait_until(lambda: position(client, "panda_joint1") < -1.55)
+    person.field("Command of joint2", "20")
+    assert wait_until(lambda: client.status().robots[0].robot_mode == "reflex")
+    assert wait_until(lambda: _arms_alarm(client) is not None)
+    assert position(client, "panda_joint2") < 0.0  # The table is in the way.
+    person.clicks = 0
     person.click("Recover panda")
     assert wait_until(lambda: client.status().robots[0].robot_mode == "idle")
     assert person.clicks == counted("recover after a collision") <= 2
+    enable(person)
+    assert person.clicks <= 2
+    person.field("Command of joint2", "-45")
+    assert wait_until(lambda: position(client, "panda_joint2") < -0.7)
     person.page.locator("#alarms").click()
-    assert client.alarms.list()[0].cleared_at is not None
+    assert _arms_alarm(client).cleared_at is not None
     dock = person.page.locator('.dock[data-dock="timeline"]')
     dock.get_by_role("button", name=re.compile("^Acknowledge panda")).click()
-    assert wait_until(lambda: client.alarms.list() == [])
-    person.page.locator("#alarms").wait_for(state="hidden")
+    assert wait_until(lambda: _arms_alarm(client) is None)
+
+
+def _arms_alarm(client):
+    """Return the alarm of the arm, or None."""
+    alarms = [one for one in client.alarms.list() if one.subject == "robot panda"]
+    return alarms[0] if alarms else None

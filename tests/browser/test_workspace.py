@@ -267,8 +267,13 @@ def test_nothing_is_cut_off(workspace, size):
     keep_screenshot(page, f"workspace_{size[0]}x{size[1]}.png")
     wide = page.evaluate("() => document.documentElement.scrollWidth - innerWidth")
     stop = page.locator("#stop").bounding_box()
+    cut = page.locator(".dock .scroll").evaluate_all(
+        "all => all.filter((one) => one.checkVisibility() &&"
+        " one.scrollWidth > one.clientWidth).map((one) => one.innerText.slice(0, 60))"
+    )
     page.set_viewport_size({"width": 1280, "height": 800})
     assert wide <= 0
+    assert cut == []
     assert stop["x"] >= 0
     assert stop["x"] + stop["width"] <= size[0]
     assert stop["y"] + stop["height"] <= size[1]

@@ -128,6 +128,22 @@ def test_a_station_that_is_gone_is_said_to_be(browser, page, served):
     assert (answer.status_code, answer.json()["code"]) == (502, "unreachable")
 
 
+def test_who_answers_in_the_place_of_an_ended_station_is_not_asked(
+    browser, page, served
+):
+    before = len(served[0].requests)
+    page.access.move_to(None)
+    try:
+        answer = browser.get("/status")
+        with _socket(served, "loop") as socket, pytest.raises(ConnectionClosed) as end:
+            socket.recv(timeout=5.0)
+    finally:
+        page.access.move_to(_station(served[0].url))
+    assert (answer.status_code, answer.json()["code"]) == (502, "unreachable")
+    assert end.value.rcvd.code == 1012
+    assert len(served[0].requests) == before
+
+
 def test_frames_of_a_stream_reach_the_browser(served):
     with _socket(served, "joint_states") as socket:
         assert "hello" in socket.recv(timeout=5.0)

@@ -128,6 +128,7 @@ def _sent_while_held(desk, client, rounds):
     return len(client.sent) - before
 
 
+@pytest.mark.alone
 def test_a_button_that_is_held_when_control_is_lost_has_to_be_pressed_anew(
     desk, client
 ):
@@ -141,6 +142,7 @@ def test_a_button_that_is_held_when_control_is_lost_has_to_be_pressed_anew(
     assert _sent_while_held(desk, client, 2) > 0
 
 
+@pytest.mark.alone
 def test_a_button_that_is_held_is_refused_once(desk, client):
     client.refusal = ApiError("Ada holds control.", status=423, code="control_held")
     _say(desk, do="jog", joint="joint2", sign=-1)

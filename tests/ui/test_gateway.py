@@ -24,7 +24,8 @@ from station.wire import StopState
 from tests.ui.served import Served
 
 ROLES = {"good": Role.OPERATOR, "watch": Role.VIEWER}
-ACCESS = SessionAccess(StationAccess("http://station", "of the start", ""))
+START = StationAccess("http://station", "of the start", "")
+ACCESS = SessionAccess(START)
 
 
 class _Relay:
@@ -367,6 +368,16 @@ def test_a_body_without_a_length_is_refused_when_it_grows_too_large(browser):
     parts = iter([b"token=" + b"x" * 3000, b"x" * 3000])
     answer = browser.post("/login", content=parts, headers=_own(browser))
     assert answer.status_code == 413
+
+
+def test_a_refusal_while_the_station_is_started_anew_ends_no_session(browser):
+    _log_in(browser)
+    ACCESS.move_to(None)
+    try:
+        assert browser.get("/api/v1/loop").status_code == 401
+    finally:
+        ACCESS.move_to(START)
+    assert browser.get("/session").status_code == 200
 
 
 def test_a_session_that_the_station_does_not_know_any_more_ends(browser):

@@ -53,6 +53,36 @@ def test_a_named_token_is_kept_and_a_token_of_the_start_is_not(access):
     assert access.token_of(named) == "ada's"
 
 
+def test_nobody_gets_a_token_of_a_station_that_has_ended(access, leases):
+    named = Session("n", Role.OPERATOR, "ada's")
+    access.note(ADA, MINE, None, 100.0)
+    access.move_to(None)
+    assert access.is_lost
+    assert [access.token_of(s) for s in (ADA, GUEST, named)] == [None] * 3
+    assert access.headers_of(ADA) == {}
+    assert leases == ["key", None]
+    access.move_to(NEXT)
+    assert not access.is_lost
+    assert access.token_of(named) == "ada's"
+
+
+@pytest.mark.parametrize(
+    ("follows", "session", "token", "is_withdrawn"),
+    [
+        (True, ADA, "operator 1", False),  # The station's next start tells others.
+        (False, ADA, "operator 1", True),  # Nobody will tell.
+        (True, Session("n", Role.OPERATOR, "ada's"), "ada's", True),
+        (True, Session("n", Role.OPERATOR, "ada's"), None, False),
+        (False, ADA, "operator 0", False),  # It has been replaced meanwhile.
+    ],
+)
+def test_a_refused_token_ends_the_session_if_it_was_withdrawn(
+    follows, session, token, is_withdrawn
+):
+    access = SessionAccess(FIRST, follows=follows)
+    assert access.is_withdrawn(session, token) is is_withdrawn
+
+
 def test_a_viewer_never_gets_another_roles_token(access):
     access.move_to(StationAccess("http://two", "operator 2", ""))
     assert "operator 2" not in access.headers_of(GUEST)["Authorization"]

@@ -2,8 +2,10 @@
 
 import json
 
+import pytest
+
 from station.ui.workspace_state import enabling, workspace_state
-from station.wire import ControllerType
+from station.wire import ClaimedResources, ControllerType
 from tests.ui.views import arm, controller, element, status, view
 
 GROUP = "effort_controllers/JointGroupPositionController"
@@ -54,6 +56,24 @@ def test_the_state_is_json_with_all_that_the_docks_need():
     assert (row["name"], row["claims_short"]) == ("one", ["effort 1-2"])
     assert told["limits"] == {"joint1": [-1.0, 1.0]}
     assert told["enabling"]["name"] == "one"
+
+
+@pytest.mark.parametrize(
+    ("resources", "words"),
+    [
+        (["panda_joint1", "panda_joint2"], "effort 1-2"),
+        (["panda_finger_joint1"], "effort finger_joint1"),
+        (["FL_HAA", "FR_HAA"], "effort FL_HAA, FR_HAA"),
+        (["a1", "b1", "c1", "d1"], "effort, 4 joints"),
+    ],
+)
+def test_a_claim_is_told_in_few_words(resources, words):
+    kind = "hardware_interface::EffortJointInterface"
+    claim = ClaimedResources(hardware_interface=kind, resources=resources)
+    shown = view(_group("one").model_copy(update={"claimed_resources": [claim]}))
+    arms = status(robots=[arm("panda", "idle")])
+    told = workspace_state(type(shown)(**{**_fields(shown), "status": arms}))
+    assert told["controllers"][0]["claims_short"] == [words]
 
 
 def test_an_arm_with_an_error_is_to_be_recovered_first():

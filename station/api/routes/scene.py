@@ -11,8 +11,9 @@ router = APIRouter(tags=["simulation"], dependencies=[Viewer])
 
 @router.get("/scene", responses=problems(503))
 def scene(station: StationDep) -> Scene:
-    """Return the things in the world besides robots, and what touches what."""
+    """Return the things around the robots, what touches what, and moving bases."""
     return Scene.model_validate({
         "objects": station.scene(),
         "contacts": station.contacts(),
+        "bases": station.bases(),
     })

@@ -25,7 +25,11 @@ from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import RobotState
-from station.core.hardware.robot_report import ContactReport, SceneObjectReport
+from station.core.hardware.robot_report import (
+    ContactReport,
+    MovingBaseReport,
+    SceneObjectReport,
+)
 from station.core.loop.snapshot import Snapshot
 from station.events import EventLog
 from station.wire import Event, FrankaState, LoopReport, Scene
@@ -258,23 +262,26 @@ class LoopTopic(ReportTopic):
 
 
 class SceneTopic(ReportTopic):
-    """The things around a simulated robot, and what touches what."""
+    """The things around a simulated robot, what touches what, and moving bases."""
 
     name = "scene"
     default_rate = 10.0
-    fields = ("objects", "contacts")
-    sample_fields = ("stamp", "objects", "contacts")
+    fields = ("objects", "contacts", "bases")
+    sample_fields = ("stamp", *fields)
 
     @override
     def report(self) -> Data:
-        return _scene_sample((self._station.scene(), self._station.contacts()))
+        station = self._station
+        return _scene_sample((station.scene(), station.contacts(), station.bases()))
 
     @override
     def every_cycle(self) -> CycleSamples:
         world = self._station.loop.hw.simulated_world()
 
         def read() -> _SceneReport:
-            return ((), ()) if world is None else (world.scene(), world.contacts())
+            if world is None:
+                return ((), (), ())
+            return (world.scene(), world.contacts(), world.bases())
 
         return TapSamples(self._station, read, _scene_sample)
 
@@ -319,12 +326,14 @@ class EventsTopic(Topic):
         raise LookupError("The topic 'events' has no samples of cycles.")
 
 
-_SceneReport = tuple[Sequence[SceneObjectReport], Sequence[ContactReport]]
+_SceneReport = tuple[
+    Sequence[SceneObjectReport], Sequence[ContactReport], Sequence[MovingBaseReport]
+]
 
 
 def _scene_sample(report: _SceneReport) -> Data:
-    objects, contacts = report
-    found = {"objects": objects, "contacts": contacts}
+    objects, contacts, bases = report
+    found = {"objects": objects, "contacts": contacts, "bases": bases}
     return Scene.model_validate(found).model_dump()
 
 

@@ -51,6 +51,7 @@ def ui(options: Namespace) -> int:
         robot_description=options.robot_description,
         arm_id=options.arm_id,
         base=tuple(options.base),
+        base_moves=options.base_moves,
         beside=tuple(
             DrawnRobot(description, arm_id, tuple(base))
             for description, arm_id, base in json.loads(options.beside)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from station.client._async.connection import AsyncConnection
 from station.wire import (
     Contact,
+    MovingBase,
     ResetRequest,
     Scene,
     Simulation,
@@ -30,6 +31,10 @@ class AsyncSimulationClient:
     async def state(self) -> Simulation:
         """Return whether time passes, and how fast."""
         return await self._connection.get(_PATH, Simulation)
+
+    async def bases(self) -> list[MovingBase]:
+        """Return where the root links are of robots with a floating or planar base."""
+        return (await self._connection.get("/scene", Scene)).bases
 
     async def contacts(self) -> list[Contact]:
         """Return where bodies of the world touch, and with which force."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from station.client._sync.connection import Connection
 from station.wire import (
     Contact,
+    MovingBase,
     ResetRequest,
     Scene,
     Simulation,
@@ -31,6 +32,10 @@ class SimulationClient:
     def state(self) -> Simulation:
         """Return whether time passes, and how fast."""
         return self._connection.get(_PATH, Simulation)
+
+    def bases(self) -> list[MovingBase]:
+        """Return where the root links are of robots with a floating or planar base."""
+        return (self._connection.get("/scene", Scene)).bases
 
     def contacts(self) -> list[Contact]:
         """Return where bodies of the world touch, and with which force."""

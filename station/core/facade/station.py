@@ -32,7 +32,11 @@ from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus
 from station.core.facade.waypoint_paths import WaypointPaths
-from station.core.hardware.robot_report import ContactReport, SceneObjectReport
+from station.core.hardware.robot_report import (
+    ContactReport,
+    MovingBaseReport,
+    SceneObjectReport,
+)
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.loop_report import LoopReport, LoopState
 from station.core.loop.snapshot import Snapshot, SnapshotRing
@@ -165,6 +169,15 @@ class Station:
         """
         world = self.loop.hw.simulated_world()
         return [] if world is None else list(self.loop.run_in_cycle(world.scene))
+
+    def bases(self) -> list[MovingBaseReport]:
+        """Return where the root links are of simulated robots with a moving base.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        world = self.loop.hw.simulated_world()
+        return [] if world is None else list(self.loop.run_in_cycle(world.bases))
 
     def contacts(self) -> list[ContactReport]:
         """Return where bodies of a simulated world touch.

@@ -5,7 +5,11 @@ from collections.abc import Mapping, Sequence
 from typing_extensions import override
 
 from station.core.hardware.robot_hw import RobotHW
-from station.core.hardware.robot_report import ContactReport, SceneObjectReport
+from station.core.hardware.robot_report import (
+    ContactReport,
+    MovingBaseReport,
+    SceneObjectReport,
+)
 from station.core.hardware.simulated_world import SimulatedWorld
 
 
@@ -46,6 +50,11 @@ class CombinedWorld(SimulatedWorld):
             thing.name: thing for _, world in self._worlds for thing in world.scene()
         }
         return list(found.values())
+
+    @override
+    def bases(self) -> Sequence[MovingBaseReport]:
+        """Return the moving bases of all worlds."""
+        return [base for _, world in self._worlds for base in world.bases()]
 
     @override
     def contacts(self) -> Sequence[ContactReport]:

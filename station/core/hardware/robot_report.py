@@ -83,6 +83,21 @@ class SceneObjectReport:
 
 
 @dataclass(frozen=True, slots=True)
+class MovingBaseReport:
+    """The root link of a simulated robot that is not fixed to the world, where it is.
+
+    Attributes:
+        link: Name of the root link.
+        position: Position of its frame in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w in the world.
+    """
+
+    link: str
+    position: tuple[float, ...]
+    orientation: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ContactReport:
     """A point at which two bodies of a simulated world touch.
 

@@ -4,7 +4,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from math import inf
 
-from station.core.hardware.robot_report import ContactReport, SceneObjectReport
+from station.core.hardware.robot_report import (
+    ContactReport,
+    MovingBaseReport,
+    SceneObjectReport,
+)
 
 
 class SimulatedWorld(ABC):
@@ -38,6 +42,10 @@ class SimulatedWorld(ABC):
 
     def scene(self) -> Sequence[SceneObjectReport]:
         """Return the objects around the robot, at their present poses."""
+        return ()
+
+    def bases(self) -> Sequence[MovingBaseReport]:
+        """Return where the robots stand whose root link moves; none that is fixed."""
         return ()
 
     def contacts(self) -> Sequence[ContactReport]:

@@ -17,6 +17,7 @@ import mujoco
 from station.core.description.urdf import JointType, Pose, Urdf, multiply
 from station.core.description.wheels import wheel_radius
 from station.core.errors import RobotDescriptionError
+from station.core.hardware.robot_report import MovingBaseReport
 
 if TYPE_CHECKING:
     from station.hw.mujoco.world import World
@@ -69,6 +70,23 @@ def add_base_joints(
 def joints_of_base(base_type: BaseType) -> tuple[str, ...]:
     """Return the joints with one degree of freedom by which a base moves."""
     return PLANAR_JOINTS if base_type == "planar" else ()
+
+
+def moving_bases(model: mujoco.MjModel, data: mujoco.MjData) -> list[MovingBaseReport]:
+    """Return where the root links are that are not fixed. For the world's thread."""
+    found = []
+    for name, kind in (
+        (BASE_JOINT, mujoco.mjtJoint.mjJNT_FREE),
+        (PLANAR_JOINTS[0], mujoco.mjtJoint.mjJNT_SLIDE),
+    ):
+        joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        if joint < 0 or model.jnt_type[joint] != kind:
+            continue
+        body = data.body(int(model.jnt_bodyid[joint]))
+        w, x, y, z = body.xquat.tolist()
+        place = tuple(body.xpos.tolist())
+        found.append(MovingBaseReport(body.name, place, (x, y, z, w)))
+    return found
 
 
 class RollingBase:

@@ -6,8 +6,13 @@ from typing import Protocol
 
 from typing_extensions import override
 
-from station.core.hardware.robot_report import ContactReport, SceneObjectReport
+from station.core.hardware.robot_report import (
+    ContactReport,
+    MovingBaseReport,
+    SceneObjectReport,
+)
 from station.core.hardware.simulated_world import SimulatedWorld
+from station.hw.mujoco.bases import moving_bases
 from station.hw.mujoco.contacts import touching
 from station.hw.mujoco.world import World
 
@@ -63,6 +68,10 @@ class SharedWorld(SimulatedWorld):
     @override
     def scene(self) -> Sequence[SceneObjectReport]:
         return self.world.scene()
+
+    @override
+    def bases(self) -> Sequence[MovingBaseReport]:
+        return moving_bases(self.world.model, self.world.data)
 
     @override
     def contacts(self) -> Sequence[ContactReport]:

@@ -35,7 +35,7 @@ class PlacedRobot:
     def base(self) -> str:
         """The link that carries the first joint, whose frame a Franka calls O."""
         urdf = self.model.urdf
-        link = urdf.joints_below(urdf.root)[0].child
+        link = self.model.root
         while below := urdf.joints_below(link):
             if is_drawn_moving(below[0]):
                 break

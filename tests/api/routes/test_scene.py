@@ -45,4 +45,5 @@ def test_a_robot_without_a_scene_has_no_things(operator: httpx.Client):
     assert operator.get("/api/v1/scene").json() == {
         "objects": [],
         "contacts": [],
+        "bases": [],
     }

@@ -47,6 +47,13 @@ def test_contacts_of_all_worlds_are_told(robots, world, monkeypatch):
     assert world.contacts() == ["a", "b"]
 
 
+def test_moving_bases_of_all_worlds_are_told(robots, world, monkeypatch):
+    assert world.bases() == []
+    for robot, name in zip(robots, "ab", strict=True):
+        monkeypatch.setattr(robot.simulated_world(), "bases", lambda n=name: [n])
+    assert world.bases() == ["a", "b"]
+
+
 def test_objects_of_one_name_are_one_object(robots, world, monkeypatch):
     assert world.scene() == []
     for robot, names in zip(robots, ("ab", "bc"), strict=True):

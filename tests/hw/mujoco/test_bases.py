@@ -1,5 +1,6 @@
 """A robot's base is fixed, floats, or rolls on its wheels."""
 
+import mujoco
 import pytest
 
 from station.core.errors import RobotDescriptionError
@@ -64,3 +65,18 @@ def test_floating_robot_in_the_air_falls() -> None:
     # Free fall: g t^2 / 2
     fallen = 1.0 - float(made.robot.world.data.qpos[2])
     assert fallen == pytest.approx(0.049, rel=0.03)
+
+
+def test_a_base_that_moves_is_told_where_it_is() -> None:
+    made = bench("solo12", "floating")
+    world = made.robot.world
+    world.data.joint("base").qpos[:] = [1.0, 2.0, 0.7, 0.0, 0.0, 0.0, 1.0]
+    mujoco.mj_kinematics(world.model, world.data)
+    (told,) = made.robot.simulated_world().bases()
+    assert told.link == "base_link"
+    assert told.position == pytest.approx((1.0, 2.0, 0.7))
+    assert told.orientation == pytest.approx((0.0, 0.0, 1.0, 0.0))
+
+
+def test_a_fixed_base_is_not_told() -> None:
+    assert bench("ur5", "fixed").robot.simulated_world().bases() == []

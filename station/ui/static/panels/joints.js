@@ -6,6 +6,7 @@ import { desk, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 const DEGREES = 180 / Math.PI;
+const SUFFIX = "_joint"; // says nothing where all joints have it
 const NEAR_LIMIT = 0.05; // part of the range at each end
 
 class Joints extends Panel {
@@ -150,7 +151,8 @@ class Joints extends Panel {
   buildRows(names) {
     this.rows.clear();
     const prefix = sharedPrefix(names);
-    this.body.replaceChildren(...names.map((joint) => this.makeRow(joint, joint.slice(prefix.length))));
+    const end = names.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX)) ? -SUFFIX.length : undefined;
+    this.body.replaceChildren(...names.map((joint) => this.makeRow(joint, joint.slice(prefix.length, end))));
   }
 
   makeRow(joint, label) {
@@ -161,6 +163,7 @@ class Joints extends Panel {
     const cells = ["q", "dq", "tau", "ext"].map(() => h("td", {}));
     const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
     input.setAttribute("aria-label", `Command of ${label}`);
+    here.hidden = !limits; // A joint that turns without end has no place within limits.
     const row = { here, told, bar, cells, input, limits, sent: null, position: 0, hold: [] };
     input.addEventListener("keydown", (event) => {
       if (event.key === "Enter") this.send(joint, row);
@@ -184,7 +187,8 @@ class Joints extends Panel {
     );
     this.rows.set(joint, row);
     const [q, dq, tau, ext] = cells;
-    const title = limits ? `${joint}: ${number(limits[0], 4)} to ${number(limits[1], 4)} rad` : joint;
+    const unit = store.docks.sliding.includes(joint) ? "m" : "rad";
+    const title = limits ? `${joint}: ${number(limits[0], 4)} to ${number(limits[1], 4)} ${unit}` : `${joint}: without limits`;
     return h("tr", { title }, h("th", { scope: "row" }, label), h("td", {}, bar), q, h("td", {}, input), dq, tau, ext, h("td", { class: "holds" }, ...row.hold));
   }
 
@@ -211,11 +215,12 @@ class Joints extends Panel {
       const i = name.indexOf(joint);
       if (i < 0) continue;
       row.position = position[i];
-      const angular = !joint.includes("finger");
+      const angular = !store.docks.sliding.includes(joint);
       const scale = angular ? this.scale : 1;
       const digits = this.unit === "deg" && angular ? 2 : 4;
-      show(row.cells[0], number(position[i] * scale, digits));
-      show(row.cells[1], number(velocity[i] * scale, this.unit === "deg" ? 1 : 3));
+      const unit = angular ? "" : " m";
+      show(row.cells[0], number(position[i] * scale, digits) + unit);
+      show(row.cells[1], number(velocity[i] * scale, this.unit === "deg" && angular ? 1 : 3));
       show(row.cells[2], number(effort[i], 1));
       const arm = arms.find(([id]) => joint.startsWith(`${id}_joint`));
       const external = arm?.[1].tau_ext_hat_filtered?.[Number(joint.slice(-1)) - 1];

@@ -58,7 +58,6 @@ class Tuning extends Panel {
     const chosen = this.choice.value;
     this.choice.replaceChildren(...names.map((name) => h("option", {}, name)));
     if (names.includes(chosen)) this.choice.value = chosen;
-    if (!this.isMeasuring) this.runButton.disabled = !this.choice.value;
     this.follow();
     this.read();
     this.listSets();
@@ -77,11 +76,10 @@ class Tuning extends Panel {
   async read() {
     const name = this.choice.value;
     if (!name) return;
-    try {
-      this.gains = await api("GET", `/controllers/${name}/gains`);
-    } catch {
-      this.gains = { values: {}, schema: {}, etag: "" };
-    }
+    const gains = await api("GET", `/controllers/${name}/gains`).catch(() => ({ values: {}, schema: {}, etag: "" }));
+    // Another controller was chosen meanwhile: its answer comes, or was here before this one.
+    if (name !== this.choice.value) return;
+    this.gains = gains;
     const joints = [...new Set(Object.keys(this.gains.values).map((key) => key.split("/")).filter((parts) => parts.length > 1).map((parts) => parts[0]))];
     const prefix = sharedPrefix(joints);
     const chosen = this.joint.value;
@@ -94,16 +92,28 @@ class Tuning extends Panel {
   drawGains() {
     const joint = this.joint.value;
     const keys = Object.keys(this.gains.values).filter((key) => !key.includes("/") || key.startsWith(`${joint}/`));
-    // What a person has typed and not applied yet outlives a newer answer of the station.
-    const typing = new Map();
-    if (this.drawnFor === this.choice.value)
-      for (const [key, input] of this.inputs) if (input.value !== input.dataset.was) typing.set(key, input.value);
-    this.drawnFor = this.choice.value;
-    this.inputs = new Map();
-    this.fields.replaceChildren(...keys.map((key) => this.field(key)));
-    for (const [key, text] of typing) if (this.inputs.has(key)) this.inputs.get(key).value = text;
+    const drawnFor = `${this.choice.value} ${keys.join()}`;
+    if (drawnFor === this.drawnFor) {
+      // The fields stay: somebody may be typing into one of them. What was typed and not applied outlives the answer.
+      for (const [key, input] of this.inputs) {
+        const is = String(this.gains.values[key]);
+        if (input.value === input.dataset.was) input.value = is;
+        input.dataset.was = is;
+      }
+    } else {
+      this.drawnFor = drawnFor;
+      this.inputs = new Map();
+      this.fields.replaceChildren(...keys.map((key) => this.field(key)));
+    }
     show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
     this.apply.disabled = this.undo.disabled = !store.isOperator;
+    this.showRun();
+  }
+
+  /** A test needs the joint that it moves: there is none until the gains have come. */
+  showRun() {
+    this.runButton.disabled = this.isMeasuring || !this.joint.value;
+    show(this.runButton, this.isMeasuring ? "Measuring …" : "Run test");
   }
 
   field(key) {
@@ -239,15 +249,15 @@ class Tuning extends Panel {
     const kind = this.kind.value;
     const excitation = { kind, joint: this.joint.value, amplitude: value("amplitude") };
     for (const name of EXCITATIONS[kind]) excitation[name] = value(name);
-    this.runButton.disabled = this.isMeasuring = true;
-    show(this.runButton, "Measuring …");
+    this.isMeasuring = true;
+    this.showRun();
     const told = await act("POST", `/controllers/${this.choice.value}/bench`, { excitation, duration: value("duration") });
     if (told) {
       this.runs = [...this.runs, { ...told, size: excitation.amplitude }].slice(-2);
       this.drawRuns();
     }
-    this.runButton.disabled = this.isMeasuring = false;
-    show(this.runButton, "Run test");
+    this.isMeasuring = false;
+    this.showRun();
   }
 
   drawRuns() {
