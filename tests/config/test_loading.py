@@ -44,7 +44,7 @@ def test_default_controllers_follow_the_arm_id(write):
 
     controller = config.controller_parameters()["effort_group_position_controller"]
     assert controller["joints"][0] == "left_joint1"
-    assert controller["left_joint7"] == {"pid": {"p": 50, "i": 0, "d": 5}}
+    assert controller["left_joint7"] == {"pid": {"p": 30, "i": 0, "d": 5}}
 
 
 def test_controllers_of_a_file_replace_the_default_ones(write):
