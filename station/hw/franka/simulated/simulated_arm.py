@@ -163,7 +163,12 @@ class SimulatedArm(RobotArm):
             self._cycle_of_state = steps = world.step_count
             found = self._sensors.read(steps * self.cycle_time)
             if self._observed is not None:
-                self._observe(self._observed)
+                if self._step.has_load:
+                    self._observed.expect_load()
+                if (unusual := self._observed.sense()) and self._observed.attend(
+                    unusual
+                ):
+                    self._lose_command()
             if (
                 found
                 or world.pushes
@@ -328,11 +333,9 @@ class SimulatedArm(RobotArm):
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _observe(self, contact: ObservedContact) -> None:
-        """Disturb the readings, and now and then lose a command."""
-        if self._step.has_load:
-            contact.expect_load()
-        if contact.sense() and self.state.robot_mode is RobotMode.MOVE:
+    def _lose_command(self) -> None:
+        """Lose the next command on its way, if there is one."""
+        if self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 
