@@ -14,9 +14,9 @@ _FAILED = 1e6
 _VIOLATED = 1e3
 """Cost of a trial that violates a constraint, before the excess is added."""
 TOLERANCE = 0.001
-"""Share by which a bound relative to the first trial may be exceeded. Other random numbers
-of the sensors move the peak of the effort by 0.7 %, and its RMS by 0.03 %, so that an
-exact comparison would only tell which noise there was."""
+"""Share by which a bound relative to the first trial may be exceeded. Other random
+numbers of the sensors move the peak of the effort by 0.7 %, and its RMS by 0.03 %, so
+that an exact comparison would only tell which noise there was."""
 
 
 @dataclass(frozen=True, slots=True)
