@@ -24,8 +24,6 @@ def test_a_worker_with_another_mujoco_runs_no_trial(step, monkeypatch):
     monkeypatch.setattr(workers.mujoco, "mj_versionString", lambda: "2.3.7")
     monkeypatch.setattr(workers, "_checked", set())
 
-    with pytest.raises(
-        WorkerMismatchError, match=r"has mujoco 2\.3\.7; the"
-    ):
+    with pytest.raises(WorkerMismatchError, match=r"has mujoco 2\.3\.7; the"):
         run_trial(step.setup.text, step.to_json(), expected)
     assert workers._checked == set()
