@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
+from typing_extensions import override
+
 from station.core.errors import suggest
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -15,8 +17,10 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import RobotHW
+from station.core.loop.control_loop import ControlLoop
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
+from station.kernel.stages import Stage
 from station.trials.errors import ExperimentError, UnknownParameterError
 
 _COMMANDED = (EffortJointInterface, PositionJointInterface, VelocityJointInterface)
@@ -149,17 +153,18 @@ def _carrier(model: mujoco.MjModel, body: int) -> int:
         body = heaviest
 
 
-class CommandDelay:
+class CommandDelay(Stage):
     """Lets a robot receive the commands of its joints some cycles late.
 
     What the arm does by itself, such as holding its pose, is not delayed: the delay is
     that of the way from the controllers to the robot.
 
     Args:
-        hw: The robot; its `write` sends older commands from now on.
+        loop: The robot's loop; it sends older commands from now on.
     """
 
-    def __init__(self, hw: RobotHW) -> None:
+    def __init__(self, loop: ControlLoop) -> None:
+        hw = loop.hw
         self._cycles = 0
         self._slots = [
             (handle.command_storage, handle.command_index)
@@ -168,9 +173,8 @@ class CommandDelay:
             for handle in interface.handles()
         ]
         self._line: deque[list[float]] = deque()
-        self._write = hw.write
-        # A robot that wraps another one would have to repeat its whole interface.
-        hw.write = self.write  # type: ignore[method-assign]
+        self._writing = loop.writing
+        loop.writing = self
 
     def begin(self, cycles: int) -> None:
         """Begin a trial; nothing is on its way.
@@ -181,7 +185,8 @@ class CommandDelay:
         self._cycles = cycles
         self._line.clear()
 
-    def write(self, time: float, period: float) -> None:
+    @override
+    def run(self, time: float, period: float) -> None:
         """Send the commands of some cycles before to the robot.
 
         Args:
@@ -189,13 +194,13 @@ class CommandDelay:
             period: Time since the last cycle [s], >= 0.
         """
         if self._cycles == 0:
-            self._write(time, period)
+            self._writing.run(time, period)
             return
         commands = [storage[index] for storage, index in self._slots]
         self._line.append(commands)
         is_full = len(self._line) > self._cycles
         self._put(self._line.popleft() if is_full else self._line[0])
-        self._write(time, period)
+        self._writing.run(time, period)
         self._put(commands)  # controllers find what they commanded
 
     def _put(self, commands: list[float]) -> None:
@@ -203,24 +208,23 @@ class CommandDelay:
             storage[index] = command
 
 
-class MeasurementNoise:
+class MeasurementNoise(Stage):
     """Adds Gaussian noise to what a robot's joints measure.
 
     Controllers, limits and the record see the noise; the motors and the supervision
     inside of a simulated arm do not.
 
     Args:
-        hw: The robot; its `read` is followed by the noise from now on.
+        loop: The robot's loop; it adds the noise to what it reads from now on.
     """
 
-    def __init__(self, hw: RobotHW) -> None:
-        interface = hw.get(JointStateInterface)
+    def __init__(self, loop: ControlLoop) -> None:
+        interface = loop.hw.get(JointStateInterface)
         self._handles = interface.handles() if interface else []
         self._position = self._velocity = 0.0
         self._random = np.random.default_rng(0)
-        self._read = hw.read
-        # A robot that wraps another one would have to repeat its whole interface.
-        hw.read = self.read  # type: ignore[method-assign]
+        self._reading = loop.reading
+        loop.reading = self
 
     def begin(self, position: float, velocity: float, seed: int) -> None:
         """Begin a trial.
@@ -233,14 +237,15 @@ class MeasurementNoise:
         self._position, self._velocity = position, velocity
         self._random = np.random.default_rng(seed)
 
-    def read(self, time: float, period: float) -> None:
+    @override
+    def run(self, time: float, period: float) -> None:
         """Read the robot, then add the noise.
 
         Args:
             time: Station time of this cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
-        self._read(time, period)
+        self._reading.run(time, period)
         if self._position == 0.0 and self._velocity == 0.0:
             return
         draws = self._random.standard_normal(2 * len(self._handles)).tolist()

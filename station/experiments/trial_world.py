@@ -67,8 +67,8 @@ class TrialWorld:
         self.robot_digest = digest_of("".join(v.tobytes().hex() for v in bodies))
         joints = self.station.joint_names
         self._mechanics = Mechanics(self._world, joints)
-        self._delay = CommandDelay(facade.loop.hw)
-        self._noise = MeasurementNoise(facade.loop.hw)
+        self._delay = CommandDelay(facade.loop)
+        self._noise = MeasurementNoise(facade.loop)
         self._gains = facade.tuning.all_gains()
         self.begin_positions = self.station.positions()
 

@@ -1,3 +1,4 @@
+from station.kernel.copying cimport copy_into
 from station.kernel.cartesian_step cimport CartesianStep
 from station.kernel.cycle_log cimport CycleLog
 from station.kernel.desired_motion cimport DesiredMotion
@@ -6,12 +7,13 @@ from station.kernel.joint_motors cimport JointMotors
 from station.kernel.joint_watch cimport JointWatch
 from station.kernel.command_check cimport CommandCheck
 from station.kernel.simulator_memory cimport SimulatorMemory
+from station.kernel.world_step cimport Preparation
 
 cdef int _IDLE, _MOVE, _GUIDING, _RECOVERY
 cdef int _POSITIONS, _VELOCITIES, _CARTESIAN
 cdef int _CONTACT, _UNUSUAL
 
-cdef class ArmStep:
+cdef class ArmStep(Preparation):
     cdef JointMemory memory
     cdef readonly Py_ssize_t size
     cdef double[::1] mode

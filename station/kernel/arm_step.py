@@ -3,6 +3,7 @@
 from station.kernel import arm_codes as codes
 from station.kernel.cartesian_step import CartesianStep
 from station.kernel.command_check import CommandCheck
+from station.kernel.copying import copy_into
 from station.kernel.cycle_log import CycleLog
 from station.kernel.desired_motion import DesiredMotion
 from station.kernel.doubles import Doubles
@@ -10,6 +11,7 @@ from station.kernel.joint_memory import JointMemory
 from station.kernel.joint_motors import JointMotors
 from station.kernel.joint_watch import JointWatch
 from station.kernel.simulator_memory import SimulatorMemory
+from station.kernel.world_step import Preparation
 
 # As C numbers, by the .pxd.
 _IDLE = codes.IDLE
@@ -23,7 +25,7 @@ _CONTACT = codes.CONTACT
 _UNUSUAL = codes.UNUSUAL
 
 
-class ArmStep:
+class ArmStep(Preparation):
     """The usual cycle of an arm; what is unusual is left to whoever calls.
 
     Args:
@@ -193,7 +195,8 @@ class ArmStep:
         else:
             self.motion.hold()
         if self.torques_act:
-            memory.sent[:] = memory.torques  # for the check of the next ones
+            # For the check of the next ones.
+            copy_into(memory.sent, 0, memory.torques, self.size)
         self.cycle += 1
         self.is_fresh = False
         self.is_begun = True

@@ -1,6 +1,14 @@
+from station.kernel.copying cimport copy_into
 cimport cython
 
-cdef class CommandPiece:
+cdef class Piece:
+    cpdef bint take(self)
+    cpdef bint differs(self)
+    cpdef write(self)
+
+cdef class CommandPiece(Piece):
+    cdef readonly object storage
+    cdef readonly Py_ssize_t start
     cdef readonly double[::1] memory
     cdef readonly double[::1] values
     cdef readonly Py_ssize_t size
@@ -10,5 +18,7 @@ cdef class CommandPiece:
 
 cdef class CommandPieces:
     cdef list pieces
-    @cython.locals(piece=CommandPiece)
-    cpdef write(self)
+    cdef object report
+    cdef Py_ssize_t next
+    @cython.locals(place=Py_ssize_t, piece=Piece, one=Piece)
+    cpdef keep(self)

@@ -1,21 +1,46 @@
 """Commands of a robot in flat memory: copied, checked, compared and written anew."""
 
+from collections.abc import Callable
+
+from station.kernel.copying import copy_into
 from station.kernel.doubles import Doubles, zeros
 
 
-class CommandPiece:
+class Piece:
+    """Some commands, and a copy of them."""
+
+    def take(self) -> bool:
+        """Copy the commands; return whether all of them certainly are finite."""
+        raise NotImplementedError
+
+    def differs(self) -> bool:
+        """Return whether a command is not what was copied."""
+        raise NotImplementedError
+
+    def write(self) -> None:
+        """Write the copied commands."""
+        raise NotImplementedError
+
+
+class CommandPiece(Piece):
     """Commands that lie side by side, and a copy of them.
 
     Args:
-        memory: The commands, shape (n,).
+        storage: The memory of these and of other commands.
+        start: Index of the first command.
+        size: Number n of the commands.
 
     Attributes:
+        storage: As given.
+        start: As given.
         values: The copy, shape (n,).
     """
 
-    def __init__(self, memory: Doubles) -> None:
-        self.memory = memory
-        self.size = len(memory)
+    def __init__(self, storage: Doubles, start: int, size: int) -> None:
+        self.storage = storage
+        self.start = start
+        self.memory = storage[start : start + size]
+        self.size = size
         self.values = zeros(self.size)
         self.take()
 
@@ -40,20 +65,34 @@ class CommandPiece:
 
     def write(self) -> None:
         """Write the copied commands."""
-        self.memory[:] = self.values
+        copy_into(self.memory, 0, self.values, self.size)
 
 
 class CommandPieces:
-    """Several pieces, written together.
+    """Several pieces that are kept as they were copied.
 
     Args:
         pieces: The pieces.
+        report: Called with a piece that differs, before it is written.
     """
 
-    def __init__(self, pieces: list[CommandPiece]) -> None:
+    def __init__(
+        self, pieces: list[Piece], report: Callable[[Piece], None] | None = None
+    ) -> None:
         self.pieces = pieces
+        self.report = report
+        self.next = 0
 
-    def write(self) -> None:
-        """Write the copied commands of all pieces."""
-        for piece in self.pieces:
-            piece.write()
+    def keep(self) -> None:
+        """Compare one piece, the next one each time, and write all of them anew.
+
+        Also what equals the copy is written: it may still be no float, e.g. 0j.
+        """
+        place = self.next
+        if place < len(self.pieces):
+            piece = self.pieces[place]
+            if self.report is not None and piece.differs():
+                self.report(piece)
+        self.next = place + 1 if place + 1 < len(self.pieces) else 0
+        for one in self.pieces:
+            one.write()

@@ -1,3 +1,4 @@
+from station.kernel.copying cimport copy_into
 from station.kernel.functions cimport square_root
 from station.kernel.joint_memory cimport JointMemory
 

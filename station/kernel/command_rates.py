@@ -6,6 +6,7 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 
 from collections.abc import Iterable
 
+from station.kernel.copying import copy_into
 from station.kernel.doubles import Doubles, doubles, own, zeros
 from station.kernel.functions import square_root
 from station.kernel.joint_memory import JointMemory
@@ -209,7 +210,7 @@ class CommandRates:
             return
         goals, last_goals = self.goals, self.last_goals
         if not self.has_goals:
-            last_goals[:] = goals
+            copy_into(last_goals, 0, goals, self.size)
             self.has_goals = True
         speeds, accelerations, jerks = self.velocity, self.acceleration, self.jerk
         lows, highs = self.lowest, self.highest
@@ -256,4 +257,4 @@ class CommandRates:
             if wanted < low:
                 wanted = low
             result[i] = last + (velocity + wanted * period) * period
-        last_goals[:] = goals
+        copy_into(last_goals, 0, goals, self.size)

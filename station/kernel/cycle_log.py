@@ -1,5 +1,6 @@
 """The last cycles of an arm, kept in a ring for the report of an error."""
 
+from station.kernel.copying import copy_into
 from station.kernel.doubles import zeros
 from station.kernel.joint_memory import JointMemory
 
@@ -46,17 +47,12 @@ class CycleLog:
         rows[start] = time
         rows[start + 1] = self.command_size
         start += 2
-        rows[start : start + size] = memory.q
-        start += size
-        rows[start : start + size] = memory.dq
-        start += size
-        rows[start : start + size] = memory.tau_J
-        start += size
-        rows[start : start + size] = memory.q_d
-        start += size
-        rows[start : start + size] = memory.tau_J_d
-        start += size
-        rows[start : start + len(self.command)] = self.command
+        copy_into(rows, start, memory.q, size)
+        copy_into(rows, start + size, memory.dq, size)
+        copy_into(rows, start + 2 * size, memory.tau_J, size)
+        copy_into(rows, start + 3 * size, memory.q_d, size)
+        copy_into(rows, start + 4 * size, memory.tau_J_d, size)
+        copy_into(rows, start + 5 * size, self.command, COMMAND)
         self.count += 1
 
     def cycles(self) -> list[tuple[float, list[list[float]], list[float]]]:

@@ -7,6 +7,7 @@ cdef class Durations:
     cdef readonly double total
     cdef readonly double squares
     cpdef add(self, double duration)
+    cdef void put(self, double duration) noexcept
     cpdef reset(self)
 
 cdef class CycleTimes:

@@ -28,6 +28,10 @@ class Durations:
 
     def add(self, duration: float) -> None:
         """Add a duration [s]."""
+        self.put(duration)
+
+    def put(self, duration: float) -> None:
+        """Add a duration [s]; for the kernel, which calls it without a look-up."""
         place = self.place
         self.values[place] = duration
         self.place = 0 if place + 1 == self.capacity else place + 1
@@ -77,8 +81,8 @@ class CycleTimes:
             updated: When the controllers had been updated [s].
             written: When the commands had been written [s].
         """
-        self.read.add(read - begun)
-        self.update.add(updated - read)
-        self.write.add(written - updated)
-        self.total.add(written - begun)
+        self.read.put(read - begun)
+        self.update.put(updated - read)
+        self.write.put(written - updated)
+        self.total.put(written - begun)
         self.last = written

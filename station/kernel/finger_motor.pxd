@@ -1,6 +1,7 @@
 from station.kernel.simulator_memory cimport SimulatorMemory
+from station.kernel.world_step cimport Preparation
 
-cdef class FingerMotor:
+cdef class FingerMotor(Preparation):
     cdef SimulatorMemory simulator
     cdef public double stiffness
     cdef public double step

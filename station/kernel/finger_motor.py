@@ -2,9 +2,10 @@
 
 from station.kernel.doubles import Doubles
 from station.kernel.simulator_memory import SimulatorMemory
+from station.kernel.world_step import Preparation
 
 
-class FingerMotor:
+class FingerMotor(Preparation):
     """Drives the first finger of a simulated hand; the second finger mimics it.
 
     Args:

@@ -1,4 +1,5 @@
 from station.kernel.functions cimport square_root
+from station.kernel.world_step cimport Preparation
 
 cdef double _VELOCITY, _EFFORT
 cdef double _VELOCITY_GAIN, _POSITION_GAIN, _SHARE_OF_EFFORT, _SHARE_OF_ACCELERATION
@@ -6,7 +7,7 @@ cdef double _VELOCITY_GAIN, _POSITION_GAIN, _SHARE_OF_EFFORT, _SHARE_OF_ACCELERA
 cpdef double approach_velocity(double error, double braking) noexcept
 
 
-cdef class Drives:
+cdef class Drives(Preparation):
     cdef double[::1] qpos, qvel, bias, weight, inertia, control, damping
     cdef long long[::1] place_qpos, place_dof, place_inertia
     cdef long long[::1] place_control, place_damping
@@ -16,4 +17,4 @@ cdef class Drives:
     cdef Py_ssize_t size
     cdef double timestep
 
-    cpdef bint before_step(self) noexcept
+    cpdef bint before(self)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 from station.kernel.doubles import Doubles
 from station.kernel.functions import square_root
+from station.kernel.world_step import Preparation
 
 POSITION = 0
 """Mode of a joint that follows positions."""
@@ -44,7 +45,7 @@ def approach_velocity(error: float, braking: float) -> float:
     return root
 
 
-class Drives:
+class Drives(Preparation):
     """The drives of n joints.
 
     Args:
@@ -89,7 +90,7 @@ class Drives:
         self.size = len(own["mode"])
         self.timestep = timestep
 
-    def before_step(self) -> bool:
+    def before(self) -> bool:
         """Write the motors' controls and damping; return that it was done."""
         qvel, inertia, mode = self.qvel, self.inertia, self.mode
         place_dof, place_inertia = self.place_dof, self.place_inertia

@@ -20,13 +20,10 @@ limits, which depend on the measured state and on the period.
 
 from collections import Counter
 from collections.abc import Iterable
-from itertools import cycle
 
 from station.core.control.command_guard import all_guards, as_pieces
 from station.core.control.command_piece import (
-    BlockPiece,
-    ListPiece,
-    Piece,
+    KeptPiece,
     make_piece,
 )
 from station.core.control.controller import ControllerState
@@ -56,6 +53,7 @@ class CommandGate:
     Attributes:
         is_stale: Whether controllers have started or stopped since the owners were
             noted; set by whoever starts or stops one.
+        kept: The commands that are written anew at the end of a cycle.
         running: The controllers that ran when the owners were noted last.
         traced_cycles: For how many cycles more the gate looks after every call for
             whoever writes commands that it does not own; 0 until a violation is found.
@@ -71,7 +69,7 @@ class CommandGate:
         self.last_violation: str | None = None
         self._guards = all_guards(hw)
         # Commands that nobody owns, with their rest; and all that are written anew.
-        self._resting: list[Piece] = []
+        self._resting: list[KeptPiece] = []
         self._note_rows([])
         self._owned_names: set[str] = set()
         self._names: dict[Slot, str] = {
@@ -132,14 +130,7 @@ class CommandGate:
         if self.is_stale or self.traced_cycles:
             self._close_with_care(loaded)
             return
-        for piece in self._looks:
-            if piece.differs():
-                self._note(f"the command of '{self._changed(piece)}'")
-            break  # one group in a cycle, the next group in the next cycle
-        self._write_blocks()
-        # Also what equals the right value: it may still be no float, e.g. 0j.
-        for piece in self._lists:
-            piece.write()
+        self.kept.keep()
 
     def _close_with_care(self, loaded: Iterable[LoadedController]) -> None:
         """Do the same in a cycle in which owners have changed, or that is traced."""
@@ -163,7 +154,7 @@ class CommandGate:
             return
         for piece in self._rows:
             if piece.differs():
-                self._note(f"the command of '{self._changed(piece)}'")
+                self._report(piece)
             piece.write()
 
     def find_intrusion(
@@ -234,23 +225,24 @@ class CommandGate:
         owned_pieces = [piece for one in beside for piece in one.commands.pieces]
         self._note_rows([*self._resting, *owned_pieces])
 
-    def _note_rows(self, rows: list[Piece]) -> None:
+    def _note_rows(self, rows: list[KeptPiece]) -> None:
         self._rows = rows
-        self._looks = cycle(rows)
-        self._lists = [piece for piece in rows if isinstance(piece, ListPiece)]
-        blocks = [piece for piece in rows if isinstance(piece, BlockPiece)]
-        self._write_blocks = CommandPieces([*blocks]).write
+        self.kept = CommandPieces([*rows], self._report)
 
-    def _changed(self, piece: Piece) -> str:
+    def _changed(self, piece: KeptPiece) -> str:
         for index, value in enumerate(piece.values, piece.start):
             now = piece.storage[index]
             if not (type(now) is float and now == value):
                 return self._names[id(piece.storage), index]
         return "an unknown resource"
 
-    def _note(self, what: str) -> None:
+    def _report(self, piece: KeptPiece) -> None:
+        """Note that somebody has written commands that are not theirs, and trace."""
         self.violations += 1
-        self.last_violation = f"Somebody without a claim has written {what}."
+        self.last_violation = (
+            "Somebody without a claim has written the command of "
+            f"'{self._changed(piece)}'."
+        )
         self.traced_cycles = TRACED_CYCLES
 
 

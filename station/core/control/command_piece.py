@@ -3,13 +3,13 @@
 from typing import TypeAlias
 
 from station.core.faults import CONTAINED
-from station.kernel.command_pieces import CommandPiece
-from station.kernel.doubles import Doubles, Storage
+from station.kernel.command_pieces import CommandPiece, Piece
+from station.kernel.doubles import Storage
 
 _FLOAT = {float}
 
 
-class ListPiece:
+class ListPiece(Piece):
     """Commands in a list, which may hold anything that somebody writes into it.
 
     Args:
@@ -49,29 +49,11 @@ class ListPiece:
         self.storage[self._piece] = self.values
 
 
-class BlockPiece(CommandPiece):
-    """Commands in doubles, which hold nothing else.
-
-    Args:
-        storage: The doubles.
-        piece: Which of them.
-
-    Attributes:
-        storage: As given.
-        start: Index of the first command in the storage.
-    """
-
-    def __init__(self, storage: Doubles, piece: slice) -> None:
-        super().__init__(storage[piece])
-        self.storage = storage
-        self.start: int = piece.start
+KeptPiece: TypeAlias = ListPiece | CommandPiece
 
 
-Piece: TypeAlias = ListPiece | BlockPiece
-
-
-def make_piece(storage: Storage, piece: slice) -> Piece:
+def make_piece(storage: Storage, piece: slice) -> KeptPiece:
     """Return the commands at `piece` of a storage, with a copy of what they are now."""
     if isinstance(storage, list):
         return ListPiece(storage, piece)
-    return BlockPiece(storage, piece)
+    return CommandPiece(storage, piece.start, piece.stop - piece.start)

@@ -39,6 +39,7 @@ from station.core.errors import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
+from station.kernel.controller_round import ControllerRound
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
@@ -139,7 +140,17 @@ class ControllerManager:
         Raises:
             ValueError: `time` or `period` is negative or not finite.
         """
-        self._runner.update(time, period, reset_controllers=reset_controllers)
+        if reset_controllers:
+            self._runner.resets = True
+        self._runner.run(time, period)
+
+    def reset_next(self) -> None:
+        """Restart every running controller in the next cycle, once. Control thread."""
+        self._runner.resets = True
+
+    def updating(self) -> ControllerRound:
+        """Return what does the same as `update`."""
+        return self._runner
 
     def carry_on_switch(self, time: float) -> bool:
         """Carry on with a pending switch in a cycle in which no time passes.

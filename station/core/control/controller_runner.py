@@ -4,11 +4,11 @@ Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, update
 differs: nothing that a controller does ends the update (CM-80).
 """
 
-from math import inf
 from threading import get_ident
-from time import perf_counter
 
-from station.core.control.controller import ControllerSample, ControllerState
+from typing_extensions import override
+
+from station.core.control.controller import ControllerState
 from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.pending_switch import PendingSwitch, SwitchProgress
@@ -20,10 +20,10 @@ from station.core.errors import (
 )
 from station.core.faults import CONTAINED, reason_of, trace_of_fault
 from station.core.hardware.robot_hw import RobotHW
+from station.kernel.controller_round import ControllerRound
 
 _RUNNING = ControllerState.RUNNING
 
-_NO_SAMPLES: dict[str, ControllerSample] = {}
 LATE_UPDATES = 100
 """After so many updates in a row over the budget a controller is stopped. A single one
 may be the machine's doing: another process had the processor."""
@@ -31,7 +31,7 @@ LONGEST_UPDATE = 0.25
 """After a single update as long as this a controller is stopped [s]."""
 
 
-class ControllerRunner:
+class ControllerRunner(ControllerRound):
     """Runs the loaded controllers; every method is for the control thread.
 
     It never waits: callers swap `lifecycle.loaded` and put a switch into `pending`, the
@@ -42,28 +42,17 @@ class ControllerRunner:
 
     Attributes:
         lifecycle: Starts and stops the controllers, and has the list of them.
-        pending: The switch that is under way; None when there is none.
-        update_budget: How long an update may take [s wall time]; infinite while the
-            cycles are stepped, which has nothing to do with wall time.
-        cycle: Number of updates so far.
-        time: Station time of the last update [s].
-        thread: Identity of the thread of the last update.
-        updating: Whether an update is under way.
         interrupted: Names of the controllers that were stopped because the robot did
             not carry out their commands, the last time that happened.
     """
 
     def __init__(self, hw: RobotHW) -> None:
         self.lifecycle = ControllerLifecycle(hw)
-        self.pending: PendingSwitch | None = None
-        self.update_budget = inf
-        self.cycle = 0
-        self.time = 0.0
-        self.thread = 0
-        self.updating = False
+        super().__init__(
+            self.lifecycle.gate, hw.watch(), get_ident, _RUNNING, CONTAINED
+        )
         self.interrupted: tuple[str, ...] = ()
         self._hw = hw
-        self._gate = self.lifecycle.gate
         self._transaction: SwitchTransaction | None = None
 
     @property
@@ -90,51 +79,55 @@ class ControllerRunner:
             details={"controller": name},
         )
 
-    def update(self, time: float, period: float, *, reset_controllers: bool) -> None:
-        """Update all running controllers, then carry on with a pending switch.
+    @override
+    def refuse(self, time: float, period: float) -> None:
+        raise ValueError(
+            f"Cannot update at time {time} s after a period of {period} s: both "
+            "must be finite and not negative."
+        )
 
-        Args:
-            time: Station time [s], >= 0.
-            period: Time since the last cycle [s], >= 0.
-            reset_controllers: Stop and start every running controller first (CM-78).
+    @override
+    def look_closely(self, time: float, period: float) -> None:
+        """Do a cycle with a switch, an interruption, a trace or a restart in it."""
+        gate, loaded = self.gate, self.lifecycle.loaded
+        if gate.traced_cycles:
+            gate.restore()
+        if self._hw.is_interrupted():
+            self._stop_interrupted(time)
+        if self.resets:
+            self.resets = False
+            gate.forget_rest()
+            for one in loaded:
+                self.lifecycle.reset(one, time)
+        for one in loaded if gate.is_stale else gate.running:
+            if one.controller.state is _RUNNING:
+                self._update_closely(one, time, period)
+                if gate.is_stale:
+                    self._update_after(one, loaded, time, period)
+                    break
+        self._close(time, period)
 
-        Raises:
-            ValueError: `time` or `period` is negative or not finite.
+    @override
+    def go_on_after(self, one: LoadedController, time: float, period: float) -> None:
+        """Do the rest of a cycle in which a controller has failed.
+
+        Another one may have taken over.
         """
-        # A negative or unknown period would turn integrators and filters around.
-        if not (0.0 <= time < inf and 0.0 <= period < inf):
-            raise ValueError(
-                f"Cannot update at time {time} s after a period of {period} s: both "
-                "must be finite and not negative."
-            )
-        self.thread = get_ident()
-        self.updating = True
-        self.cycle += 1
-        self.time = time
-        gate = self._gate
-        try:
-            loaded = self.lifecycle.loaded
-            if gate.traced_cycles:
-                gate.restore()
-            if self._hw.is_interrupted():
-                self._stop_interrupted(time)
-            if reset_controllers:
-                gate.forget_rest()
-                for one in loaded:
-                    self.lifecycle.reset(one, time)
-            for one in loaded if gate.is_stale else gate.running:
-                if one.controller.state is _RUNNING:
-                    self._update_one(one, time, period)
-                    if gate.is_stale:
-                        # It failed, and another one may have taken over.
-                        self._update_after(one, loaded, time, period)
-                        break
-            if self.pending is not None:
-                gate.restore()
-                self._carry_on(self.pending, time, period)
-            gate.close(loaded)
-        finally:
-            self.updating = False
+        self._update_after(one, self.lifecycle.loaded, time, period)
+        self._close(time, period)
+
+    def _close(self, time: float, period: float) -> None:
+        """Carry on with a pending switch, and note who owns which commands."""
+        gate = self.gate
+        if self.pending is not None:
+            gate.restore()
+            self._carry_on(self.pending, time, period)
+        gate.close(self.lifecycle.loaded)
+        self._note_running()
+
+    def _note_running(self) -> None:
+        self.kept = self.gate.kept
+        self.turns = [one.turn for one in self.gate.running]
 
     def _update_after(
         self,
@@ -146,7 +139,7 @@ class ControllerRunner:
         """Update those that run and were loaded after `last`."""
         for one in loaded[loaded.index(last) + 1 :]:
             if one.controller.state is _RUNNING:
-                self._update_one(one, time, period)
+                self._update_closely(one, time, period)
 
     def carry_on_switch(self, time: float) -> bool:
         """Carry on with a pending switch while time stands still.
@@ -166,35 +159,38 @@ class ControllerRunner:
         self.time = time
         try:
             self._carry_on(pending, time, 0.0)
-            self._gate.close(self.lifecycle.loaded)
+            self.gate.close(self.lifecycle.loaded)
+            self._note_running()
         finally:
             self.updating = False
         return True
 
-    def _update_one(self, one: LoadedController, time: float, period: float) -> None:
-        begin = perf_counter()
-        try:
-            one.controller.update(time, period)
-            refused = one.commands.refused()
-        except CONTAINED as error:  # contained, kept and shown
-            self._fail(one, time, reason_of("update", error), trace_of_fault())
-            return
-        duration = perf_counter() - begin
-        one.durations.add(duration)
-        if duration > period > 0.0:
-            one.overruns += 1
-            one.last_overrun = time
+    def _update_closely(
+        self, one: LoadedController, time: float, period: float
+    ) -> None:
+        self.update_one(one.turn, time, period)
+        if self.gate.traced_cycles:
+            intrusion = self.gate.find_intrusion(one, self.lifecycle.loaded)
+            if intrusion is not None:
+                problem = f"update wrote {intrusion}, which it has not claimed"
+                self._fail(one, time, problem, None)
+
+    @override
+    def fail(self, one: LoadedController, time: float, error: BaseException) -> None:
+        """Take a controller off the robot whose update has raised; shown by status."""
+        self._fail(one, time, reason_of("update", error), trace_of_fault())
+
+    @override
+    def attend(
+        self, one: LoadedController, time: float, duration: float, is_finite: bool
+    ) -> None:
+        refused = None if is_finite else one.commands.refused()
         if refused is not None:
             self._fail(one, time, f"update wrote the {refused}", None)
         elif one.fresh:
             self.lifecycle.check_first_update(one, time)
         if duration > self.update_budget or one.late_updates:
             self._judge_duration(one, time, duration)
-        if self._gate.traced_cycles:
-            intrusion = self._gate.find_intrusion(one, self.lifecycle.loaded)
-            if intrusion is not None:
-                problem = f"update wrote {intrusion}, which it has not claimed"
-                self._fail(one, time, problem, None)
 
     def _fail(
         self, one: LoadedController, time: float, problem: str, trace: str | None
@@ -287,17 +283,6 @@ class ControllerRunner:
             if controller.goals is not None:
                 controller.goals.void(reason)
 
-    def samples(self) -> dict[str, ControllerSample]:
-        """Return what each running controller did last, by name."""
-        running = self.lifecycle.loaded if self._gate.is_stale else self._gate.running
-        if not running:
-            return _NO_SAMPLES
-        return {
-            one.info.name: one.controller.sample
-            for one in running
-            if one.controller.sample is not None and one.controller.state is _RUNNING
-        }
-
     def running_names(self) -> list[str]:
         """Return the names of the running controllers. Any thread."""
         return [one.info.name for one in self.lifecycle.loaded if _is_running(one)]
@@ -322,7 +307,7 @@ class ControllerRunner:
         """Update what was started, without any time having passed."""
         for one in dict.fromkeys(pending.start):
             if one.controller.state is _RUNNING and one.fresh:
-                self._update_one(one, time, 0.0)
+                self._update_closely(one, time, 0.0)
 
     def _finish(self, pending: PendingSwitch) -> None:
         self.pending = None

@@ -12,6 +12,8 @@ from station.core.control.controller_status import (
 )
 from station.core.hardware.robot_hw import ControllerInfo
 from station.core.numerics.statistics import DurationRing
+from station.kernel.command_pieces import Piece
+from station.kernel.controller_round import ControllerTurn
 from station.core.ports.goal import Goal
 
 
@@ -33,6 +35,7 @@ class LoadedController:
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
         late_updates: Updates in a row that took longer than the budget.
+        turn: What is looked at in every cycle.
     """
 
     def __init__(
@@ -61,6 +64,8 @@ class LoadedController:
         self._overruns_before = 0
         self.last_overrun = 0.0
         self.late_updates = 0
+        pieces: list[Piece] = [*self.commands.pieces]
+        self.turn = ControllerTurn(self, controller, info.name, self.durations, pieces)
 
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""

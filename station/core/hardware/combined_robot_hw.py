@@ -26,6 +26,7 @@ from station.core.hardware.robot_report import (
 )
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
+from station.kernel.stages import Stage, StageSequence
 
 CreateRobot = Callable[[str], RobotHW]
 """Returns a new robot of a type, not yet initialised; raises a StationError."""
@@ -92,6 +93,14 @@ class CombinedRobotHW(RobotHW):
     def read(self, time: float, period: float) -> None:
         for robot in self.robots.values():
             robot.read(time, period)
+
+    @override
+    def reading(self) -> Stage:
+        return StageSequence([robot.reading() for robot in self.robots.values()])
+
+    @override
+    def writing(self) -> Stage:
+        return StageSequence([robot.writing() for robot in self.robots.values()])
 
     @override
     def write(self, time: float, period: float) -> None:

@@ -18,6 +18,7 @@ from station.core.hardware.robot_report import (
 )
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
+from station.kernel.stages import RobotReading, RobotWatch, RobotWriting, Stage
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +113,18 @@ class RobotHW(InterfaceManager):
             time: Station time of this cycle [s], to which the state belongs.
             period: Time since the last cycle [s], >= 0.
         """
+
+    def reading(self) -> Stage:
+        """Return what does the same as `read`; a robot may have a quicker way."""
+        return RobotReading(self)
+
+    def writing(self) -> Stage:
+        """Return what does the same as `write`; a robot may have a quicker way."""
+        return RobotWriting(self)
+
+    def watch(self) -> RobotWatch:
+        """Return what does the same as `mode` and `is_interrupted`."""
+        return RobotWatch(self)
 
     def write(self, time: float, period: float) -> None:
         """Send the commands in the handles' storage to the hardware.

@@ -13,9 +13,11 @@ for the next deadline is slept in slices, so that none of these has to wait for 
 import threading
 from collections.abc import Callable
 from math import inf
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TypeVar
 
-from station.core.clock import Clock
+from typing_extensions import override
+
+from station.core.clock import Clock, SystemClock
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
@@ -29,9 +31,7 @@ from station.core.loop.pace import Pace
 from station.core.loop.scheduling import request_realtime_priority
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
-
-if TYPE_CHECKING:
-    from station.core.loop.cycle_tap import CycleTap
+from station.kernel.control_cycle import ControlCycle
 
 T = TypeVar("T")
 
@@ -42,7 +42,7 @@ It decides how long a stop, a switch or an operation waits at a small real-time 
 Sleeping in slices needs no lock; an event or a condition to wake the thread has one."""
 
 
-class ControlLoop:
+class ControlLoop(ControlCycle):
     """Runs a robot and its controllers.
 
     Either `start` and `stop` a thread, or call `step` for a deterministic run with
@@ -63,7 +63,6 @@ class ControlLoop:
         epoch: Number that commands must not be older than.
         stop_latch: The latched stop; the loop carries it out.
         pace: Whether time passes in the thread, and how fast.
-        taps: What samples every cycle at the moment; replaced as a whole.
         heartbeat: Where the thread leaves the time of every wake-up, and where a
             watchdog asks for a stop.
 
@@ -86,32 +85,37 @@ class ControlLoop:
         self.hw = hw
         self.manager = manager
         self.clock = clock
-        self._now = clock.now
         self.period = period
         self.pace = Pace(real_time_factor)
         self.snapshots = snapshots or SnapshotRing()
         self.stop_latch = StopLatch()
         self.heartbeat = heartbeat or Heartbeat()
-        self._watchdog_flags = self.heartbeat.flags
-        self.epoch = 1
-        self.time = 0.0
-        self.cycle = 0
         interface = hw.get(JointStateInterface)
         world = hw.simulated_world()
-        # Asked once: how long a world waits is settled when the robot is initialised.
-        self._longest_period = inf if world is None else world.longest_period()
         self._joints = JointStateGroup(interface.handles() if interface else [])
         self._interruptible = [
             one for one in find_services(hw) if isinstance(one, InterruptibleServices)
         ]
-        self.taps: tuple[CycleTap[Any], ...] = ()
         self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
+        super().__init__(
+            reading=hw.reading(),
+            updating=manager.updating(),
+            writing=hw.writing(),
+            times=self._meter.times,
+            records=self.snapshots,
+            now=None if isinstance(clock, SystemClock) else clock.now,
+            pack=self._joints.pack,
+            watch=hw.watch(),
+            waiting=self._operations.waiting,
+            latch=self.stop_latch,
+            stop_flags=self.heartbeat.flags,
+        )
+        # Asked once: how long a world waits is settled when the robot is initialised.
+        self.longest_period = inf if world is None else world.longest_period()
         self._thread: threading.Thread | None = None
         self._stopping = False
-        self._restart = False
-        self._late_cycles = 0
         self._state = LoopState.STOPPED
         self._failure = ""
         self._scheduler = ""
@@ -186,13 +190,14 @@ class ControlLoop:
                 "Cannot step: the control loop runs in its thread.",
                 remedy="Stop the loop first.",
             )
-        for _ in range(cycles):
-            if not self._late_cycles:
-                self._cycle(self.period)
+        while cycles > 0:
+            if not self.late_cycles:
+                cycles -= self.run(cycles, self.period)
                 continue
+            cycles -= 1
             late = self._take_late_cycles()
             self._meter.woke(late * self.period / self.pace.real_time_factor, late)
-            self._cycle((1 + late) * self.period)
+            self.run_one((1 + late) * self.period)
 
     def run_in_cycle(
         self, action: Callable[[], T], timeout: float = 1.0, *, moves: bool = False
@@ -262,10 +267,10 @@ class ControlLoop:
         Args:
             cycles: By how many nominal periods, >= 0. They are skipped and counted.
         """
-        self._late_cycles = cycles
+        self.late_cycles = cycles
 
     def _take_late_cycles(self) -> int:
-        late, self._late_cycles = self._late_cycles, 0
+        late, self.late_cycles = self.late_cycles, 0
         return late
 
     def next_epoch(self, reason: str) -> int:
@@ -286,7 +291,7 @@ class ControlLoop:
         For a world that was put somewhere else; control thread or between cycles.
         """
         self.next_epoch("A reset put the simulated world back to its start.")
-        self._restart = True
+        self.manager.reset_next()
 
     def carry_out_stop(self) -> None:
         """Stop every controller now; control thread, or when no thread runs."""
@@ -354,10 +359,10 @@ class ControlLoop:
             if not pace.passes():
                 self._idle()
             elif pace.paused:
-                self._cycle(self.period)  # a step is a step, however late
+                self.run_one(self.period)  # a step is a step, however late
             else:
                 self._meter.woke(lateness, skipped)
-                self._cycle((1 + skipped) * self.period)
+                self.run_one((1 + skipped) * self.period)
             deadline += (1 + skipped) * wall_period
 
     def _sleep_in_slices(self, deadline: float) -> None:
@@ -376,36 +381,16 @@ class ControlLoop:
             if pace.real_time_factor != factor:
                 return
 
-    def _cycle(self, period: float) -> None:
-        if period > self._longest_period:
-            period = self._longest_period
-        self.time = time = self.time + period
-        self.cycle += 1
-        if self._operations.waiting or self.stop_latch.pending:
-            self._between_cycles()
-        now = self._now
-        begun = now()
-        self.hw.read(time, period)
-        read = now()
-        self.manager.update(time, period, reset_controllers=self._restart)
-        self._restart = False
-        if self._watchdog_flags[0]:
-            # A controller that held the thread up has just returned. What it wrote must
-            # not reach the robot, so the stop is carried out before the write.
-            self._carry_out_watchdog_stop()
-        updated = now()
-        self.hw.write(time, period)
-        self._meter.add(begun, read, updated, now())
-        self._push_snapshot(period)
-
-    def _between_cycles(self) -> bool:
+    @override
+    def attend(self) -> bool:
         changed = self._operations.run()
         if self.stop_latch.pending:
             self.carry_out_stop()
             changed = True
         return changed
 
-    def _carry_out_watchdog_stop(self) -> None:
+    @override
+    def obey_watchdog(self) -> None:
         self.stop_latch.engage(self.heartbeat.stop_reason())
         self.carry_out_stop()
         self.heartbeat.confirm_stop()
@@ -417,25 +402,12 @@ class ControlLoop:
 
     def _look_around(self) -> None:
         """Carry out what waits for the loop while time stands still, and show it."""
-        if self._watchdog_flags[0]:
-            self._carry_out_watchdog_stop()
+        if self.heartbeat.is_stop_asked:
+            self.obey_watchdog()
             changed = True
         else:
-            changed = self._between_cycles()
+            changed = self.attend()
         if self.manager.carry_on_switch(self.time) or changed:
             self.cycle += 1
             self.hw.read(self.time, 0.0)
-            self._push_snapshot(0.0)
-
-    def _push_snapshot(self, period: float) -> None:
-        self.snapshots.push((
-            self.cycle,
-            self.epoch,
-            self.time,
-            period,
-            self.hw.mode(),
-            self._joints.pack(),
-            self.manager.samples(),
-        ))
-        for tap in self.taps:
-            tap.take(self.cycle, self.epoch, self.time, period)
+            self.leave(0.0)

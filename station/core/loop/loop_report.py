@@ -59,8 +59,7 @@ class LoopMeter:
         clock: Wall time.
 
     Attributes:
-        add: Adds a cycle: when it began, when the robot had been read, when the
-            controllers had been updated, and when the commands had been written [s].
+        times: Takes the durations of every cycle.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -70,9 +69,8 @@ class LoopMeter:
         self._update = DurationRing()
         self._write = DurationRing()
         self._total = DurationRing()
-        self._times = CycleTimes(self._read, self._update, self._write, self._total)
-        self.add = self._times.add
-        self._since = self._times.last = clock.now()
+        self.times = CycleTimes(self._read, self._update, self._write, self._total)
+        self._since = self.times.last = clock.now()
         self._skipped = 0
         self._skipped_before = 0
 
@@ -91,7 +89,7 @@ class LoopMeter:
             self._total,
         ):
             ring.reset()
-        self._since = self._times.last = self._clock.now()
+        self._since = self.times.last = self._clock.now()
         self._skipped_before = self._skipped
 
     def woke(self, lateness: float, skipped: int) -> None:
@@ -102,8 +100,8 @@ class LoopMeter:
     def idled(self) -> None:
         """Note that the thread woke while time stands still: it counts for nothing."""
         now = self._clock.now()
-        self._since += now - self._times.last
-        self._times.last = now
+        self._since += now - self.times.last
+        self.times.last = now
 
     def report(
         self,
@@ -123,7 +121,7 @@ class LoopMeter:
             real_time_factor: Station time over wall time, as asked for, > 0.
             scheduler: Scheduling class granted to the thread, in words.
         """
-        elapsed = self._times.last - self._since
+        elapsed = self.times.last - self._since
         cycles, skipped = self._total.count, self._skipped - self._skipped_before
         rate = real_time_factor / period
         achieved = cycles / elapsed if elapsed > 0.0 else 0.0

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from station.core.control.controller import ControllerSample
 from station.core.hardware.interfaces.joint_group import Packed, unpack
+from station.kernel.control_cycle import Records
 
 
 class Snapshot(NamedTuple):
@@ -36,7 +37,7 @@ Record = tuple[int, int, float, float, str, Packed, dict[str, ControllerSample]]
 """A cycle as the control thread leaves it; the joint states are still packed."""
 
 
-class SnapshotRing:
+class SnapshotRing(Records):
     """Keeps the last `capacity` snapshots without a lock.
 
     The control thread puts one record in per cycle; a reader makes a snapshot of it. A
@@ -48,18 +49,11 @@ class SnapshotRing:
     """
 
     def __init__(self, capacity: int = 4096) -> None:
-        self._capacity = capacity
-        self._slots: list[Record | None] = [None] * capacity
-        self._latest: Record | None = None
-
-    def push(self, record: Record) -> None:
-        """Add the next cycle; control thread only, cycles without gaps."""
-        self._slots[record[0] % self._capacity] = record
-        self._latest = record
+        super().__init__(capacity)
 
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
-        latest = self._latest
+        latest = self.newest
         return None if latest is None else _unpack(latest)
 
     def read_since(self, cycle: int) -> tuple[list[Snapshot], int]:
@@ -77,15 +71,15 @@ class SnapshotRing:
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.
         """
-        latest = self._latest
+        latest = self.newest
         if latest is None or latest[0] <= cycle:
             return [], 0
         newest = latest[0]
-        first = max(cycle + 1, newest - self._capacity + 1)
+        first = max(cycle + 1, newest - self.capacity + 1)
         found = [
             record
             for number in range(first, newest + 1)
-            if (record := self._slots[number % self._capacity]) is not None
+            if (record := self.slots[number % self.capacity]) is not None
             and record[0] == number
         ]
         return found, newest - cycle - len(found)

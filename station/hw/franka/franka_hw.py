@@ -67,7 +67,9 @@ from station.hw.franka.franka_parameters import (
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
 from station.hw.urdf_loader import load_urdf
-from station.kernel.arm_codes import MOVE
+from station.kernel.arm_reading import ArmReading
+from station.kernel.arm_writing import ArmWatch, ArmWriting
+from station.kernel.stages import RobotWatch, Stage
 
 if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
@@ -104,10 +106,7 @@ class FrankaHW(RobotHW):
         super().__init__()
         self._world: FrankaWorld | None = None
         self._arm = arm
-        self._time_due = 0.0
-        self._nominal_cycles = 1  # arm cycles per loop cycle
         self._fingers: FingerJoints | None = None
-        self._blind: str | None = None  # which reading is not finite
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -125,11 +124,8 @@ class FrankaHW(RobotHW):
             from station.hw.franka.simulated.arm_placement import simulate_one
 
             self.enter_world(simulate_one(self._parameters, root_params), arm_id)
-        # The arm once more, known to be there: `arm` looks each time, read() does not.
-        self._driven, self._cycle_time = self.arm, self.arm.cycle_time
         self._mode = self.arm.state.doubles(MODE)
         self._sensors = SensorCheck(self.arm.state)
-        self._first_bad = self._sensors.first_bad
         description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -149,6 +145,16 @@ class FrankaHW(RobotHW):
             CommandFilter(limits, self.arm.state, self.commands),
         )
         self._motion = MotionStart(self.arm, self._sender)
+        self._watch = ArmWatch(self, self._mode, _MODE_NAMES, self._motion)
+        self._writing = ArmWriting(self._mode, self._sender)
+        self._reading = ArmReading(
+            self.arm.cycles(),
+            self._sensors.readings,
+            self._motion,
+            cycle_time=self.arm.cycle_time,
+            catch_up=self._catch_up,
+            end_motion=self.arm.stop_motion,
+        )
         self._add_fingers(arm_id)
         for interface in self.command_interfaces():
             self.register_interface(interface)
@@ -208,7 +214,11 @@ class FrankaHW(RobotHW):
 
     @override
     def mode(self) -> str:
-        return _MODE_NAMES[self._mode[0]]
+        return self._watch.mode()
+
+    @override
+    def watch(self) -> RobotWatch:
+        return self._watch
 
     @override
     def read(self, time: float, period: float) -> None:
@@ -220,41 +230,39 @@ class FrankaHW(RobotHW):
         and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
         so that short delays lose no packet.
         """
-        arm = self._driven
-        self._time_due += period
-        cycles = round(self._time_due / self._cycle_time)
-        self._time_due -= cycles * self._cycle_time
-        if cycles == 1 == self._nominal_cycles:
-            arm.read_once()
-        else:
-            self._catch_up(cycles)
-        if self._motion.is_waiting:
-            self._motion.advance(cycles)
-        bad, self._blind = self._first_bad(), None
-        if bad >= 0:
-            # A controller that used a reading that is not finite would command garbage.
-            self._blind = self._sensors.describe(bad)
-            arm.stop_motion()
-        if self._fingers is not None:
-            self._fingers.read()
+        self._reading.run(time, period)
 
-    def _catch_up(self, cycles: int) -> None:
-        """Read the arm once for each of several cycles, or none."""
-        late = min(cycles - self._nominal_cycles, self._parameters.most_lost_packets)
+    @override
+    def reading(self) -> Stage:
+        return self._reading
+
+    def _catch_up(self) -> int:
+        """Read the arm once for each cycle that is due; return how many there are."""
+        reading, cycle_time = self._reading, self.arm.cycle_time
+        cycles = round(reading.time_due / cycle_time)
+        reading.time_due -= cycles * cycle_time
+        late = min(cycles - reading.nominal, self._parameters.most_lost_packets)
         bridged = self._sender.bridges_gaps and late < MOST_LOST_PACKETS
         lost = 0 if bridged else max(0, late)
-        for cycle in range(min(cycles, self._nominal_cycles + late)):
+        for cycle in range(min(cycles, reading.nominal + late)):
             if cycle > lost:
                 self._sender.send_again()
-            self._driven.read_once()
+            self.arm.read_once()
+        return cycles
+
+    def _blindness(self) -> str | None:
+        """Return which reading is not finite; None when all are."""
+        bad = self._reading.bad
+        return None if bad < 0 else self._sensors.describe(bad)
 
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        if self._fingers is not None:
-            self._fingers.write()
-        if self._mode[0] == MOVE:
-            self._sender.send_limited(period)
+        self._writing.run(time, period)
+
+    @override
+    def writing(self) -> Stage:
+        return self._writing
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -283,7 +291,7 @@ class FrankaHW(RobotHW):
                 remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
                 details={"rate": 1.0 / period},
             )
-        self._nominal_cycles = max(1, round(period / cycle_time))
+        self._reading.nominal = max(1, round(period / cycle_time))
         if period > _SLOWEST_TORQUE_PERIOD:
             _logger.warning(
                 "arm '%s' with a loop of %g Hz: torque controllers need small gains "
@@ -297,7 +305,7 @@ class FrankaHW(RobotHW):
         """Return how long the simulated world goes on without the loop [s]."""
         lost = self._parameters.most_lost_packets
         waits = lost < MOST_LOST_PACKETS
-        return (self._nominal_cycles + lost) * self.arm.cycle_time if waits else inf
+        return (self._reading.nominal + lost) * self.arm.cycle_time if waits else inf
 
     @override
     def check_for_conflict(
@@ -329,9 +337,10 @@ class FrankaHW(RobotHW):
                 f"Arm '{arm_id}' is not connected.",
                 remedy="Connect the arm first.",
             )
-        if self._control_mode_of(start) and self._blind is not None:
+        blindness = self._blindness()
+        if self._control_mode_of(start) and blindness is not None:
             raise SwitchRefusedError(
-                f"Arm '{arm_id}' is blind: {self._blind}.",
+                f"Arm '{arm_id}' is blind: {blindness}.",
                 remedy="Wait until the sensor reads finite numbers again.",
             )
         if not is_supported(mode):
@@ -374,18 +383,16 @@ class FrankaHW(RobotHW):
 
     @override
     def is_interrupted(self) -> bool:
-        motion = self._motion
-        if not motion.is_active or motion.is_waiting:
-            return False
-        return self._mode[0] != MOVE
+        return self._watch.is_interrupted()
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
         arm = self.arm
-        if self._blind is not None:
-            return f"arm '{self._parameters.arm_id}' is blind: {self._blind}"
+        blindness = self._blindness()
+        if blindness is not None:
+            return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
         errors = "; ".join(error.description for error in arm.errors())
         causes = self._sender.refusal or errors
         because = f" ({causes})" if causes else ""
@@ -414,6 +421,8 @@ class FrankaHW(RobotHW):
             self._fingers = FingerJoints(grippers[arm_id], names, arm_id)
             interfaces, told = self.commands.interfaces(), self._parameters
             self._fingers.register(interfaces, in_states=told.publishes_fingers)
+            self._reading.fingers = self._fingers.sensor
+            self._writing.fingers = self._fingers
             self.register_interface(self._fingers.services)
 
     def _mode_after(

@@ -64,7 +64,7 @@ class JointDrives:
         position_target: Positions [rad or m], shape (n,); in place.
         velocity_target: Velocities [rad/s or m/s], shape (n,); in place.
         effort_target: Efforts [Nm or N], shape (n,); in place.
-        before_step: Write the motors' controls for the coming step.
+        preparation: Writes the motors' controls for the coming step.
     """
 
     def __init__(self, joints: WorldJoints, timestep: float) -> None:
@@ -83,9 +83,7 @@ class JointDrives:
         self.velocity_target = block["velocity_target"]
         self.effort_target = block["effort_target"]
         own = {name: block[name] for name in _PARTS}
-        self.before_step = kernel.Drives(
-            joints.memory, joints.places, own, timestep
-        ).before_step
+        self.preparation = kernel.Drives(joints.memory, joints.places, own, timestep)
 
     def attend(self) -> None:
         """Do nothing: every cycle of the drives is a usual one."""

@@ -55,8 +55,8 @@ class OverspeedBrakes:
         counts: The same for each degree of freedom, shape (nv,).
         asked: Velocities before the brakes acted the last time, shape (nv,).
         has_acted: Whether a brake acted in the last step.
-        are_sane: Return whether all velocities are possible and within their limits.
-            The answer False alone does not mean that a joint is too fast.
+        speeds: Whether all velocities are possible and within their limits. The answer
+            False alone does not mean that a joint is too fast.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -69,7 +69,7 @@ class OverspeedBrakes:
         # As `_shares`, but with a share for joints without a limit as well, so that one
         # sum shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
-        self.are_sane = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane)).holds
+        self.speeds = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane))
         self._position_of_dof = np.full(model.nv, -1, dtype=np.intp)
         single = np.isin(model.jnt_type, _SINGLE_DOF)
         self._position_of_dof[model.jnt_dofadr[single]] = model.jnt_qposadr[single]

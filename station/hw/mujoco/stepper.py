@@ -9,31 +9,51 @@ import ctypes
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple
 
 import mujoco
 
 _MAX_STEPS_COMPARED = 2
 
 
-def make_stepper(
-    model: mujoco.MjModel, data: mujoco.MjData
-) -> tuple[Callable[[], None], bool]:
-    """Return a function that makes one step, and whether it keeps the lock.
+class Stepper(NamedTuple):
+    """How a step is made.
 
-    The function advances `data`. The direct call is used only if a test shows that it
-    gives the same results as the binding, bit for bit; otherwise the binding is used.
+    Attributes:
+        step: Makes one step.
+        addresses: Addresses of the C function that does the same and keeps the lock,
+            and of its model and data; zeros without such a function.
+    """
+
+    step: Callable[[], None]
+    addresses: tuple[int, int, int] = (0, 0, 0)
+
+    @property
+    def keeps_interpreter_lock(self) -> bool:
+        """Whether no other thread runs during a step."""
+        return self.addresses[0] != 0
+
+
+def make_stepper(model: mujoco.MjModel, data: mujoco.MjData) -> Stepper:
+    """Return what advances `data` by a step.
+
+    The direct call is used only if a test shows that it gives the same results as the
+    binding, bit for bit; otherwise the binding is used.
 
     Args:
         model: The model.
-        data: Data of the model. Both must outlive the function.
+        data: Data of the model. Both must outlive what is returned.
     """
     binding = partial(mujoco.mj_step, model, data)
     function = _find_function("mj_step")
     addresses = _addresses(model, data)
     if function is None or addresses is None or not _agrees(function, model):
-        return binding, False
-    return partial(function, *addresses), True
+        return Stepper(binding)
+    places = ctypes.cast(function, ctypes.c_void_p), *addresses
+    numbers = [place.value or 0 for place in places]
+    return Stepper(
+        partial(function, *addresses), (numbers[0], numbers[1], numbers[2])
+    )
 
 
 def direct_function(
@@ -55,7 +75,7 @@ def direct_function(
     return partial(function, *addresses)
 
 
-def _find_function(name: str) -> Callable[..., None] | None:
+def _find_function(name: str) -> Any:  # noqa: ANN401 - a function of ctypes, or None
     directory = Path(mujoco.__file__).parent
     for path in sorted(directory.glob("libmujoco*")):
         try:
@@ -69,7 +89,7 @@ def _find_function(name: str) -> Callable[..., None] | None:
             continue
         function.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
         function.restype = None
-        return cast("Callable[..., None]", function)
+        return function
     return None
 
 

@@ -16,6 +16,12 @@ from station.hw.mujoco.world_joints import (
     find_joint,
     joint_position_address,
 )
+from station.kernel.world_step import (
+    AttendedPreparation,
+    CalledPreparation,
+    Preparation,
+    WorldStep,
+)
 
 # MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
 # file in the current directory, and the control thread must do no I/O.
@@ -25,14 +31,9 @@ _warnings: deque[str] = deque(maxlen=8)
 class WorldActor(Protocol):
     """A part that drives joints of the world, e.g. an arm's own controller."""
 
-    def before_step(self) -> bool:
-        """Write the controls of the coming step, as far as it is a usual step.
-
-        Control thread; once per step.
-
-        Returns:
-            Whether that was done. If not, nothing was written, and `attend` is called.
-        """
+    @property
+    def preparation(self) -> Preparation:
+        """What writes the controls of a coming step that is a usual one."""
 
     def attend(self) -> None:
         """Write the controls of a coming step that is not a usual one."""
@@ -58,10 +59,11 @@ class World:
         objects: The objects that `add_object` has added to the model.
 
     Attributes:
+        step: Let every actor act, then advance by one time step. A diverged world only
+            counts the step.
+        stepping: Makes the steps.
         brakes: The brakes that keep joints within their velocity limits.
         pushes: The pushes that act at present, by body.
-        step_count: Number of steps made since the world exists; a reset does not change
-            it.
         diverged_because: Why the world has diverged; None if it has not.
     """
 
@@ -72,15 +74,21 @@ class World:
         self._objects = tuple(objects)
         self.data = mujoco.MjData(model)
         self.timestep: float = float(model.opt.timestep)
-        self._advance, self.keeps_interpreter_lock = make_stepper(model, self.data)
+        stepper = make_stepper(model, self.data)
+        self.keeps_interpreter_lock = stepper.keeps_interpreter_lock
         self._qvel = self.data.qvel
         self._actors: list[WorldActor] = []
-        self._preparations: list[tuple[Callable[[], bool], Callable[[], None]]] = []
         self.brakes = OverspeedBrakes(model, self.data)
-        self._are_sane = self.brakes.are_sane
+        self.stepping = WorldStep(
+            stepper.step,
+            stepper.addresses,
+            self.brakes.speeds,
+            self._look,
+            self._count_pushes,
+        )
+        self.step = self.stepping.make
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
-        self.step_count = 0
         self.diverged_because: str | None = None
         self.pushes: dict[int, AppliedPush] = {}  # by body
         mujoco.set_mju_user_warning(_warnings.append)
@@ -91,10 +99,15 @@ class World:
         """Simulated time since the last reset [s]."""
         return float(self.data.time)
 
+    @property
+    def step_count(self) -> int:
+        """Number of steps made since the world exists; a reset does not change it."""
+        return self.stepping.count
+
     def add_actor(self, actor: WorldActor) -> None:
         """Let `actor` act before every step, after those added before it."""
         self._actors.append(actor)
-        self._preparations.append((actor.before_step, actor.attend))
+        self._prepare(actor.preparation, actor.attend)
 
     def add_preparation(self, prepare: Callable[[], bool]) -> None:
         """Call `prepare` before every step, after what was added before it.
@@ -104,7 +117,10 @@ class World:
         Args:
             prepare: Prepares the coming step, and returns True. Control thread.
         """
-        self._preparations.append((prepare, _nothing))
+        self._prepare(CalledPreparation(prepare), _nothing)
+
+    def _prepare(self, preparation: Preparation, attend: Callable[[], None]) -> None:
+        self.stepping.preparations.append(AttendedPreparation(preparation, attend))
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
@@ -150,29 +166,16 @@ class World:
         """
         applied = AppliedPush(self.model, self.data, push, steps)
         self.pushes[applied.body] = applied
+        self.stepping.is_pushed = True
 
     def end_pushes(self) -> None:
         """End every push."""
         for applied in self.pushes.values():
             applied.end()
-        self.pushes.clear()
+        self._forget_pushes()
 
-    def step(self) -> None:
-        """Let every actor act, then advance by one time step.
-
-        A diverged world only counts the step.
-        """
-        self.step_count += 1
-        if self.diverged_because is not None:
-            return
-        for prepare, attend in self._preparations:
-            if not prepare():
-                attend()
-        if self.pushes:
-            self._count_pushes()
-        self._advance()
-        if self._are_sane() and not self.brakes.has_acted:
-            return  # the usual case: every velocity is finite and within its limit
+    def _look(self) -> None:
+        """Look at velocities that may be too high, and brake."""
         # Written with `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
@@ -180,9 +183,11 @@ class World:
                 f"the simulation diverged at {self.time:.3f} s: a joint velocity was "
                 f"not finite or impossibly high ({detail})"
             )
+            self.stepping.stands_still = True
             self._return_to_start()
         else:
             self.brakes.act()
+        self.stepping.is_braked = self.brakes.has_acted
 
     def begin_at(self, positions: Mapping[str, float]) -> None:
         """Let the world start at a pose, and reset it.
@@ -216,6 +221,7 @@ class World:
         self._initial_qpos = self._qpos_with(positions or {})
         self._return_to_start()
         self.diverged_because = None
+        self.stepping.stands_still = False
         for actor in self._actors:
             actor.after_reset()
 
@@ -223,9 +229,14 @@ class World:
         for body, applied in list(self.pushes.items()):
             if applied.is_over():
                 del self.pushes[body]
+        self.stepping.is_pushed = bool(self.pushes)
+
+    def _forget_pushes(self) -> None:
+        self.pushes.clear()
+        self.stepping.is_pushed = False
 
     def _return_to_start(self) -> None:
-        self.pushes.clear()
+        self._forget_pushes()
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)

@@ -22,7 +22,7 @@ def _run_cycle(meter: LoopMeter, clock: ManualClock, *, skipped: int = 0) -> Non
     for duration in (0.0001, 0.0003, 0.0002):
         clock.advance(duration)
         times.append(clock.now())
-    meter.add(*times)
+    meter.times.add(*times)
 
 
 def test_each_part_of_the_cycle_is_measured_on_its_own():

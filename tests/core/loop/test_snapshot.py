@@ -42,7 +42,7 @@ def test_nothing_new_is_not_a_loss():
 
 def test_a_slot_overwritten_while_reading_counts_as_lost():
     ring = _ring(4, 4)
-    ring._slots[1 % 4] = _snapshot(5)  # the writer is one slot ahead of `latest`
+    ring.slots[1 % 4] = _snapshot(5)  # the writer is one slot ahead of `newest`
     snapshots, lost = ring.read_since(0)
     assert [s.cycle for s in snapshots] == [2, 3, 4]
     assert lost == 1

@@ -24,6 +24,7 @@ class JointLimitsGroup:
 
     Attributes:
         enforce: `LimitedJoints.enforce` of the joints. Control thread.
+        in_place: The limits, if they work on the robot's own memory; otherwise None.
     """
 
     def __init__(
@@ -48,9 +49,10 @@ class JointLimitsGroup:
         in_place = position is not None and velocity is not None and command is not None
         if position is not None and velocity is not None and command is not None:
             views.update(position=position, velocity=velocity, command=command)
-        self._enforce_in_place = arithmetic(views).enforce
+        self._arithmetic = arithmetic(views)
+        self.in_place = self._arithmetic if in_place else None
         self.enforce: Callable[[float, int, int], int] = (
-            self._enforce_in_place if in_place else self._enforce_copies
+            self._arithmetic.enforce if in_place else self._enforce_copies
         )
 
     def clamp(self, slot: int) -> tuple[float, float, int]:
@@ -84,6 +86,6 @@ class JointLimitsGroup:
         put(views["position"], joints.get_positions())
         put(views["velocity"], joints.get_velocities())
         put(views["command"], joints.get_commands())
-        mask = self._enforce_in_place(period, first, last)
+        mask = self._arithmetic.enforce(period, first, last)
         joints.set_commands([*views["command"]])
         return mask

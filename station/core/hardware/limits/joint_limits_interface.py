@@ -5,7 +5,7 @@ interfaces derived from it; differs: every interface can be reset, and an unknow
 raises `ResourceNotFoundError` as in every other interface.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import TypeVar
 
 from typing_extensions import override
@@ -25,6 +25,7 @@ from station.core.hardware.limits.velocity_joint_limits import (
     VelocityJointSaturationHandle,
     VelocityJointSoftLimitsHandle,
 )
+from station.kernel.enforced_limits import EnforcedLimits, LimitedRun
 from station.kernel.joint_limits import MOST_JOINTS, LimitedJoints
 
 L = TypeVar("L", bound=JointLimitsHandle)
@@ -35,6 +36,9 @@ class JointLimitsInterface(ResourceManager[L]):
 
     Limits of one kind are enforced together: in one call of the kernel, in place if the
     joints lie side by side in the robot's doubles.
+
+    Attributes:
+        enforced: What is enforced in every cycle.
     """
 
     def __init__(self) -> None:
@@ -43,8 +47,7 @@ class JointLimitsInterface(ResourceManager[L]):
         self._groups: list[tuple[JointLimitsGroup, list[L]]] = []
         # Handles that another interface has grouped, or that enforce in their own way.
         self._single: list[L] = []
-        self._runs: list[tuple[JointLimitsGroup, int, int, list[L]]] = []
-        self._active_single: list[L] = []
+        self.enforced = EnforcedLimits()
 
     @override
     def __init_subclass__(cls) -> None:
@@ -67,7 +70,7 @@ class JointLimitsInterface(ResourceManager[L]):
         Args:
             names: Names of joints; those that are not registered do not count.
         """
-        self._runs = []
+        runs: list[LimitedRun] = []
         for group, members in self._groups:
             first = 0
             for last in range(1, len(members) + 1):
@@ -75,8 +78,9 @@ class JointLimitsInterface(ResourceManager[L]):
                 if members[last - 1].name not in names:
                     first = last
                 elif is_end:
-                    self._runs.append((group, first, last, members[first:last]))
-        self._active_single = [h for h in self._single if h.name in names]
+                    runs.append(_run_of(group, first, last, members[first:last]))
+        self.enforced.runs = runs
+        self.enforced.singles = [h for h in self._single if h.name in names]
 
     def enforce_limits(self, period: float) -> None:
         """Enforce the limits of all active joints. Control thread.
@@ -84,14 +88,7 @@ class JointLimitsInterface(ResourceManager[L]):
         Args:
             period: Time since the last cycle [s], > 0.
         """
-        for group, first, last, members in self._runs:
-            mask = group.enforce(period, first, last)
-            if mask:
-                for i, member in enumerate(members):
-                    if mask >> i & 1:
-                        member.count_clamp()
-        for handle in self._active_single:
-            handle.enforce_limits(period)
+        self.enforced.enforce(period)
 
     def reset(self) -> None:
         """Forget all previous commands. Control thread, at a cycle boundary."""
@@ -129,6 +126,17 @@ class JointLimitsInterface(ResourceManager[L]):
                 for slot, member in enumerate(members):
                     member.join(group, slot)
                 self._groups.append((group, members))
+
+
+def _run_of(
+    group: JointLimitsGroup, first: int, last: int, members: Sequence[JointLimitsHandle]
+) -> LimitedRun:
+    def count(mask: int) -> None:
+        for i, member in enumerate(members):
+            if mask >> i & 1:
+                member.count_clamp()
+
+    return LimitedRun(group.in_place, group.enforce, first, last, count)
 
 
 def _side_by_side(handles: list[L]) -> list[list[L]]:

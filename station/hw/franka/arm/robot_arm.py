@@ -17,6 +17,8 @@ from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.arm.load import Load
+from station.kernel.arm_reading import CalledCycles, Cycles
+from station.kernel.command_sending import Receiver
 from station.kernel.doubles import Storage
 
 REST_VELOCITY = 2e-4
@@ -74,6 +76,14 @@ class RobotArm(ABC):
     @abstractmethod
     def read_once(self) -> RobotState:
         """Wait for the arm's next state and return `state`."""
+
+    def torque_receiver(self) -> Receiver:
+        """Return what does the same as `command_joint_torques`; see `cycles`."""
+        return Receiver(self.command_joint_torques)
+
+    def cycles(self) -> Cycles:
+        """Return what does the same as `read_once`; an arm may have a quicker way."""
+        return CalledCycles(self.read_once)
 
     @abstractmethod
     def refusal(

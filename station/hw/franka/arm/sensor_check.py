@@ -13,20 +13,19 @@ class SensorCheck:
         state: The arm's state.
 
     Attributes:
-        first_bad: Return the number of the first reading that is not finite; -1 when
-            all are.
+        readings: Looks for a reading that is not finite.
     """
 
     def __init__(self, state: RobotState) -> None:
-        self._readings = state.readings()
-        self.first_bad = FiniteCheck(self._readings).first_bad
+        self._memory = state.readings()
+        self.readings = FiniteCheck(self._memory)
 
     def describe(self, index: int) -> str:
         """Return which joint reading is not finite, in words.
 
         Args:
-            index: What `first_bad` has returned, >= 0.
+            index: Number of the reading, as `readings` has found it, >= 0.
         """
         reading, joint = divmod(index, 7)
-        value = self._readings[index]
+        value = self._memory[index]
         return f"the {_READINGS[reading]} of joint{joint + 1} reads {value}"

@@ -45,7 +45,7 @@ class CommandFilter:
 
     Attributes:
         result: What was filtered last, shape (7,); always the same memory.
-        torques: Filter the torques to send [Nm].
+        rates: The arithmetic; it filters the torques to send [Nm].
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class CommandFilter:
         rates = rate_limits_of(limits)
         lower, upper = commands.range()
         names = ("tau_J_d", "q_d", "dq_d", "ddq_d")
-        self._kernel = CommandRates(
+        self.rates = CommandRates(
             JointMemory(7, **{name: state.doubles(name) for name in names}),
             positions=commands.positions,
             velocities=commands.velocities,
@@ -72,8 +72,7 @@ class CommandFilter:
             approach_gain=_APPROACH_GAIN,
             period=PERIOD,
         )
-        self.result: Doubles = self._kernel.result
-        self.torques: Callable[[], None] = self._kernel.filter_torques
+        self.result: Doubles = self.rates.result
 
     def begin(self, *, cutoff_frequency: float, rate_limiting: bool) -> None:
         """Forget all previous commands; called when a motion starts.
@@ -82,9 +81,9 @@ class CommandFilter:
             cutoff_frequency: Cutoff frequency of the low-pass [Hz], > 0.
             rate_limiting: Whether to limit the rates of commands.
         """
-        self._kernel.gain = low_pass_gain(cutoff_frequency)
-        self._kernel.is_limiting = rate_limiting
-        self._kernel.has_goals = False
+        self.rates.gain = low_pass_gain(cutoff_frequency)
+        self.rates.is_limiting = rate_limiting
+        self.rates.has_goals = False
         self._is_first = True
 
     def note_goals(self) -> None:
@@ -92,14 +91,14 @@ class CommandFilter:
 
         With rate limits the arm approaches a goal so that it can stop there.
         """
-        if self._kernel.is_limiting:
-            self._kernel.note_goals()
+        if self.rates.is_limiting:
+            self.rates.note_goals()
 
     def velocities(self) -> None:
         """Filter the velocities to send [rad/s]."""
         if self._arm_limits.curves:
             self._note_ranges()
-        self._kernel.filter_velocities()
+        self.rates.filter_velocities()
 
     def positions(self) -> None:
         """Filter the positions to send [rad]."""
@@ -107,10 +106,10 @@ class CommandFilter:
         self._is_first = False
         if self._arm_limits.curves:
             self._note_ranges()
-        self._kernel.filter_positions(passes)
+        self.rates.filter_positions(passes)
 
     def _note_ranges(self) -> None:
         """Note the velocities that the present positions allow."""
         for i, position in enumerate(self._state.q_d):
             lowest, highest = velocity_range_of(self._arm_limits, i, position)
-            self._kernel.lowest[i], self._kernel.highest[i] = lowest, highest
+            self.rates.lowest[i], self.rates.highest[i] = lowest, highest

@@ -42,7 +42,8 @@ class FingerJoints:
         names: As given.
         hand: Homing, move, grasp and stop.
         services: The interface that contains `hand`.
-        read: Reads the state of the fingers.
+        sensor: Reads the state of the fingers.
+        claimed: Claimed fingers, with the interface that each is commanded through.
     """
 
     def __init__(self, gripper: HandMotor, names: Sequence[str], arm_id: str) -> None:
@@ -60,11 +61,10 @@ class FingerJoints:
         self._positions = block["q"]
         self._position_commands = block["position_command"]
         self._effort_commands = block["effort_command"]
-        self._sensor = gripper.sensor(self._positions, block["dq"], block["tau"])
-        self.read: Callable[[], None] = self._sensor.read
-        self.read()
+        self.sensor = gripper.sensor(self._positions, block["dq"], block["tau"])
+        self.sensor.read()
         put(self._position_commands, self._positions)
-        self._claimed: dict[str, str] = {}
+        self.claimed: dict[str, str] = {}
         self._owners: dict[str, str] = {}
         self.states = [
             JointStateHandle(name, self._positions, block["dq"], block["tau"], index)
@@ -100,14 +100,14 @@ class FingerJoints:
 
     def write(self) -> None:
         """Pass on the commands of claimed fingers; an unclaimed finger follows."""
-        if not self._claimed:
+        if not self.claimed:
             if self.hand.is_moving:
                 self.hand.advance()
             return
-        kind = next(iter(self._claimed.values()))
+        kind = next(iter(self.claimed.values()))
         is_position = kind == PositionJointInterface.type_name
         commands = self._position_commands if is_position else self._effort_commands
-        claimed = [commands[self.names.index(name)] for name in self._claimed]
+        claimed = [commands[self.names.index(name)] for name in self.claimed]
         mean = sum(claimed) / len(claimed)
         if not isfinite(mean):
             return
@@ -150,7 +150,7 @@ class FingerJoints:
         stopped = _holders(stop, self.names)
         started = _holders(start, self.names)
         for _, _, name in stopped:
-            self._claimed.pop(name, None)
+            self.claimed.pop(name, None)
             self._owners.pop(name, None)
         if not stopped and not started:
             return
@@ -159,13 +159,13 @@ class FingerJoints:
         put(self._position_commands, [self._gripper.read_position()] * size)
         put(self._effort_commands, [0.0] * size)
         for owner, kind, name in started:
-            self._claimed[name] = kind
+            self.claimed[name] = kind
             self._owners[name] = owner
         self.hand.give_to(next(iter(self._owners.values()), None))
 
     def begin_anew(self) -> None:
         """Forget the commands: the world was reset."""
-        self.read()
+        self.sensor.read()
         self.hand.begin_anew()
         put(self._position_commands, self._positions)
         put(self._effort_commands, [0.0] * len(self.names))

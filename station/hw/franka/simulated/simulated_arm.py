@@ -37,6 +37,8 @@ from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
 from station.kernel.arm_codes import UNUSUAL
+from station.kernel.arm_reading import Cycles, SimulatedCycles
+from station.kernel.command_sending import Receiver, TorqueReceiver
 from station.kernel.doubles import Storage
 
 _ZEROS = [0.0] * 7
@@ -70,7 +72,7 @@ class SimulatedArm(RobotArm):
     Attributes:
         frames: Frames and derived state.
         supervisor: Finds and keeps the errors.
-        before_step: Takes the commands, advances the desired motion, and sets the
+        preparation: Takes the commands, advances the desired motion, and sets the
             motors' controls in a usual cycle; `attend` does in any other.
     """
 
@@ -140,7 +142,7 @@ class SimulatedArm(RobotArm):
             faults=self._faults,
             period=world.timestep,
         )
-        self.before_step, self.attend = self._step.before, self._drive.attend
+        self.preparation, self.attend = self._step, self._drive.attend
         self._controls = SimulatedArmControls(
             world,
             self._modes,
@@ -149,36 +151,32 @@ class SimulatedArm(RobotArm):
             service_limits or ServiceLimits(),
             joint_names,
         )
-        self._cycle = self._cycle_of_state = world.step_count
+        self._cycles = SimulatedCycles(
+            self._step,
+            world.stepping,
+            state=state,
+            period=world.timestep,
+            contact=self.contact,
+            supervisor=self.supervisor,
+            read_closely=self._sensors.read,
+            observe=None if self._observed is None else self._observe,
+            supervise=self._supervise,
+        )
         self.after_reset()
         world.add_actor(self)
 
     @override
     def read_once(self) -> RobotState:
-        self._cycle += 1
-        world = self._world
-        while world.step_count < self._cycle:
-            world.step()
-        if self._cycle_of_state < world.step_count:
-            self._cycle_of_state = steps = world.step_count
-            found = self._sensors.read(steps * self.cycle_time)
-            if self._observed is not None:
-                if self._step.has_load:
-                    self._observed.expect_load()
-                if (unusual := self._observed.sense()) and self._observed.attend(
-                    unusual
-                ):
-                    self._lose_command()
-            if (
-                found
-                or world.pushes
-                or world.diverged_because is not None
-                or not self.contact.is_quiet
-                or self.supervisor.is_alert
-                or self._step.has_load
-            ):
-                self._supervise(found)
+        self._cycles.read()
         return self.state
+
+    @override
+    def torque_receiver(self) -> Receiver:
+        return TorqueReceiver(self.command_joint_torques, self._step)
+
+    @override
+    def cycles(self) -> Cycles:
+        return self._cycles
 
     @override
     def load_model(self) -> FrankaModel:
@@ -328,13 +326,21 @@ class SimulatedArm(RobotArm):
         self.contact.reset()
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
-        self._sensors.read(self._cycle_of_state * self.cycle_time)
+        self._sensors.read(self._cycles.seen * self.cycle_time)
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _lose_command(self) -> None:
-        """Lose the next command on its way, if there is one."""
+    def _observe(self) -> None:
+        """Disturb the readings, and now and then lose a command."""
+        contact = self._observed
+        if contact is None:
+            return
+        if self._step.has_load:
+            contact.expect_load()
+        unusual = contact.sense()
+        if not (unusual and contact.attend(unusual)):
+            return
         if self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True

@@ -32,7 +32,7 @@ class SimulatedGripper:
 
     Attributes:
         effort_limit: Largest force of the motor on each finger, from the URDF [N].
-        before_step: Sets the motor's control.
+        preparation: Sets the motor's control.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class SimulatedGripper:
         self._start_width = width
         self._memory = self._finger.simulator_memory()
         self._motor = FingerMotor(self._memory)
-        self.before_step: Callable[[], bool] = self._motor.before
+        self.preparation = self._motor
         self._servo = (0.0, 0.0)
         self.hold(width)
         world.add_actor(self)

@@ -11,7 +11,7 @@ from station.hw.franka.arm.sensor_check import SensorCheck
 def test_finite_readings_are_fine():
     state = RobotState()
     state.doubles("tau_J")[0] = -87.0
-    assert SensorCheck(state).first_bad() == -1
+    assert SensorCheck(state).readings.first_bad() == -1
 
 
 @pytest.mark.parametrize(
@@ -26,4 +26,4 @@ def test_sensor_without_a_number_is_named(field, joint, value, text):
     state = RobotState()
     state.doubles(field)[joint - 1] = value
     check = SensorCheck(state)
-    assert check.describe(check.first_bad()) == text
+    assert check.describe(check.readings.first_bad()) == text

@@ -46,7 +46,7 @@ class Filter:
 
     def torques(self, tau, state) -> list[float]:
         put(self.commands.efforts, tau)
-        self.filter.torques()
+        self.filter.rates.filter_torques()
         return [*self.filter.result]
 
 

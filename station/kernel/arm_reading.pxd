@@ -1,0 +1,39 @@
+from station.kernel.arm_step cimport ArmStep
+from station.kernel.finger_motor cimport FingerSensor
+from station.kernel.finite_check cimport FiniteCheck
+from station.kernel.stages cimport Stage
+from station.kernel.world_step cimport WorldStep
+
+cdef class Cycles:
+    cpdef read(self)
+
+cdef class CalledCycles(Cycles):
+    cdef object function
+    cpdef read(self)
+
+cdef class SimulatedCycles(Cycles):
+    cdef ArmStep step
+    cdef WorldStep world
+    cdef object state
+    cdef double period
+    cdef object contact
+    cdef object supervisor
+    cdef object read_closely
+    cdef object observe
+    cdef object supervise
+    cdef readonly long long cycle
+    cdef readonly long long seen
+    cpdef read(self)
+
+cdef class ArmReading(Stage):
+    cdef Cycles cycles
+    cdef FiniteCheck readings
+    cdef object motion
+    cdef double cycle_time
+    cdef object catch_up
+    cdef object end_motion
+    cdef public FingerSensor fingers
+    cdef public double time_due
+    cdef public long nominal
+    cdef readonly long bad
+    cpdef run(self, double time, double period)

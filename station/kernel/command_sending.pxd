@@ -1,0 +1,32 @@
+cimport cython
+from station.kernel.arm_step cimport ArmStep
+from station.kernel.command_rates cimport CommandRates
+from station.kernel.enforced_limits cimport EnforcedLimits
+from station.kernel.finite_check cimport FiniteCheck
+
+cdef class Receiver:
+    cdef object function
+    cpdef receive(self, double[::1] values)
+
+cdef class TorqueReceiver(Receiver):
+    cdef ArmStep step
+    cpdef receive(self, double[::1] values)
+
+cdef class JointSend:
+    cdef object filtering
+    cdef Receiver receiver
+    cdef double[::1] result
+    cpdef send(self)
+
+cdef class TorqueSend(JointSend):
+    cdef CommandRates rates
+    cpdef send(self)
+
+cdef class CommandSending:
+    cdef public list checks
+    cdef public list limits
+    cdef public list sends
+    cdef public bint has_goals
+    cdef public bint is_cartesian
+    @cython.locals(check=FiniteCheck, limits=EnforcedLimits, one=JointSend)
+    cpdef send_limited(self, double period)

@@ -1,0 +1,38 @@
+cimport cython
+from station.kernel.controller_round cimport ControllerRound
+from station.kernel.durations cimport CycleTimes
+from station.kernel.stages cimport RobotWatch, Stage
+from station.kernel.wall_time cimport wall_time
+
+cdef class Records:
+    cdef readonly Py_ssize_t capacity
+    cdef readonly list slots
+    cdef readonly tuple newest
+    @cython.locals(cycle=Py_ssize_t)
+    cpdef push(self, tuple record)
+
+cdef class ControlCycle:
+    cdef public Stage reading
+    cdef ControllerRound updating
+    cdef public Stage writing
+    cdef CycleTimes times
+    cdef Records records
+    cdef object now
+    cdef object pack
+    cdef RobotWatch watch
+    cdef object waiting
+    cdef object latch
+    cdef unsigned char[::1] stop_flags
+    cdef public tuple taps
+    cdef public double time
+    cdef public long long cycle
+    cdef public long long epoch
+    cdef public double longest_period
+    cdef public long late_cycles
+    @cython.locals(done=long)
+    cpdef long run(self, long cycles, double period)
+    @cython.locals(time=double, begun=double, read=double, updated=double)
+    cpdef run_one(self, double period)
+    cpdef double wall_time(self)
+    @cython.locals(cycle="long long", epoch="long long", time=double)
+    cpdef leave(self, double period)

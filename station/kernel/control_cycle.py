@@ -1,0 +1,171 @@
+"""One cycle of the control loop: read, update, write, and note what was."""
+
+from collections.abc import Callable, Sized
+from typing import Any, Protocol
+
+from station.kernel.controller_round import ControllerRound
+from station.kernel.durations import CycleTimes
+from station.kernel.stages import RobotWatch, Stage
+from station.kernel.wall_time import wall_time
+
+Record = tuple[int, int, float, float, str, Any, dict[str, object]]
+"""A cycle as it is left behind: its number, the epoch, time [s], period [s], the mode
+of the robot, the joint states, and the samples of the controllers."""
+
+
+class Latch(Protocol):
+    """A stop that waits to be carried out, or not."""
+
+    pending: bool
+
+
+class Tap(Protocol):
+    """Something that samples every cycle."""
+
+    def take(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
+        """Sample a cycle."""
+
+
+class Records:
+    """The last records, in a ring.
+
+    Args:
+        capacity: How many are kept, >= 2.
+
+    Attributes:
+        slots: The ring; the record of a cycle is at its number modulo the capacity.
+        newest: The newest record; None before the first one.
+    """
+
+    def __init__(self, capacity: int) -> None:
+        self.capacity = capacity
+        self.slots: list[Record | None] = [None] * capacity
+        self.newest: Record | None = None
+
+    def push(self, record: Record) -> None:
+        """Add the next cycle; control thread only, cycles without gaps."""
+        cycle = record[0]
+        self.slots[cycle % self.capacity] = record
+        self.newest = record
+
+
+class ControlCycle:
+    """Runs the cycles of a loop; a subclass knows what happens around a cycle.
+
+    Args:
+        reading: Reads the robot.
+        updating: Updates the controllers.
+        writing: Writes the commands to the robot.
+        times: Where the durations go.
+        records: Where every cycle is left.
+        now: Returns wall time [s]; None takes the clock of the system.
+        pack: Returns the present joint states.
+        watch: Tells the robot's mode.
+        waiting: What is to be done between two cycles; empty in a usual cycle.
+        latch: Its `pending` tells whether everything is to be stopped.
+        stop_flags: `stop_flags[0]` is not 0 while a watchdog asks for a stop.
+
+    Attributes:
+        time: Station time [s].
+        cycle: Number of the last cycle.
+        epoch: Number that commands must not be older than.
+        longest_period: Longest period of a cycle [s].
+        late_cycles: By how many periods the next cycle is to begin late.
+        taps: What samples every cycle at the moment; replaced as a whole.
+    """
+
+    def __init__(
+        self,
+        *,
+        reading: Stage,
+        updating: ControllerRound,
+        writing: Stage,
+        times: CycleTimes,
+        records: Records,
+        now: Callable[[], float] | None,
+        pack: Callable[[], object],
+        watch: RobotWatch,
+        waiting: Sized,
+        latch: Latch,
+        stop_flags: memoryview,
+    ) -> None:
+        self.reading = reading
+        self.updating = updating
+        self.writing = writing
+        self.times = times
+        self.records = records
+        self.now = now
+        self.pack = pack
+        self.watch = watch
+        self.waiting = waiting
+        self.latch = latch
+        self.stop_flags = stop_flags
+        self.taps: tuple[Tap, ...] = ()
+        self.time = 0.0
+        self.cycle = 0
+        self.epoch = 1
+        self.longest_period = float("inf")
+        self.late_cycles = 0
+
+    def attend(self) -> object:
+        """Do what is to be done between two cycles."""
+        raise NotImplementedError
+
+    def obey_watchdog(self) -> None:
+        """Carry out the stop that the watchdog asks for."""
+        raise NotImplementedError
+
+    def run(self, cycles: int, period: float) -> int:
+        """Run some cycles, fewer if one of them is to begin late.
+
+        Args:
+            cycles: How many.
+            period: Time since the last cycle, in each of them [s].
+
+        Returns:
+            How many were run.
+        """
+        done = 0
+        while done < cycles and not self.late_cycles:
+            self.run_one(period)
+            done += 1
+        return done
+
+    def run_one(self, period: float) -> None:
+        """Run one cycle.
+
+        Args:
+            period: Time since the last cycle [s]; at most `longest_period` counts.
+        """
+        if period > self.longest_period:
+            period = self.longest_period
+        time = self.time + period
+        self.time = time
+        self.cycle += 1
+        if self.waiting or self.latch.pending:
+            self.attend()
+        begun = self.wall_time()
+        self.reading.run(time, period)
+        read = self.wall_time()
+        self.updating.run(time, period)
+        if self.stop_flags[0]:
+            # A controller that held the thread up has just returned. What it wrote must
+            # not reach the robot, so the stop is carried out before the write.
+            self.obey_watchdog()
+        updated = self.wall_time()
+        self.writing.run(time, period)
+        self.times.add(begun, read, updated, self.wall_time())
+        self.leave(period)
+
+    def wall_time(self) -> float:
+        """Return wall time [s]."""
+        return wall_time() if self.now is None else self.now()
+
+    def leave(self, period: float) -> None:
+        """Leave a record of the cycle."""
+        cycle, epoch, time = self.cycle, self.epoch, self.time
+        samples = self.updating.samples()
+        record = (cycle, epoch, time, period, self.watch.mode(), self.pack(), samples)
+        self.records.push(record)
+        for tap in self.taps:
+            tap.take(cycle, epoch, time, period)

@@ -1,0 +1,39 @@
+cimport cython
+from station.kernel.command_pieces cimport CommandPieces, Piece
+from station.kernel.durations cimport Durations
+from station.kernel.stages cimport RobotWatch, Stage
+from station.kernel.wall_time cimport wall_time
+
+cdef double _INF
+
+cdef class ControllerTurn:
+    cdef object one
+    cdef object controller
+    cdef object name
+    cdef Durations durations
+    cdef list pieces
+
+cdef class ControllerRound(Stage):
+    cdef readonly object gate
+    cdef RobotWatch watch
+    cdef object ident
+    cdef object running
+    cdef tuple contained
+    cdef public list turns
+    cdef public CommandPieces kept
+    cdef public double update_budget
+    cdef public long long cycle
+    cdef public double time
+    cdef public object thread
+    cdef public bint updating
+    cdef public object pending
+    cdef public bint resets
+    cdef public object stopwatch
+    cpdef double now(self)
+    cpdef run(self, double time, double period)
+    @cython.locals(turn=ControllerTurn)
+    cpdef update_all(self, double time, double period)
+    @cython.locals(begin=double, duration=double, is_finite=bint, piece=Piece)
+    cpdef update_one(self, ControllerTurn turn, double time, double period)
+    @cython.locals(turn=ControllerTurn)
+    cpdef dict samples(self)

@@ -1,0 +1,181 @@
+"""Update the running controllers once per cycle, and keep their commands."""
+
+from collections.abc import Callable
+from typing import Any
+
+from station.kernel.command_pieces import CommandPieces, Piece
+from station.kernel.durations import Durations
+from station.kernel.stages import RobotWatch, Stage
+from station.kernel.wall_time import wall_time
+
+_INF = float("inf")
+
+
+class ControllerTurn:
+    """What a round knows of one controller.
+
+    Args:
+        one: The controller as the manager keeps it: its flags `fresh` and
+            `late_updates` are looked at, and its `overruns` are counted.
+        controller: The controller itself.
+        name: Its name.
+        durations: Where the duration of each update goes [s].
+        pieces: The commands that it has claimed.
+    """
+
+    def __init__(
+        self,
+        one: Any,  # noqa: ANN401 - what the manager keeps is unknown here
+        controller: Any,  # noqa: ANN401 - whatever has `update`, `state` and `sample`
+        name: str,
+        durations: Durations,
+        pieces: list[Piece],
+    ) -> None:
+        self.one = one
+        self.controller = controller
+        self.name = name
+        self.durations = durations
+        self.pieces = pieces
+
+
+class ControllerRound(Stage):
+    """The updates of a cycle, as far as it is a usual one; subclasses do the rest.
+
+    Args:
+        gate: Notes the owners of commands. While it `is_stale` or has `traced_cycles`,
+            `look_closely` does the whole cycle.
+        watch: Tells whether the robot has ended what controllers command.
+        ident: Returns the number of the present thread.
+        running: The state of a controller that runs.
+        contained: Exceptions that end only the controller that raises them.
+
+    Attributes:
+        turns: The controllers that run, in the order of loading.
+        kept: The commands that are written anew at the end of a cycle.
+        update_budget: How long an update may take [s]; infinite without a budget.
+        cycle: Number of cycles.
+        time: Station time of the last cycle [s].
+        thread: The thread of the last cycle.
+        updating: Whether controllers are being updated.
+        pending: The switch that is under way; None without one.
+        resets: Whether the next cycle restarts all controllers first.
+        stopwatch: Returns wall time [s]; None takes the clock of the system.
+    """
+
+    def __init__(
+        self,
+        gate: Any,  # noqa: ANN401 - only its two flags matter here
+        watch: RobotWatch,
+        ident: Callable[[], int],
+        running: object,
+        contained: tuple[type[BaseException], ...],
+    ) -> None:
+        self.gate = gate
+        self.watch = watch
+        self.ident = ident
+        self.running = running
+        self.contained = contained
+        self.turns: list[ControllerTurn] = []
+        self.kept = CommandPieces([])
+        self.update_budget = _INF
+        self.cycle = 0
+        self.time = 0.0
+        self.thread = 0
+        self.updating = False
+        self.pending: Any = None
+        self.resets = False
+        self.stopwatch: Callable[[], float] | None = None
+
+    def refuse(self, time: float, period: float) -> None:
+        """Refuse a time or a period that is impossible."""
+        raise NotImplementedError
+
+    def look_closely(self, time: float, period: float) -> None:
+        """Do a whole cycle that is not a usual one."""
+        raise NotImplementedError
+
+    def fail(self, one: Any, time: float, error: BaseException) -> None:  # noqa: ANN401
+        """Take a controller off the robot whose update has raised."""
+        raise NotImplementedError
+
+    def attend(self, one: Any, time: float, duration: float, is_finite: bool) -> None:  # noqa: ANN401, FBT001
+        """Look at an update that was not a usual one."""
+        raise NotImplementedError
+
+    def go_on_after(self, one: Any, time: float, period: float) -> None:  # noqa: ANN401
+        """Do the rest of a cycle in which a controller has failed."""
+        raise NotImplementedError
+
+    def run(self, time: float, period: float) -> None:
+        """Update all running controllers, then carry on with a pending switch."""
+        # A negative or unknown period would turn integrators and filters around.
+        if not (0.0 <= time < _INF and 0.0 <= period < _INF):
+            self.refuse(time, period)
+        self.thread = self.ident()
+        self.updating = True
+        self.cycle += 1
+        self.time = time
+        try:
+            if (
+                self.gate.is_stale
+                or self.gate.traced_cycles
+                or self.resets
+                or self.pending is not None
+                or self.watch.is_interrupted()
+            ):
+                self.look_closely(time, period)
+            else:
+                self.update_all(time, period)
+        finally:
+            self.updating = False
+
+    def update_all(self, time: float, period: float) -> None:
+        """Update all running controllers in a usual cycle."""
+        for turn in self.turns:
+            if turn.controller.state is self.running:
+                self.update_one(turn, time, period)
+                if self.gate.is_stale:
+                    # It failed, and another one may have taken over.
+                    self.go_on_after(turn.one, time, period)
+                    return
+        self.kept.keep()
+
+    def update_one(self, turn: ControllerTurn, time: float, period: float) -> None:
+        """Update one controller, and look at what it has commanded."""
+        one = turn.one
+        begin = self.now()
+        try:
+            turn.controller.update(time, period)
+        except self.contained as error:
+            self.fail(one, time, error)
+            return
+        is_finite = True
+        for piece in turn.pieces:
+            if not piece.take():
+                is_finite = False
+        duration = self.now() - begin
+        turn.durations.put(duration)
+        if duration > period and period > 0.0:
+            one.overruns += 1
+            one.last_overrun = time
+        if (
+            not is_finite
+            or one.fresh
+            or duration > self.update_budget
+            or one.late_updates
+        ):
+            self.attend(one, time, duration, is_finite)
+
+    def now(self) -> float:
+        """Return wall time [s]."""
+        return wall_time() if self.stopwatch is None else self.stopwatch()
+
+    def samples(self) -> dict[str, object]:
+        """Return what each running controller did last, by name."""
+        found: dict[str, object] = {}
+        for turn in self.turns:
+            controller = turn.controller
+            sample = controller.sample
+            if sample is not None and controller.state is self.running:
+                found[turn.name] = sample
+        return found
