@@ -18,6 +18,13 @@ _FEWEST = 50
 """Fewest samples that are fitted."""
 
 
+# Share of the cycles that a joint must at least move each way.
+_LEAST_WAY = 0.1
+# Share of each regressor that the others must leave unexplained. What the model lacks
+# shows in a parameter divided by it.
+_LEAST_SHARE = 0.02
+
+
 @dataclass(frozen=True, slots=True)
 class Estimate:
     """A number with its confidence.
@@ -103,6 +110,14 @@ def identify(trace: Trace, joint: str, smoothing: int = 5) -> JointModel:
             remedy="Excite it for longer, e.g. with a multisine.",
         )
     rows = smooth[moving]
+    forwards = float(np.mean(rows[:, 2] > 0.0))
+    if not _LEAST_WAY <= forwards <= 1.0 - _LEAST_WAY:
+        raise ExperimentError(
+            f"Joint '{joint}' moves one way in {max(forwards, 1.0 - forwards):.0%} of "
+            f"the cycles; at most {1.0 - _LEAST_WAY:.0%} are usable, because friction "
+            "shows in what changes with the direction.",
+            remedy="Move it to and fro, e.g. with a multisine.",
+        )
     return _fit(joint, rows[:, :3], rows[:, 3:-2], rows[:, -2])
 
 
@@ -125,11 +140,12 @@ def _fit(joint: str, wanted: Array, known: Array, effort: Array) -> JointModel:
     scale = np.linalg.norm(wanted, axis=0)
     shares = np.linalg.norm(regressors, axis=0) / np.where(scale > 0.0, scale, 1.0)
     condition = float(np.linalg.cond(regressors / np.where(scale > 0.0, scale, 1.0)))
-    if shares.min() < 1e-6 or condition > _WORST_CONDITION:
+    if shares.min() < _LEAST_SHARE or condition > _WORST_CONDITION:
         raise ExperimentError(
             f"The motion of '{joint}' does not tell inertia and friction apart: the "
             f"condition number is {condition:.3g}, at most {_WORST_CONDITION:g} is "
-            "usable.",
+            f"usable, and {shares.min():.2g} of a regressor is its own, at least "
+            f"{_LEAST_SHARE:g} is needed.",
             remedy="Use several frequencies and both directions, e.g. a multisine.",
         )
     found, *_ = np.linalg.lstsq(regressors, target, rcond=None)

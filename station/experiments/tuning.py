@@ -16,6 +16,13 @@ from station.trials.trial import Trial, TrialResult
 if TYPE_CHECKING:
     import cma
 
+# The best gains lie where a bound is just kept. So the search sees a bound as a slope,
+# which gets steeper while fewer than a share of a generation keep all bounds, and less
+# steep while more of them do.
+_STRICTNESS = 10.0
+_STRICTER = 1.3
+_KEPT = 0.4
+
 
 @dataclass(slots=True)
 class Tuned:
@@ -127,7 +134,7 @@ def tune(
     strategy = _strategy(len(gains), search)
     runner = Runner(results, executor, _counted(results, search.trials, watch))
     found = _begin(first, goal, search, results, runner)
-    seen, idle = {first.hash}, 0
+    seen, idle, strictness = {first.hash}, 0, _STRICTNESS
     while not found.progress.is_interrupted:
         if len(seen) + strategy.popsize > search.trials:
             return found
@@ -135,11 +142,14 @@ def tune(
         candidates = [_at(point, first, gains) for point in points]
         best_before = found.best
         found.progress = runner.run(candidates, search.trials)
-        costs = _judge(candidates, goal, results, found)
-        if len(costs) < len(candidates):
+        ended = _judge(candidates, goal, results, found)
+        if len(ended) < len(candidates):
             break
         seen.update(trial.hash for trial in candidates)
-        strategy.tell(points, costs)
+        before = found.first_result.metrics
+        strategy.tell(points, [goal.softened(r, before, strictness) for r in ended])
+        kept = sum(goal.excess(r, before) <= 0.0 for r in ended)
+        strictness *= 1.0 / _STRICTER if kept > _KEPT * len(ended) else _STRICTER
         idle = idle + 1 if found.best is best_before else 0
         if idle >= search.patience or strategy.stop():
             found.stopped = f"no better trial in {max(idle, 1)} generations"
@@ -188,18 +198,21 @@ def _at(point: Iterable[float], first: Trial, gains: Mapping[str, float]) -> Tri
 
 def _judge(
     candidates: Sequence[Trial], goal: Goal, results: Results, found: Tuned
-) -> list[float]:
-    """Return the costs up to the first trial that has not ended; note a better one."""
-    costs: list[float] = []
+) -> list[TrialResult]:
+    """Return the results up to the first trial that has not ended; note a better one.
+
+    Only a trial that keeps all bounds is better.
+    """
+    ended: list[TrialResult] = []
     for trial in candidates:
         result = results.find(trial.hash)
         if result is None:
             break
-        costs.append(goal.cost(result, found.first_result.metrics))
-        if costs[-1] < found.best_cost:
-            found.best, found.best_result = trial, result
-            found.best_cost = costs[-1]
-    return costs
+        ended.append(result)
+        cost = goal.cost(result, found.first_result.metrics)
+        if cost < found.best_cost:
+            found.best, found.best_result, found.best_cost = trial, result, cost
+    return ended
 
 
 def _counted(results: Results, total: int, watch: Watcher) -> Watcher:

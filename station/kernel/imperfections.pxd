@@ -4,7 +4,7 @@ from station.kernel.simulator_memory cimport SimulatorMemory
 from station.kernel.wrench_equation cimport WrenchEquation
 from station.kernel.functions cimport exponential
 
-cdef int _MOVED, _TOUCHED
+cdef int _MOVED, _TOUCHED, _LOST
 cdef double _LARGEST_POWER
 
 cdef class Imperfections:
@@ -37,18 +37,20 @@ cdef class Imperfections:
     cdef public double gain
     cdef readonly bint has_wrench
     cdef Py_ssize_t drawn
+    cdef public long cycles_to_loss
 
     cpdef settle(self)
     cpdef rest(self)
     cpdef renew(self, double singular)
     @cython.locals(i=Py_ssize_t, power=double)
     cpdef bint rub(self)
-    @cython.locals(i=Py_ssize_t)
+    @cython.locals(i=Py_ssize_t, result=int, reach=double)
     cpdef int sense(self)
-    @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, count=Py_ssize_t, measured=double, error=double)
+    @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, period=double, measured=double, error=double)
     cpdef disturb(self)
-    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double)
+    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, period=double, gain=double, needed=double, external=double)
     cpdef observe(self)
-    @cython.locals(i=Py_ssize_t, axis=Py_ssize_t)
+    @cython.locals(i=Py_ssize_t, k=Py_ssize_t, axis=Py_ssize_t, torque=double, u=double, v=double, w=double, a=double, b=double, c=double, x=double, y=double, z=double)
     cpdef compute_wrench(self)
+    @cython.locals(i=Py_ssize_t, size=Py_ssize_t)
     cpdef bint is_touched(self)

@@ -18,10 +18,13 @@ MOVED = 1
 """A joint is too far away from where the Jacobian was computed."""
 TOUCHED = 2
 """A torque or a component of the wrench is above its lower threshold."""
+LOST = 4
+"""The next command is lost on its way."""
 
 _LARGEST_POWER = 700.0  # the exponential of more is no finite number
 _MOVED = MOVED
 _TOUCHED = TOUCHED
+_LOST = LOST
 
 
 class Imperfections:
@@ -52,6 +55,7 @@ class Imperfections:
         reach: How far a joint may be from there [rad].
         gain: Share of the difference by which the estimate moves in a cycle, 0 to 1.
         has_wrench: Whether the Jacobian is far enough from singular.
+        cycles_to_loss: After how many cycles a command is lost; 0: never.
     """
 
     def __init__(
@@ -89,6 +93,7 @@ class Imperfections:
         self.reach = 0.0
         self.gain = 1.0
         self.has_wrench = False
+        self.cycles_to_loss = 0
         self.equation = WrenchEquation()
         self.drawn = 0
         self.velocity = zeros(size)  # as measured
@@ -140,7 +145,7 @@ class Imperfections:
         """Disturb the readings of the last step, and bring the estimates up to date.
 
         Returns:
-            A sum of `MOVED` and `TOUCHED`, 0 in a usual cycle.
+            A sum of `MOVED`, `TOUCHED` and `LOST`, 0 in a usual cycle.
         """
         self.disturb()
         self.observe()
@@ -152,24 +157,30 @@ class Imperfections:
         self.compute_wrench()
         if self.is_touched():
             result += _TOUCHED
+        if self.cycles_to_loss > 0:
+            self.cycles_to_loss -= 1
+            if self.cycles_to_loss == 0:
+                result += _LOST
         return result
 
     def disturb(self) -> None:
         """Add noise and bias to velocities and torques."""
         memory, noise = self.memory, self.noise
         dq, dtheta, tau, dtau = memory.dq, memory.dtheta, memory.tau_J, memory.dtau_J
-        velocity, change = self.velocity, self.change
-        drawn, count = self.drawn, len(noise)
+        velocity, change, period = self.velocity, self.change, self.period
+        spread, bias = self.velocity_noise, self.torque_bias
+        torque_spread = self.torque_noise
+        drawn, last = self.drawn, len(noise) - 2
         for i in range(self.size):
-            if drawn + 2 > count:
+            if drawn > last:
                 drawn = 0
-            measured = dtheta[i] + self.velocity_noise[i] * noise[drawn]
-            error = self.torque_bias[i] + self.torque_noise[i] * noise[drawn + 1]
+            measured = dtheta[i] + spread[i] * noise[drawn]
+            error = bias[i] + torque_spread[i] * noise[drawn + 1]
             drawn += 2
             change[i] = measured - velocity[i]
             velocity[i] = measured
             dq[i] = measured
-            dtau[i] += error / self.period
+            dtau[i] += error / period
             tau[i] += error
         self.drawn = drawn
 
@@ -179,46 +190,56 @@ class Imperfections:
         inertia, diagonal = simulator.inertia, simulator.diagonal
         bias, armature = simulator.bias, simulator.armature
         tau, estimate, gain = self.memory.tau_J, self.estimate, self.gain
-        period = self.period
+        period, model_error, expected = self.period, self.model_error, self.expected
         for i in range(self.size):
             # A row of the inertia matrix ends with its diagonal element. The rotors
             # turn before the torque sensors.
             row = diagonal[i] - i
-            total = (inertia[row + i] - armature[i]) * change[i]
+            own = change[i]
+            total = (inertia[row + i] - armature[i]) * own
             for j in range(i):
                 element = inertia[row + j]
                 total += element * change[j]
-                momentum[j] += element * change[i]
+                momentum[j] += element * own
             momentum[i] = total
         for i in range(self.size):
-            needed = momentum[i] / period + (1.0 + self.model_error[i]) * bias[i]
-            external = tau[i] - needed - self.expected[i]
+            needed = momentum[i] / period + (1.0 + model_error[i]) * bias[i]
+            external = tau[i] - needed - expected[i]
             estimate[i] += gain * (external - estimate[i])
 
     def compute_wrench(self) -> None:
         """Compute the wrench that belongs to the estimated torques, or 0."""
         wrench, turned, pose = self.wrench, self.turned, self.pose
         jacobian, estimate = self.jacobian, self.estimate
-        for axis in range(6):
-            wrench[axis] = 0.0
+        u = v = w = a = b = c = 0.0
         if self.has_wrench:
             for i in range(self.size):
-                for axis in range(6):
-                    wrench[axis] += jacobian[6 * i + axis] * estimate[i]
+                torque, k = estimate[i], 6 * i
+                u += jacobian[k] * torque
+                v += jacobian[k + 1] * torque
+                w += jacobian[k + 2] * torque
+                a += jacobian[k + 3] * torque
+                b += jacobian[k + 4] * torque
+                c += jacobian[k + 5] * torque
+        wrench[0], wrench[1], wrench[2], wrench[3] = u, v, w, a
+        wrench[4], wrench[5] = b, c
+        if self.has_wrench:
             self.equation.solve(wrench, wrench)
+            u, v, w = wrench[0], wrench[1], wrench[2]
+            a, b, c = wrench[3], wrench[4], wrench[5]
         for axis in range(3):
             x, y, z = pose[4 * axis], pose[4 * axis + 1], pose[4 * axis + 2]
-            turned[axis] = x * wrench[0] + y * wrench[1] + z * wrench[2]
-            turned[axis + 3] = x * wrench[3] + y * wrench[4] + z * wrench[5]
+            turned[axis] = x * u + y * v + z * w
+            turned[axis + 3] = x * a + y * b + z * c
 
     def is_touched(self) -> bool:
         """Return whether an estimate is above its lower threshold."""
-        lower = self.lower
+        lower, estimate, turned = self.lower, self.estimate, self.turned
         size = self.size
         for i in range(size):
-            if not abs(self.estimate[i]) <= lower[i]:
+            if not -lower[i] <= estimate[i] <= lower[i]:
                 return True
         for i in range(6):
-            if not abs(self.turned[i]) <= lower[size + i]:
+            if not -lower[size + i] <= turned[i] <= lower[size + i]:
                 return True
         return False

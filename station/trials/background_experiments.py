@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 
 from station.trials.errors import ExperimentRunningError, TooManyExperimentsError
 from station.trials.experiment_process import ExperimentProcess
-from station.trials.results import Results, default_folder, file_of, names
+from station.trials.results import (
+    Results,
+    default_folder,
+    file_of,
+    name_of_now,
+    names,
+)
 from station.trials.setup import Setup
 from station.wire.experiments import ExperimentRequest
 
@@ -124,7 +130,7 @@ class BackgroundExperiments:
         gains: Mapping[str, Mapping[str, float]],
         loaded: Mapping[str, Mapping[str, object]],
     ) -> str:
-        name = request.name or time.strftime(f"{request.kind}-%Y%m%d-%H%M%S")
+        name = request.name or name_of_now(request.kind)
         self._check_free(name)
         workers = request.workers or self._workers
         request = request.model_copy(update={"name": name, "workers": workers})

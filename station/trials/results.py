@@ -8,6 +8,7 @@ import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
@@ -68,6 +69,15 @@ def names(folder: Path | None = None) -> list[str]:
     """Return the names of all experiments in a folder, the user's own when None."""
     found = (folder or default_folder()).glob(f"*{_SUFFIX}")
     return sorted(path.stem for path in found if _NAME.fullmatch(path.stem))
+
+
+def name_of_now(kind: str) -> str:
+    """Return a name for an experiment that has none, by its kind and the time in UTC.
+
+    It ends in microseconds: two experiments that begin in the same second must not get
+    into one file.
+    """
+    return f"{kind}-{datetime.now(UTC):%Y%m%d-%H%M%S-%f}"
 
 
 def file_of(name: str, folder: Path | None = None) -> Path:

@@ -26,8 +26,8 @@ def test_defaults_describe_the_panda():
     effort = config.controller_parameters()["effort_group_position_controller"]
     assert effort["joints"] == joints
     p, d = ([effort[joint]["pid"][gain] for joint in joints] for gain in "pd")
-    assert p == [600, 600, 600, 600, 250, 150, 50]
-    assert d == [30, 30, 30, 30, 10, 10, 5]
+    assert p == [200, 200, 200, 200, 60, 50, 30]
+    assert d == [40, 40, 40, 40, 12, 10, 5]
 
 
 def test_section_is_merged_key_by_key(write):
@@ -44,7 +44,7 @@ def test_default_controllers_follow_the_arm_id(write):
 
     controller = config.controller_parameters()["effort_group_position_controller"]
     assert controller["joints"][0] == "left_joint1"
-    assert controller["left_joint7"] == {"pid": {"p": 50, "i": 0, "d": 5}}
+    assert controller["left_joint7"] == {"pid": {"p": 30, "i": 0, "d": 5}}
 
 
 def test_controllers_of_a_file_replace_the_default_ones(write):

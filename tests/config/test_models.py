@@ -39,7 +39,6 @@ def test_parameters_keep_their_types_and_order():
         "type": "franka_hw/FrankaHW",
         "arm_id": "panda",
         "robot_description": "example-robot-data:panda",
-        "supervisor": {"velocity_factor": 1.5, "torque_factor": 1.2},
         "realtime_config": "ignore",
     }
 

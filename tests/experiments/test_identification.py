@@ -7,7 +7,7 @@ from station.experiments.identification import identify
 from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.script import Script
 from station.trials.trial import Trial
-from station.wire.excitations import Multisine
+from station.wire.excitations import Multisine, Waypoints
 from tests.experiments.conftest import GROUP
 
 JOINT = "panda_joint7"
@@ -49,6 +49,16 @@ def test_confidence_covers_the_noise(world):
 
     assert found.coulomb.half_width > 1e-3
     assert found.coulomb.value == pytest.approx(0.5, abs=3.0 * found.coulomb.half_width)
+
+
+def test_motion_one_way_does_not_show_friction(world):
+    """Coulomb friction that never changes its sign looks like weight."""
+    way = Waypoints(joint=JOINT, times=(1.0, 1.8), values=(0.5, 0.8))
+    script = Script(controller=GROUP, duration=2.0, commands=(way,))
+    trace = world.record(Trial(world.setup, script))[1]
+
+    with pytest.raises(ExperimentError, match=r"moves one way in \d+% of the cycles"):
+        identify(trace, JOINT)
 
 
 def test_motions_that_tell_nothing_are_refused(world):

@@ -9,9 +9,7 @@ from tests.system.station_process import StationProcess
 
 TYPE = "effort_controllers/JointGroupPositionController"
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
-GAINS = zip(
-    (600, 600, 600, 600, 250, 150, 50), (30, 30, 30, 30, 10, 10, 5), strict=True
-)
+GAINS = zip((200, 200, 200, 200, 60, 50, 30), (40, 40, 40, 40, 12, 10, 5), strict=True)
 PARAMS = {
     "joints": JOINTS,
     **{

@@ -37,6 +37,26 @@ def test_bounds_outweigh_everything_and_failure_outweighs_bounds():
     assert goal.cost(result("failed"), FIRST) > costs[2]
 
 
+def test_relative_bounds_are_compared_to_a_tenth_of_a_percent():
+    relative = Bound("effort_rms", 1.0, is_relative=True)
+    absolute = Bound("effort_rms", 10.0)
+
+    assert relative.excess({"effort_rms": 10.009}, FIRST) == 0.0
+    assert relative.excess({"effort_rms": 10.02}, FIRST) == pytest.approx(
+        0.001, rel=0.1
+    )
+    assert absolute.excess({"effort_rms": 10.009}, FIRST) == pytest.approx(0.0009)
+
+
+def test_a_softened_bound_costs_what_its_strictness_says():
+    goal = Goal({"rms_error": 1.0}, (Bound("effort_rms", 8.0),))
+    inside, outside = result(effort_rms=8.0, rms_error=0.05), result(rms_error=0.05)
+
+    assert goal.softened(inside, FIRST, 100.0) == goal.cost(inside, FIRST) == 0.5
+    assert goal.softened(outside, FIRST, 100.0) == pytest.approx(0.5 + 100.0 * 0.25)
+    assert goal.softened(result("failed"), FIRST, 0.0) >= 1e6
+
+
 def test_impossible_goals_are_refused_by_name():
     with pytest.raises(UnknownParameterError, match="no metric 'speed'"):
         Goal({"speed": 1.0})

@@ -10,7 +10,13 @@ import textwrap
 import pytest
 
 from station.trials.errors import ExperimentError, ExperimentNotFoundError
-from station.trials.results import Results, default_folder, file_of, names
+from station.trials.results import (
+    Results,
+    default_folder,
+    file_of,
+    name_of_now,
+    names,
+)
 from station.trials.trial import TrialResult
 
 
@@ -138,3 +144,11 @@ def test_a_full_disk_is_told_and_leaves_the_file_whole(tmp_path, step):
 
     with Results.open(path) as results:
         assert [row.result for row in results.rows()] == [small]
+
+
+def test_experiments_of_one_second_have_different_names(tmp_path):
+    found = {name_of_now("sweep") for _ in range(50)}
+
+    assert len(found) > 1
+    assert all(file_of(name, tmp_path).stem == name for name in found)
+    assert all(name.startswith("sweep-20") for name in found)

@@ -26,7 +26,7 @@ from station.experiments.recordings import SUFFIX, recorded_script
 from station.experiments.runner import Progress, Watcher
 from station.experiments.tuning import Tuned
 from station.trials.analysis import summary
-from station.trials.results import Results, file_of
+from station.trials.results import Results, file_of, name_of_now
 from station.trials.script import read_script
 from station.trials.setup import Setup
 from station.wire.experiments import (
@@ -229,7 +229,7 @@ def _running(
 
 
 def _results(options: Namespace, experiment: Experiment) -> Results:
-    name = options.name or time.strftime(f"{experiment.kind}-%Y%m%d-%H%M%S")
+    name = options.name or name_of_now(experiment.kind)
     results = Results.create(
         file_of(name), experiment.kind, experiment.setup, experiment.plan
     )

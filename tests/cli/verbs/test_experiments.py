@@ -141,7 +141,7 @@ def test_tune_begins_with_the_gains_of_its_start(run):
 
     with Results.open(file_of("x")) as results:
         first = results.trial(results.plan["first"])
-    assert first.parameters[f"gains/{GROUP}/panda_joint1/p"] == pytest.approx(120.0)
+    assert first.parameters[f"gains/{GROUP}/panda_joint1/p"] == pytest.approx(40.0)
     assert found["cost"] <= 1.0
     assert set(found["gains"]) == set(first.parameters)
 

@@ -17,7 +17,7 @@ from station.hw.franka.simulated.contact_estimate import SINGULAR, ContactEstima
 from station.hw.franka.simulated.realism import Realism
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.doubles import Doubles, doubles, put
-from station.kernel.imperfections import MOVED, TOUCHED, Imperfections
+from station.kernel.imperfections import LOST, MOVED, TOUCHED, Imperfections
 from station.kernel.simulator_memory import SimulatorMemory
 
 _NUMBERS = 16381
@@ -46,6 +46,8 @@ class ObservedContact(ContactEstimate):
 
     Attributes:
         rub: Lets the joints' friction act in the coming step.
+        sense: Disturbs the readings of a step, and estimates what acts from outside;
+            returns what `attend` has to do, 0 in a usual cycle.
     """
 
     def __init__(
@@ -69,11 +71,10 @@ class ObservedContact(ContactEstimate):
         )
         _set(self._kernel, realism, joints.timestep)
         self.rub = self._kernel.rub
-        self._sense = self._kernel.sense
+        self.sense = self._kernel.sense
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
-        self._cycles_to_loss = 0
         # After a recovery the estimate still approaches what acts: for three time
         # constants that is no new collision.
         self._settling_time = round(
@@ -97,22 +98,23 @@ class ObservedContact(ContactEstimate):
         )
         put(self._kernel.lower, map(min, nominal, accelerating))
 
-    def sense(self) -> bool:
-        """Disturb the readings of a step, and estimate what acts from outside.
+    def attend(self, found: int) -> bool:
+        """Do what an unusual cycle asks for.
+
+        Args:
+            found: What `sense` has returned, not 0.
 
         Returns:
             Whether the next command is to be lost on its way.
         """
-        found = self._sense()
         if found & MOVED:
             self.renew()
         if found & TOUCHED:
             self.is_quiet = False
-        self._cycles_to_loss -= 1
-        if self._cycles_to_loss:
-            return False
-        self._draw_loss()
-        return True
+        if found & LOST:
+            self._draw_loss()
+            return True
+        return False
 
     @override
     def update(self) -> list[ArmError]:
@@ -161,7 +163,7 @@ class ObservedContact(ContactEstimate):
         """Draw after how many cycles the next command is lost."""
         if self._losses > 0.0:
             wait = self._dice.expovariate(self._losses)
-            self._cycles_to_loss = 1 + round(wait)
+            self._kernel.cycles_to_loss = 1 + round(wait)
 
 
 def _random_numbers(seed: int) -> Doubles:

@@ -338,7 +338,10 @@ class SimulatedArm(RobotArm):
             return
         if self._step.has_load:
             contact.expect_load()
-        if contact.sense() and self.state.robot_mode is RobotMode.MOVE:
+        unusual = contact.sense()
+        if not (unusual and contact.attend(unusual)):
+            return
+        if self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 
