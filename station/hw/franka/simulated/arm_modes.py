@@ -242,3 +242,31 @@ class ArmModes:
             )
         elif not pressed and mode is RobotMode.GUIDING:
             self.end_motion(RobotMode.IDLE)
+
+    def not_commandable(self, what: str) -> ArmCommandError:
+        """Return the refusal of commands that do not fit the present motion.
+
+        Args:
+            what: The commands.
+        """
+        controller = self.controller.value if self.controller else "none"
+        return ArmCommandError(
+            f"The arm takes no {what}: it is in mode {self._state.robot_mode.name}, "
+            f"controller {controller}, motion generator {self.generator.value}.",
+            remedy="Start a motion with the fitting modes first.",
+        )
+
+    def refuse_while_moving(self, what: str) -> None:
+        """Refuse to change a setting during a motion.
+
+        Args:
+            what: The setting.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+        if self._state.robot_mode is RobotMode.MOVE:
+            raise ArmCommandError(
+                f"The {what} cannot be changed while a motion runs.",
+                remedy="Stop the controllers of this arm first.",
+            )

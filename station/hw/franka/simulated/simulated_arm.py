@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing_extensions import override
 
 from station.core.description.robot_files import RobotFiles
-from station.core.errors import ArmCommandError
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import GRAVITY_EARTH, FrankaModel
@@ -215,19 +214,19 @@ class SimulatedArm(RobotArm):
     @override
     def command_joint_torques(self, tau: Storage) -> None:
         if self._modes.controller is not ControllerMode.EXTERNAL_CONTROLLER:
-            raise self._not_commandable("joint torques")
+            raise self._modes.not_commandable("joint torques")
         self._follower.command_torques(tau)
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_POSITION:
-            raise self._not_commandable("joint positions")
+            raise self._modes.not_commandable("joint positions")
         self._follower.command_joints(q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_VELOCITY:
-            raise self._not_commandable("joint velocities")
+            raise self._modes.not_commandable("joint velocities")
         self._follower.command_joints(dq)
 
     @override
@@ -235,7 +234,7 @@ class SimulatedArm(RobotArm):
         self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_POSITION:
-            raise self._not_commandable("Cartesian pose")
+            raise self._modes.not_commandable("Cartesian pose")
         self._follower.command_cartesian(pose, elbow, 16)
 
     @override
@@ -243,35 +242,35 @@ class SimulatedArm(RobotArm):
         self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_VELOCITY:
-            raise self._not_commandable("Cartesian velocity")
+            raise self._modes.not_commandable("Cartesian velocity")
         self._follower.command_cartesian(twist, elbow, 6)
 
     @override
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
-        self._refuse_while_moving("joint impedance")
+        self._modes.refuse_while_moving("joint impedance")
         self.motors.joint_stiffness = list(stiffness)
         self.motors.engage_joint_impedance()
 
     @override
     def set_cartesian_impedance(self, stiffness: Sequence[float]) -> None:
-        self._refuse_while_moving("Cartesian impedance")
+        self._modes.refuse_while_moving("Cartesian impedance")
         self.motors.cartesian_stiffness = list(stiffness)
 
     @override
     def set_end_effector_frame(self, frame: Sequence[float]) -> None:
-        self._refuse_while_moving("end effector frame")
+        self._modes.refuse_while_moving("end effector frame")
         self.frames.set_frame(frame)
         self.contact.renew()
 
     @override
     def set_stiffness_frame(self, frame: Sequence[float]) -> None:
-        self._refuse_while_moving("stiffness frame")
+        self._modes.refuse_while_moving("stiffness frame")
         self.frames.set_stiffness_frame(frame)
         self.contact.renew()
 
     @override
     def set_load(self, load: Load) -> None:
-        self._refuse_while_moving("load")
+        self._modes.refuse_while_moving("load")
         self.frames.set_load(load)
         self.load.load = load
         self._step.has_load = bool(load.mass)
@@ -281,7 +280,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
-        self._refuse_while_moving("collision behaviour")
+        self._modes.refuse_while_moving("collision behaviour")
         self.contact.set_behavior(behavior)
 
     @override
@@ -362,19 +361,3 @@ class SimulatedArm(RobotArm):
             )
             if errors:
                 self._modes.raise_errors(errors)
-
-    def _not_commandable(self, what: str) -> ArmCommandError:
-        modes = self._modes
-        controller = modes.controller.value if modes.controller else "none"
-        return ArmCommandError(
-            f"The arm takes no {what}: it is in mode {self.state.robot_mode.name}, "
-            f"controller {controller}, motion generator {modes.generator.value}.",
-            remedy="Start a motion with the fitting modes first.",
-        )
-
-    def _refuse_while_moving(self, what: str) -> None:
-        if self.state.robot_mode is RobotMode.MOVE:
-            raise ArmCommandError(
-                f"The {what} cannot be changed while a motion runs.",
-                remedy="Stop the controllers of this arm first.",
-            )
