@@ -16,6 +16,7 @@ from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
+from station.kernel.stages import RobotWriting
 
 MOST_PROBLEMS = 50
 """How many problems are kept; the first ones say the most."""
@@ -55,7 +56,7 @@ class SwitchObserver:
 
     Args:
         robot: The robot, initialised. Its `write` and `do_switch` are watched from now
-            on, and those of the robots it combines.
+            on, and those of the robots it combines. Make its loop afterwards.
         manager: Its manager.
         may_share: Whether the robot lets several controllers own the same resource of
             the same interface.
@@ -99,6 +100,8 @@ class SwitchObserver:
             write(time, period)
 
         robot.write = watched_write  # type: ignore[method-assign]
+        # For a loop that is made later: the robot's quicker way would pass the look by.
+        robot.writing = lambda: RobotWriting(robot)  # type: ignore[method-assign]
 
     def forget_rest(self) -> None:
         """Let resources without an owner rest elsewhere, after a reset of the world."""

@@ -9,7 +9,6 @@ from typing_extensions import override
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.control import controller_runner
 from station.core.control.controller import Controller
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
@@ -141,15 +140,15 @@ class HasNoHurry(Controller[JointStateInterface]):
 
 
 def test_a_controller_over_its_budget_is_stopped_while_others_go_on(
-    tmp_path, monkeypatch
+    tmp_path,
 ):
     config = configure(
         tmp_path,
         f"slow: {{type: '{__name__}:TakesTwoPeriods'}},"
         f"quick: {{type: '{__name__}:HasNoHurry'}}",
     )
-    monkeypatch.setattr(controller_runner, "perf_counter", TakesTwoPeriods.clock.now)
     station = compose(config, ManualClock()).station
+    station.manager.updating().stopwatch = TakesTwoPeriods.clock.now
 
     station.switch_controllers(SwitchRequest(start=["slow", "quick"]))
     station.loop.start()

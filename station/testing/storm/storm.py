@@ -75,9 +75,9 @@ def storm(
     manager = ControllerManager(
         robot, parameters, [TableLoader({STORM_TYPE: StormController})], clock
     )
+    observer = SwitchObserver(robot, manager, drift=drift)
     loop = ControlLoop(robot, manager, clock=clock, period=period)
     station = Station(loop, manager, parameters)
-    observer = SwitchObserver(robot, manager, drift=drift)
     observer.checks += [_Stopped(station), _Owners(manager)]
     disturbances = Disturbances()
     workers = [
