@@ -1,6 +1,7 @@
 from station.kernel.arm_step cimport ArmStep
 from station.kernel.finger_motor cimport FingerSensor
 from station.kernel.finite_check cimport FiniteCheck
+from station.kernel.imperfections cimport Imperfections
 from station.kernel.stages cimport Stage
 from station.kernel.world_step cimport WorldStep
 
@@ -19,7 +20,9 @@ cdef class SimulatedCycles(Cycles):
     cdef object contact
     cdef object supervisor
     cdef object read_closely
-    cdef object observe
+    cdef Imperfections imperfections
+    cdef object expect_load
+    cdef object attend
     cdef object supervise
     cdef readonly long long cycle
     cdef readonly long long seen

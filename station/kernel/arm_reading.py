@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from station.kernel.arm_step import ArmStep
 from station.kernel.finite_check import FiniteCheck
+from station.kernel.imperfections import Imperfections
 from station.kernel.stages import Stage
 from station.kernel.world_step import WorldStep
 
@@ -74,7 +75,9 @@ class SimulatedCycles(Cycles):
         supervisor: Looks at readings; looked at while it is alert.
         read_closely: Reads the joints at a time [s] while a load or a fault acts;
             returns what `ArmStep.after` returns.
-        observe: Disturbs the readings; None for an ideal arm.
+        imperfections: Disturb the readings; None for an ideal arm.
+        expect_load: Tells the imperfections of a configured load, before they act.
+        attend: Attends to what the imperfections have found.
         supervise: Looks closer, given what `ArmStep.after` has found.
 
     Attributes:
@@ -92,7 +95,9 @@ class SimulatedCycles(Cycles):
         contact: Contact,
         supervisor: Supervisor,
         read_closely: Callable[[float], int],
-        observe: Callable[[], None] | None,
+        imperfections: Imperfections | None,
+        expect_load: Callable[[], None],
+        attend: Callable[[int], None],
         supervise: Callable[[int], None],
     ) -> None:
         self.step = step
@@ -102,7 +107,9 @@ class SimulatedCycles(Cycles):
         self.contact = contact
         self.supervisor = supervisor
         self.read_closely = read_closely
-        self.observe = observe
+        self.imperfections = imperfections
+        self.expect_load = expect_load
+        self.attend = attend
         self.supervise = supervise
         self.cycle = world.count
         self.seen = world.count
@@ -123,8 +130,12 @@ class SimulatedCycles(Cycles):
         else:
             found = step.after(time)
             self.state.time = time
-        if self.observe is not None:
-            self.observe()
+        if self.imperfections is not None:
+            if step.has_load:
+                self.expect_load()
+            unusual = self.imperfections.sense()
+            if unusual:
+                self.attend(unusual)
         if (
             found
             or world.is_pushed

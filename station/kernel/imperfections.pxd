@@ -1,13 +1,14 @@
 cimport cython
 from station.kernel.joint_memory cimport JointMemory
 from station.kernel.simulator_memory cimport SimulatorMemory
+from station.kernel.world_step cimport Preparation
 from station.kernel.wrench_equation cimport WrenchEquation
 from station.kernel.functions cimport exponential
 
 cdef int _MOVED, _TOUCHED, _LOST
 cdef double _LARGEST_POWER
 
-cdef class Imperfections:
+cdef class Imperfections(Preparation):
     cdef readonly Py_ssize_t size
     cdef JointMemory memory
     cdef SimulatorMemory simulator
@@ -43,7 +44,7 @@ cdef class Imperfections:
     cpdef rest(self)
     cpdef renew(self, double singular)
     @cython.locals(i=Py_ssize_t, power=double)
-    cpdef bint rub(self)
+    cpdef bint before(self)
     @cython.locals(i=Py_ssize_t, result=int, reach=double)
     cpdef int sense(self)
     @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, period=double, measured=double, error=double)

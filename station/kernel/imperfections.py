@@ -12,6 +12,7 @@ from station.kernel.doubles import Doubles, zeros
 from station.kernel.functions import exponential
 from station.kernel.joint_memory import JointMemory
 from station.kernel.simulator_memory import SimulatorMemory
+from station.kernel.world_step import Preparation
 from station.kernel.wrench_equation import WrenchEquation
 
 MOVED = 1
@@ -27,7 +28,7 @@ _TOUCHED = TOUCHED
 _LOST = LOST
 
 
-class Imperfections:
+class Imperfections(Preparation):
     """Disturbs n joints, and estimates what acts on them from outside.
 
     Args:
@@ -129,7 +130,7 @@ class Imperfections:
         for i in range(self.size):
             self.place[i] = self.memory.theta[i]
 
-    def rub(self) -> bool:
+    def before(self) -> bool:
         """Let the friction act in the coming step; return True."""
         velocities, applied = self.simulator.velocities, self.simulator.applied
         level, slope, shift = self.level, self.slope, self.shift

@@ -55,7 +55,7 @@ class Bench:
             put(self.memory.tau_J, q[2:4])
             put(self.simulator.velocities, q[:2])
             put(self.simulator.bias, q[1:3])
-            self.part.rub()
+            self.part.before()
             found += [self.part.sense(), *self.simulator.applied, *self.memory.dq]
             found += [*self.memory.tau_J, *self.estimate, *self.wrench, *self.turned]
         return found
@@ -88,7 +88,7 @@ def test_friction_is_the_published_formula_and_zero_at_rest():
     put(bench.part.shift, [0.02, 0.02])
     bench.part.settle()
     put(bench.simulator.velocities, [0.0, 0.7])
-    assert bench.part.rub()
+    assert bench.part.before()
     at_rest, moving = bench.simulator.applied
     assert at_rest == 0.0
     assert moving == pytest.approx(0.8 / (1 + exp(-0.1)) - 0.8 / (1 + exp(-3.6)))
@@ -97,7 +97,7 @@ def test_friction_is_the_published_formula_and_zero_at_rest():
 def test_no_speed_makes_the_friction_overflow():
     bench = Bench(compiled("imperfections"), [1.0, 1.0, 1.0, 1.0])
     put(bench.simulator.velocities, [-1e308, 1e308])
-    bench.part.rub()
+    bench.part.before()
     assert [*bench.simulator.applied] == pytest.approx([0.7310585, -0.2689414])
 
 

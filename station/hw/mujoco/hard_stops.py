@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.hw.mujoco.world_joints import find_joint
+from station.kernel.world_step import CalledPreparation
 
 if TYPE_CHECKING:
     from station.hw.mujoco.world import World
@@ -116,7 +117,8 @@ def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
     model = world.model
     fast = [name for name, v in limits.items() if needs_hard_stop(model, name, v)]
     if fast:
-        world.add_preparation(HardStops(model, world.data, fast).before_step)
+        stops = HardStops(model, world.data, fast)
+        world.add_preparation(CalledPreparation(stops.before_step))
 
 
 def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:

@@ -66,6 +66,7 @@ from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.unpowered_joints import UnpoweredJoints
 from station.hw.mujoco.world import World
 from station.kernel.doubles import put
+from station.kernel.world_step import CalledPreparation
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
 # steps are lost, so that a very late cycle does not make the next cycle late, too.
@@ -141,7 +142,8 @@ class MujocoRobotHW(RobotHW):
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
-            self.world.add_preparation(RollingBase(self.world, urdf).before_step)
+            base = RollingBase(self.world, urdf)
+            self.world.add_preparation(CalledPreparation(base.before_step))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})

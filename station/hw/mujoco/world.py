@@ -18,7 +18,6 @@ from station.hw.mujoco.world_joints import (
 )
 from station.kernel.world_step import (
     AttendedPreparation,
-    CalledPreparation,
     Preparation,
     WorldStep,
 )
@@ -109,15 +108,15 @@ class World:
         self._actors.append(actor)
         self._prepare(actor.preparation, actor.attend)
 
-    def add_preparation(self, prepare: Callable[[], bool]) -> None:
-        """Call `prepare` before every step, after what was added before it.
+    def add_preparation(self, preparation: Preparation) -> None:
+        """Prepare every step in this way, after what was added before it.
 
         For what keeps no state of its own and knows no unusual step.
 
         Args:
-            prepare: Prepares the coming step, and returns True. Control thread.
+            preparation: Prepares the coming step, and returns True. Control thread.
         """
-        self._prepare(CalledPreparation(prepare), _nothing)
+        self._prepare(preparation, _nothing)
 
     def _prepare(self, preparation: Preparation, attend: Callable[[], None]) -> None:
         self.stepping.preparations.append(AttendedPreparation(preparation, attend))

@@ -45,9 +45,8 @@ class ObservedContact(ContactEstimate):
         simulator: The simulator's memory of the joints.
 
     Attributes:
-        rub: Lets the joints' friction act in the coming step.
-        sense: Disturbs the readings of a step, and estimates what acts from outside;
-            returns what `attend` has to do, 0 in a usual cycle.
+        imperfections: Let the joints' friction act, disturb the readings, and estimate
+            what acts from outside; `attend` does what they find.
     """
 
     def __init__(
@@ -60,7 +59,7 @@ class ObservedContact(ContactEstimate):
         cycle: ArmCycle,
         simulator: SimulatorMemory,
     ) -> None:
-        self._kernel = Imperfections(
+        self.imperfections = Imperfections(
             cycle.memory,
             simulator,
             noise=_random_numbers(realism.seed),
@@ -69,9 +68,7 @@ class ObservedContact(ContactEstimate):
             turned=state.doubles("K_F_ext_hat_K"),
             period=joints.timestep,
         )
-        _set(self._kernel, realism, joints.timestep)
-        self.rub = self._kernel.rub
-        self.sense = self._kernel.sense
+        _set(self.imperfections, realism, joints.timestep)
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
@@ -96,13 +93,13 @@ class ObservedContact(ContactEstimate):
             *behavior.lower_torque_thresholds_acceleration,
             *behavior.lower_force_thresholds_acceleration,
         )
-        put(self._kernel.lower, map(min, nominal, accelerating))
+        put(self.imperfections.lower, map(min, nominal, accelerating))
 
     def attend(self, found: int) -> bool:
         """Do what an unusual cycle asks for.
 
         Args:
-            found: What `sense` has returned, not 0.
+            found: What `Imperfections.sense` has returned, not 0.
 
         Returns:
             Whether the next command is to be lost on its way.
@@ -132,7 +129,7 @@ class ObservedContact(ContactEstimate):
 
     def expect_load(self) -> None:
         """Take over the torques for the configured load."""
-        put(self._kernel.expected, self._load_torques() or [0.0] * 7)
+        put(self.imperfections.expected, self._load_torques() or [0.0] * 7)
 
     @override
     def recover(self) -> None:
@@ -141,7 +138,7 @@ class ObservedContact(ContactEstimate):
 
     @override
     def reset(self) -> None:
-        self._kernel.rest()
+        self.imperfections.rest()
         self.renew()
         self._dice.seed(self._seed)
         self._draw_loss()
@@ -153,7 +150,7 @@ class ObservedContact(ContactEstimate):
 
     @override
     def renew(self) -> None:
-        state, kernel = self._state, self._kernel
+        state, kernel = self._state, self.imperfections
         frames = (state.F_T_EE, state.EE_T_K)
         put(kernel.pose, frame_pose(Frame.STIFFNESS, state.theta, *frames))
         put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, state.theta, *frames))
@@ -163,7 +160,7 @@ class ObservedContact(ContactEstimate):
         """Draw after how many cycles the next command is lost."""
         if self._losses > 0.0:
             wait = self._dice.expovariate(self._losses)
-            self._kernel.cycles_to_loss = 1 + round(wait)
+            self.imperfections.cycles_to_loss = 1 + round(wait)
 
 
 def _random_numbers(seed: int) -> Doubles:

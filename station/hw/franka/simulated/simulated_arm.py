@@ -119,7 +119,7 @@ class SimulatedArm(RobotArm):
         self._observed: ObservedContact | None = None
         if realism is not None:
             self._observed = ObservedContact(*seen, realism, cycle, simulator)
-            world.add_preparation(self._observed.rub)
+            world.add_preparation(self._observed.imperfections)
         self.contact = self._observed or ContactEstimate(*seen)
         self._modes = ArmModes(
             world,
@@ -158,7 +158,9 @@ class SimulatedArm(RobotArm):
             contact=self.contact,
             supervisor=self.supervisor,
             read_closely=self._sensors.read,
-            observe=None if self._observed is None else self._observe,
+            imperfections=self._observed.imperfections if self._observed else None,
+            expect_load=self._expect_load,
+            attend=self._attend_to_contact,
             supervise=self._supervise,
         )
         self.after_reset()
@@ -274,8 +276,7 @@ class SimulatedArm(RobotArm):
         self.frames.set_load(load)
         self.load.load = load
         self._step.has_load = bool(load.mass)
-        if self._observed is not None:
-            self._observed.expect_load()
+        self._expect_load()
         self.motors.carry(_ZEROS)
 
     @override
@@ -330,15 +331,13 @@ class SimulatedArm(RobotArm):
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _observe(self) -> None:
-        """Disturb the readings, and now and then lose a command."""
-        contact = self._observed
-        if contact is None:
-            return
-        if self._step.has_load:
-            contact.expect_load()
-        unusual = contact.sense()
-        if not (unusual and contact.attend(unusual)):
+    def _expect_load(self) -> None:
+        if self._observed is not None:
+            self._observed.expect_load()
+
+    def _attend_to_contact(self, found: int) -> None:
+        """Look closer at a contact; now and then a command is lost."""
+        if self._observed is None or not self._observed.attend(found):
             return
         if self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
