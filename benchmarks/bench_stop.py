@@ -166,10 +166,18 @@ def stop(station: Station) -> tuple[int, float]:
 
 
 def rearm(station: Station) -> None:
-    """Allow motion again, and go back to the start."""
+    """Allow motion again, and go back to the start.
+
+    At a hundred times real time the controllers are updated so seldom that the arm may
+    have gone to reflex.
+    """
     station.release_stop(arm=False)
     station.release_stop(arm=True)
     station.simulation.reset()
+    Arms(station.robots).set_user_stop("panda", pressed=True)
+    Arms(station.robots).set_user_stop("panda", pressed=False)
+    while station.latest().mode != "idle":
+        sleep(0.001)
 
 
 def main() -> None:
