@@ -16,7 +16,6 @@ from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
-from station.kernel.stages import RobotWriting
 
 MOST_PROBLEMS = 50
 """How many problems are kept; the first ones say the most."""
@@ -100,8 +99,6 @@ class SwitchObserver:
             write(time, period)
 
         robot.write = watched_write  # type: ignore[method-assign]
-        # For a loop that is made later: the robot's quicker way would pass the look by.
-        robot.writing = lambda: RobotWriting(robot)  # type: ignore[method-assign]
 
     def forget_rest(self) -> None:
         """Let resources without an owner rest elsewhere, after a reset of the world."""

@@ -19,7 +19,7 @@ from station.core.errors import (
     suggest,
 )
 from station.core.faults import CONTAINED, reason_of, trace_of_fault
-from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.robot_hw import RobotHW, watch_of
 from station.kernel.controller_round import ControllerRound
 
 _RUNNING = ControllerState.RUNNING
@@ -49,7 +49,7 @@ class ControllerRunner(ControllerRound):
     def __init__(self, hw: RobotHW) -> None:
         self.lifecycle = ControllerLifecycle(hw)
         super().__init__(
-            self.lifecycle.gate, hw.watch(), get_ident, _RUNNING, CONTAINED
+            self.lifecycle.gate, watch_of(hw), get_ident, _RUNNING, CONTAINED
         )
         self.interrupted: tuple[str, ...] = ()
         self._hw = hw
@@ -81,6 +81,7 @@ class ControllerRunner(ControllerRound):
 
     @override
     def refuse(self, time: float, period: float) -> None:
+        self.resets = False  # a cycle that is refused changes nothing
         raise ValueError(
             f"Cannot update at time {time} s after a period of {period} s: both "
             "must be finite and not negative."

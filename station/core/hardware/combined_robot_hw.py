@@ -18,6 +18,8 @@ from station.core.hardware.robot_hw import (
     ResourceConflict,
     RobotHW,
     SwitchState,
+    reading_of,
+    writing_of,
 )
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -96,11 +98,11 @@ class CombinedRobotHW(RobotHW):
 
     @override
     def reading(self) -> Stage:
-        return StageSequence([robot.reading() for robot in self.robots.values()])
+        return StageSequence([reading_of(robot) for robot in self.robots.values()])
 
     @override
     def writing(self) -> Stage:
-        return StageSequence([robot.writing() for robot in self.robots.values()])
+        return StageSequence([writing_of(robot) for robot in self.robots.values()])
 
     @override
     def write(self, time: float, period: float) -> None:

@@ -23,7 +23,13 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
-from station.core.hardware.robot_hw import RobotClock, RobotHW
+from station.core.hardware.robot_hw import (
+    RobotClock,
+    RobotHW,
+    reading_of,
+    watch_of,
+    writing_of,
+)
 from station.core.hardware.services import InterruptibleServices, find_services
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
@@ -103,14 +109,14 @@ class ControlLoop(ControlCycle):
         self._meter = LoopMeter(clock)
         self._operations = Operations()
         super().__init__(
-            reading=hw.reading(),
+            reading=reading_of(hw),
             updating=manager.updating(),
-            writing=hw.writing(),
+            writing=writing_of(hw),
             times=self._meter.times,
             records=self.snapshots,
             now=None if isinstance(clock, SystemClock) else clock.now,
             pack=self._joints.pack,
-            watch=hw.watch(),
+            watch=watch_of(hw),
             waiting=self._operations.waiting,
             latch=self.stop_latch,
             stop_flags=self.heartbeat.flags,

@@ -50,7 +50,7 @@ from station.hw.franka.arm.control_mode import (
     is_supported,
 )
 from station.hw.franka.arm.loop_period import arm_cycles_of
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.robot_arm import RobotArm, cycles_of
 from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
@@ -152,7 +152,7 @@ class FrankaHW(RobotHW):
         self._watch = ArmWatch(self, self._mode, _MODE_NAMES, self._motion)
         self._writing = ArmWriting(self._mode, self._sender)
         self._reading = ArmReading(
-            self.arm.cycles(),
+            cycles_of(self.arm),
             self._sensors.readings,
             self._motion,
             cycle_time=self.arm.cycle_time,

@@ -16,6 +16,7 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.core.quick_way import is_in_force
 from station.hw.franka.arm.load import Load
 from station.kernel.arm_reading import CalledCycles, Cycles
 from station.kernel.command_sending import Receiver
@@ -315,3 +316,15 @@ class RobotArm(ABC):
     @abstractmethod
     def simulation(self) -> ArmSimulation | None:
         """Return the controls that only a simulated arm has; None for a real arm."""
+
+
+def cycles_of(arm: RobotArm) -> Cycles:
+    """Return how an arm is read: `RobotArm.cycles`, or `read_once` if it is newer."""
+    is_quick = is_in_force(arm, "cycles", "read_once")
+    return arm.cycles() if is_quick else CalledCycles(arm.read_once)
+
+
+def torque_receiver_of(arm: RobotArm) -> Receiver:
+    """Return what takes an arm's torques; see `cycles_of`."""
+    is_quick = is_in_force(arm, "torque_receiver", "command_joint_torques")
+    return arm.torque_receiver() if is_quick else Receiver(arm.command_joint_torques)

@@ -5,7 +5,7 @@ from typing_extensions import override
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.robot_arm import RobotArm, torque_receiver_of
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_settings import CommandSettings
@@ -127,5 +127,5 @@ class CommandSender(CommandSending):
             if is_taken:
                 sends.append(JointSend(filtering, Receiver(command), filtered.result))
         if taken.has_efforts:
-            sends.append(TorqueSend(filtered.rates, arm.torque_receiver()))
+            sends.append(TorqueSend(filtered.rates, torque_receiver_of(arm)))
         return sends
