@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Generic, TypeVar
 
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError, FrameCutter
 from station.hw.franka.fci.wire.robot_protocol import Exchange
 from station.hw.franka.fci.wire.structure import Structure
 
@@ -40,7 +40,7 @@ class MessageReader(Generic[_Command]):
     ) -> None:
         self._header = header
         self._exchanges = exchanges
-        self._received = bytearray()
+        self._cutter = FrameCutter(header, self._command_of)
 
     def feed(self, data: bytes) -> Iterator[Request[_Command]]:
         """Return the requests that are complete now; the rest waits for more bytes.
@@ -52,15 +52,9 @@ class MessageReader(Generic[_Command]):
             FciProtocolError: A command is unknown, or its size is another one than the
                 protocol has.
         """
-        self._received += data
-        while len(self._received) >= self._header.size:
-            head = self._header.unpack(self._received[: self._header.size])
-            command, size = self._command_of(head)
-            if len(self._received) < size:
-                return
-            payload = bytes(self._received[self._header.size : size])
-            del self._received[:size]
-            values = self._exchanges[command].request.unpack(payload)
+        for head, body in self._cutter.feed(data):
+            command = self._command_of(head)
+            values = self._exchanges[command].request.unpack(body)
             yield Request(command, head["command_id"], values)
 
     def answer(
@@ -90,7 +84,7 @@ class MessageReader(Generic[_Command]):
             "size": self._header.size + payload,
         })
 
-    def _command_of(self, head: Mapping[str, int]) -> tuple[_Command, int]:
+    def _command_of(self, head: Mapping[str, int]) -> _Command:
         number, size = head["command"], head["size"]
         command = next((c for c in self._exchanges if c == number), None)
         if command is None:
@@ -106,4 +100,4 @@ class MessageReader(Generic[_Command]):
                 f"protocol has {expected}.",
                 remedy="Use a client of protocol version 5, e.g. libfranka 0.9.",
             )
-        return command, size
+        return command

@@ -1,6 +1,6 @@
 """Requests as bytes, and answers out of a stream of bytes: the client's direction."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Generic, TypeVar
@@ -36,6 +36,39 @@ class Answer(Generic[_Command]):
     values: Mapping[str, Any]
 
 
+class FrameCutter:
+    """Cuts a stream of TCP bytes into messages, however TCP has cut them.
+
+    Args:
+        header: Head of every message.
+        check: Refuses the head of a message that the protocol does not have.
+    """
+
+    def __init__(
+        self, header: Structure, check: Callable[[Mapping[str, int]], object]
+    ) -> None:
+        self._header = header
+        self._check = check
+        self._received = bytearray()
+
+    def feed(self, data: bytes) -> Iterator[tuple[Mapping[str, int], bytes]]:
+        """Return head and body of what is complete now; the rest waits for more.
+
+        Args:
+            data: The next bytes of the stream.
+        """
+        self._received += data
+        head_size = self._header.size
+        while len(self._received) >= head_size:
+            head = self._header.unpack(self._received[:head_size])
+            self._check(head)
+            if len(self._received) < head["size"]:
+                return
+            body = bytes(self._received[head_size : head["size"]])
+            del self._received[: head["size"]]
+            yield head, body
+
+
 class Messages(Generic[_Command]):
     """Makes requests, and reads the answers, however TCP has cut them.
 
@@ -49,7 +82,7 @@ class Messages(Generic[_Command]):
     ) -> None:
         self._header = header
         self._exchanges = exchanges
-        self._received = bytearray()
+        self._cutter = FrameCutter(header, self._response_of)
 
     def request(
         self, command: _Command, number: int, values: Mapping[str, Any] = _NOTHING
@@ -76,22 +109,17 @@ class Messages(Generic[_Command]):
         Raises:
             FciProtocolError: The stream has no answer of the protocol in it.
         """
-        self._received += data
-        head_size = self._header.size
-        while len(self._received) >= head_size:
-            head = self._header.unpack(self._received[:head_size])
-            command, response = self._look_up(head["command"])
-            if head["size"] < head_size + response.size:
-                raise FciProtocolError("libfranka: Incorrect TCP message size.")
-            if len(self._received) < head["size"]:
-                return
-            body = bytes(self._received[head_size : head_size + response.size])
-            del self._received[: head["size"]]
-            values = response.unpack(body)
+        for head, body in self._cutter.feed(data):
+            command, response = self._response_of(head)
+            values = response.unpack(body[: response.size])
             yield Answer(command, head["command_id"], values["status"], values)
 
-    def _look_up(self, number: int) -> tuple[_Command, Structure]:
-        for command, exchange in self._exchanges.items():
-            if command == number:
-                return command, exchange.response
-        raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")
+    def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Structure]:
+        number = head["command"]
+        command = next((c for c in self._exchanges if c == number), None)
+        if command is None:
+            raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")
+        response = self._exchanges[command].response
+        if head["size"] < self._header.size + response.size:
+            raise FciProtocolError("libfranka: Incorrect TCP message size.")
+        return command, response
