@@ -296,7 +296,10 @@ def measure(
 def _turn_and_watch(
     client: StationClient, seconds: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Turn the joint to and fro; return wall times [s] and its angles then [rad]."""
+    """Turn the joint to and fro; return wall times [s] and its angles then [rad].
+
+    It ends where it began, a little late: a jump at the next start would be refused.
+    """
     rest = list(client.last_command(CONTROLLER).last or _here(client))
     stamps, angles, offset = [], [], np.inf
     began = time.monotonic()
@@ -307,7 +310,7 @@ def _turn_and_watch(
             stamps.append(frame.stamp)
             angles.append(frame.data["position"][place])
             passed = time.monotonic() - began
-            if passed > seconds:
+            if passed > seconds and abs(_wanted(passed)) < 0.05 * SPEED:
                 break
             if len(stamps) % 4 == 0:
                 client.command(CONTROLLER, [_wanted(passed), *rest[1:]])

@@ -1,6 +1,7 @@
 """Pass a browser's requests on to Viser, and its frames both ways."""
 
 import asyncio
+import contextlib
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
@@ -102,8 +103,8 @@ async def _relay(
     downwards = asyncio.create_task(_to_browser(browser, upstream))
     upwards = asyncio.create_task(_to_viser(browser, upstream, role))
     await until_first(downwards, upwards, ended)
-    if not ended.cancelled() and browser.application_state is WebSocketState.CONNECTED:
-        await browser.close(_SESSION_ENDED, "the session has ended")
+    if not ended.cancelled():
+        await _close(browser, _SESSION_ENDED, "the session has ended")
 
 
 async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
@@ -116,8 +117,14 @@ async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
                 await browser.send_text(frame)
     except (ConnectionClosed, WebSocketDisconnect):
         pass  # Either end has gone; the code below tells the other.
+    await _close(browser, *_closing(upstream.close_code, upstream.close_reason))
+
+
+async def _close(browser: WebSocket, code: int, reason: str) -> None:
+    """Close the browser's side, unless it has gone first."""
     if browser.application_state is WebSocketState.CONNECTED:
-        await browser.close(*_closing(upstream.close_code, upstream.close_reason))
+        with contextlib.suppress(WebSocketDisconnect):
+            await browser.close(code, reason)
 
 
 async def _to_viser(
