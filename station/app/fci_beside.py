@@ -13,6 +13,7 @@ from typing import Self
 from station.app.fci_run import FciRobotError, model_library_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
+from station.core.loop.scheduling import ordinary_priority
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_door import (
@@ -71,7 +72,7 @@ class FciBeside:
             may_move=lambda: loop.stop_latch.state is StopState.ARMED,
         )
         self._pipe, other = socket.socketpair()
-        with other:
+        with other, ordinary_priority():
             inherited = (other.fileno(), memory)
             self._process = subprocess.Popen(
                 [

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 
+from station.core.loop.scheduling import ordinary_priority
 from station.kernel import STATUS
 from station.kernel.built import (
     find_failure,
@@ -36,14 +37,15 @@ class KernelBuild:
         if needs_building(STATUS):
             self._is_started = True
             try:
-                subprocess.run(
-                    _COMMAND,
-                    check=True,
-                    timeout=_TIMEOUT,
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                )
+                with ordinary_priority():
+                    subprocess.run(
+                        _COMMAND,
+                        check=True,
+                        timeout=_TIMEOUT,
+                        stdin=subprocess.DEVNULL,
+                        stdout=subprocess.DEVNULL,
+                        stderr=subprocess.DEVNULL,
+                    )
             except (OSError, subprocess.SubprocessError) as error:
                 self._warn(f"The kernel cannot be built: {error}.")
         return present_status(STATUS).text()

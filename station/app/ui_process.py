@@ -14,6 +14,7 @@ from typing import Protocol
 import station
 from station.app.dashboard_file import DashboardRecord, claim_orphan, dashboard_path
 from station.core.errors import StationError
+from station.core.loop.scheduling import ordinary_priority
 from station.local.private_files import process_start
 
 ORPHAN_TIME = 1.0
@@ -241,19 +242,17 @@ class UiProcess:
         )
 
     def _start_process(self) -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            self._command,
-            stdin=subprocess.DEVNULL,
-            env={
-                **os.environ,
-                "STATION_TOKEN": self._options.token,
-                VIEWER_VARIABLE: self._options.viewer_token,
-            },
-            start_new_session=True,
-        )
-        # The dashboard must not share the favour that the station's threads enjoy.
-        os.setpriority(os.PRIO_PROCESS, process.pid, 0)
-        return process
+        with ordinary_priority():
+            return subprocess.Popen(
+                self._command,
+                stdin=subprocess.DEVNULL,
+                env={
+                    **os.environ,
+                    "STATION_TOKEN": self._options.token,
+                    VIEWER_VARIABLE: self._options.viewer_token,
+                },
+                start_new_session=True,
+            )
 
     def answers(self) -> bool:
         """Say whether the dashboard answers requests already."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from station.core.errors import StationError
+from station.core.loop.scheduling import ordinary_priority
 from station.trials.errors import ExperimentError
 
 _BEGIN_TIMEOUT = 60.0
@@ -39,13 +40,14 @@ class ExperimentProcess:
         self._orders = os.fdopen(in_write, "w", encoding="utf-8")
         self._told = os.fdopen(out_read, encoding="utf-8")
         try:
-            self._process = subprocess.Popen(
-                command,
-                stdin=in_read,
-                stdout=out_write,
-                # Ctrl-C at the station's terminal is not meant for the experiment.
-                start_new_session=True,
-            )
+            with ordinary_priority():
+                self._process = subprocess.Popen(
+                    command,
+                    stdin=in_read,
+                    stdout=out_write,
+                    # Ctrl-C at the station's terminal is not meant for the experiment.
+                    start_new_session=True,
+                )
         except OSError as error:
             self._orders.close()
             self._told.close()

@@ -16,9 +16,13 @@ SWITCH_INTERVAL = 1e-4
 """Longest wait for the interpreter lock behind a busy thread [s]."""
 FIFO_PRIORITY = 50
 """Priority asked for, as real-time audio and robot drivers do (1 to 99)."""
+ROUND_ROBIN_PRIORITY = 1
+"""SCHED_RR priority of the other threads, the lowest one. One of them may hold the
+interpreter while the control thread waits for it, so a busy machine must not keep it
+off the processor (benchmarks/bench_dashboard.py)."""
 NICENESS = -10
-"""Niceness of the other threads. One of them may hold the interpreter while the control
-thread waits for it, so a busy machine must not keep it off the processor for long."""
+"""Their niceness where only that is granted. Linux compares it within a session only:
+it does not help against a browser that was started from the desktop."""
 GC_THRESHOLDS = (50_000, 20, 50)
 """Collect rarely: the control loop makes no cycles of references."""
 
@@ -32,21 +36,54 @@ def realtime_interpreter() -> Iterator[None]:
     is permitted.
     """
     interval, thresholds = sys.getswitchinterval(), gc.get_threshold()
-    niceness = os.getpriority(os.PRIO_PROCESS, 0)
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
     sys.setswitchinterval(SWITCH_INTERVAL)
-    with suppress(PermissionError):
-        os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
     try:
-        yield
+        with _policy("SCHED_RR", ROUND_ROBIN_PRIORITY, NICENESS):
+            yield
     finally:
         sys.setswitchinterval(interval)
         gc.set_threshold(*thresholds)
         gc.unfreeze()
-        if os.getpriority(os.PRIO_PROCESS, 0) != niceness:
-            os.setpriority(os.PRIO_PROCESS, 0, niceness)
+
+
+@contextmanager
+def ordinary_priority() -> Iterator[None]:
+    """Let the calling thread be an ordinary one, and the processes that it starts.
+
+    A process inherits the scheduling of the thread that starts it. What the station's
+    threads enjoy is not meant for a dashboard, a compiler or an experiment.
+    """
+    with _policy("SCHED_OTHER", 0, max(os.getpriority(os.PRIO_PROCESS, 0), 0)):
+        yield
+
+
+@contextmanager
+def _policy(name: str, priority: int, niceness: int) -> Iterator[None]:
+    """Schedule the calling thread like this as far as that is permitted."""
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    with suppress(PermissionError):
+        os.setpriority(os.PRIO_PROCESS, 0, niceness)
+    # macOS has no such policies.
+    policy = getattr(os, name, None)
+    scheduled = None if policy is None else _scheduling()
+    if policy is not None:
+        with suppress(PermissionError):
+            os.sched_setscheduler(0, policy, os.sched_param(priority))
+    try:
+        yield
+    finally:
+        if scheduled is not None and scheduled != _scheduling():
+            os.sched_setscheduler(0, scheduled[0], os.sched_param(scheduled[1]))
+        if os.getpriority(os.PRIO_PROCESS, 0) != before:
+            os.setpriority(os.PRIO_PROCESS, 0, before)
+
+
+def _scheduling() -> tuple[int, int]:
+    """Return policy and priority of the calling thread."""
+    return os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
 
 
 def request_realtime_priority() -> str:

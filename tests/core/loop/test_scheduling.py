@@ -9,7 +9,9 @@ import pytest
 from station.core.loop.scheduling import (
     GC_THRESHOLDS,
     NICENESS,
+    ROUND_ROBIN_PRIORITY,
     SWITCH_INTERVAL,
+    ordinary_priority,
     realtime_interpreter,
     request_realtime_priority,
 )
@@ -24,24 +26,62 @@ def test_settings_hold_inside_and_are_restored_after():
     assert _settings() == before
 
 
-def test_threads_started_inside_are_favoured_where_that_is_permitted(monkeypatch):
-    asked = []
-    niceness = os.getpriority(os.PRIO_PROCESS, 0)
-    monkeypatch.setattr(os, "setpriority", lambda *call: asked.append(call))
-    monkeypatch.setattr(
-        os, "getpriority", lambda *_: asked[-1][2] if asked else niceness
-    )
+def test_threads_started_inside_are_favoured_and_processes_can_be_ordinary(scheduled):
     with realtime_interpreter():
-        assert asked == [(os.PRIO_PROCESS, 0, NICENESS)]
-    assert asked[1:] == [(os.PRIO_PROCESS, 0, niceness)]
+        assert scheduled.now == (os.SCHED_RR, ROUND_ROBIN_PRIORITY, NICENESS)
+        with ordinary_priority():
+            assert scheduled.now == (os.SCHED_OTHER, 0, 0)
+        assert scheduled.now == (os.SCHED_RR, ROUND_ROBIN_PRIORITY, NICENESS)
+    assert scheduled.now == (os.SCHED_OTHER, 0, 3)
 
 
-def test_a_refused_niceness_is_no_obstacle(monkeypatch):
-    def refuse(_which: int, _who: int, niceness: int) -> None:
-        if niceness < 0:
-            raise PermissionError(13, "Permission denied")
+def test_an_ordinary_process_stays_as_nice_as_its_station(scheduled):
+    with ordinary_priority():
+        assert scheduled.now == (os.SCHED_OTHER, 0, 3)
+
+
+class Scheduled:
+    """Stands for the system, which grants a thread everything; starts with nice 3."""
+
+    def __init__(self) -> None:
+        self.now = (os.SCHED_OTHER, 0, 3)
+
+    def setpriority(self, _which: int, _who: int, niceness: int) -> None:
+        self.now = (*self.now[:2], niceness)
+
+    def getpriority(self, _which: int, _who: int) -> int:
+        return self.now[2]
+
+    def sched_setscheduler(self, _pid: int, policy: int, param: os.sched_param) -> None:
+        self.now = (policy, param.sched_priority, self.now[2])
+
+    def sched_getscheduler(self, _pid: int) -> int:
+        return self.now[0]
+
+    def sched_getparam(self, _pid: int) -> os.sched_param:
+        return os.sched_param(self.now[1])
+
+
+@pytest.fixture
+def scheduled(monkeypatch):
+    system = Scheduled()
+    for name in (
+        "setpriority",
+        "getpriority",
+        "sched_setscheduler",
+        "sched_getscheduler",
+        "sched_getparam",
+    ):
+        monkeypatch.setattr(os, name, getattr(system, name))
+    return system
+
+
+def test_a_refused_favour_is_no_obstacle(monkeypatch):
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(os, "setpriority", refuse)
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
     with realtime_interpreter():
         assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL)
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from station.core.description.robot_files import RobotFiles
 from station.core.errors import StationError
+from station.core.loop.scheduling import ordinary_priority
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
 from station.hw.franka.fci.wire.robot_protocol import Architecture, System
 from station.hw.franka.simulated.franka_dynamics import read_bodies
@@ -144,13 +145,14 @@ def _compile(source: str, target: Path) -> None:
             text, built = Path(folder) / "model.c", Path(folder) / "model.so"
             text.write_text(source, encoding="utf-8")
             command = [compiler, *_OPTIONS, "-o", str(built), str(text), "-lm"]
-            subprocess.run(
-                command,
-                check=True,
-                capture_output=True,
-                text=True,
-                timeout=_LONGEST_COMPILATION,
-            )
+            with ordinary_priority():
+                subprocess.run(
+                    command,
+                    check=True,
+                    capture_output=True,
+                    text=True,
+                    timeout=_LONGEST_COMPILATION,
+                )
             built.replace(target)
     except (OSError, subprocess.SubprocessError) as error:
         said = getattr(error, "stderr", None) or str(error)
