@@ -7,6 +7,7 @@ from typing import Any
 
 from station.core.errors import ArmCommandError, InvalidCommandError, StationError
 from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.fci.driver.fci_client import RobotAnswer, robot_client
 from station.hw.franka.fci.driver.network import (
     SLICE,
     UDP_TIMEOUT,
@@ -14,7 +15,6 @@ from station.hw.franka.fci.driver.network import (
     Network,
 )
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
-from station.hw.franka.fci.driver.robot_client import RobotAnswer, RobotClient
 from station.hw.franka.fci.driver.state_reader import StateReader
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
@@ -58,7 +58,7 @@ class ArmLink:
     ) -> None:
         self._network = network
         self._on_state, self._on_loss = on_state, on_loss
-        self._client = RobotClient(network, protocol)
+        self._client = robot_client(network, protocol)
         self.reader = StateReader(state, protocol, CYCLE_TIME)
         self.loss: str | None = None
         self._silence = 0.0

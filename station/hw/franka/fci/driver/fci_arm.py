@@ -27,10 +27,10 @@ from station.hw.franka.arm.robot_arm import (
 )
 from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
+from station.hw.franka.fci.driver.fci_client import RobotAnswer
 from station.hw.franka.fci.driver.network import Network
 from station.hw.franka.fci.driver.realtime import realtime_problem
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
-from station.hw.franka.fci.driver.robot_client import RobotAnswer
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,

@@ -15,8 +15,8 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
 )
 from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
 from station.hw.franka.fci.driver.network import SLICE, UDP_TIMEOUT, FciNetworkError
-from station.hw.franka.fci.driver.robot_client import IncompatibleVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PANDA,
