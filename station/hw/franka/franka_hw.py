@@ -79,6 +79,7 @@ if TYPE_CHECKING:
     from station.hw.franka.fci.driver.fci_arm import FciArm
     from station.hw.franka.fci.driver.real_hand import RealHand
     from station.hw.franka.fci.server.fci_guest import FciGuest
+    from station.hw.franka.hand.hand_services import HandServices
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
@@ -234,6 +235,11 @@ class FrankaHW(RobotHW):
     def robot_state(self) -> RobotState:
         """The arm's live state; control thread only."""
         return self.arm.state
+
+    @property
+    def simulated_hand(self) -> "HandServices | None":
+        """The simulated hand; None without one."""
+        return None if self._fingers is None else self._fingers.hand
 
     @property
     def is_commanded(self) -> bool:

@@ -13,7 +13,10 @@ from typing import TYPE_CHECKING
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.fci.server.client_port import ClientPort
-from station.hw.franka.fci.server.gripper_session import GripperSession
+from station.hw.franka.fci.server.gripper_session import (
+    GRIPPER_PERIOD,
+    GripperSession,
+)
 from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
@@ -22,8 +25,6 @@ from station.hw.franka.hand.hand_services import HandServices
 if TYPE_CHECKING:
     import socket
 
-GRIPPER_PERIOD = 10
-"""A state of the hand is sent in every tenth cycle of the arm."""
 _SHORTEST_WAIT = 0.5
 """Part of a period for which a client may answer even when the server is late."""
 

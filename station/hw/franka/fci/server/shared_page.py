@@ -22,11 +22,12 @@ class SharedPage:
     """States and answers go one way, commands the other.
 
     Args:
-        memory: At least `PAGE_BYTES` writable bytes, zero at first.
+        memory: At least `PAGE_BYTES` writable bytes from `start` on, zero at first.
+        start: Where the page begins in the memory [bytes].
     """
 
-    def __init__(self, memory: mmap.mmap | bytearray) -> None:
-        view = memoryview(memory)
+    def __init__(self, memory: mmap.mmap | bytearray, start: int = 0) -> None:
+        view = memoryview(memory)[start:]
         self._numbers = view[:_NUMBERS].cast("Q")
         self._slots = [
             view[_NUMBERS + i * _SLOT : _NUMBERS + (i + 1) * _SLOT] for i in range(6)
@@ -35,7 +36,7 @@ class SharedPage:
         self._taken = 0  # number of the last command or state that this side took
         self._state_taken = 0
 
-    def put_state(self, message: bytearray) -> None:
+    def put_state(self, message: bytes | bytearray) -> None:
         """Leave a state; an older one that nobody has taken is lost. Control thread."""
         self._put(_STATE, message)
 
