@@ -278,6 +278,13 @@ class RobotArm(ABC):
             ArmCommandError: A motion runs.
         """
 
+    def is_lost(self) -> bool:
+        """Return whether there is no connection to the arm.
+
+        A recovery connects again. A simulated arm is never lost.
+        """
+        return False
+
     @abstractmethod
     def check_recovery(self) -> None:
         """Refuse when the arm cannot recover itself now. An arm without errors can.

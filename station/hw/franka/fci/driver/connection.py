@@ -34,8 +34,15 @@ def connect(parameters: FrankaParameters) -> FciArm:
 
         return ArmModel(description)
 
-    network = FciNetwork(parameters.robot_ip or "", PANDA.port)
-    arm = FciArm(network, make_model, is_enforced=not parameters.waits_for_late_loop)
+    def open_network() -> FciNetwork:
+        return FciNetwork(parameters.robot_ip or "", PANDA.port)
+
+    arm = FciArm(
+        open_network(),
+        make_model,
+        is_enforced=not parameters.waits_for_late_loop,
+        reopen=open_network,
+    )
     try:
         arm.set_collision_behavior(parameters.collision_behavior)
     except StationError:

@@ -194,8 +194,11 @@ def test_silent_arm_is_lost_after_libfrankas_time(network, arm):
 
     assert arm.read_once().robot_mode is RobotMode.OTHER
     assert arm.failure() == "libfranka: UDP receive: Timeout"
-    assert "restart the station" in arm.remedy()
-    for refused in (arm.check_recovery, lambda: arm.start_motion(JOINT, POSITION)):
+    assert arm.remedy() == (
+        "restore the connection, then recover (libfranka: UDP receive: Timeout)"
+    )
+    start = lambda: arm.start_motion(JOINT, POSITION)  # noqa: E731
+    for refused in (arm.automatic_error_recovery, start):
         with pytest.raises(ArmCommandError, match="UDP receive: Timeout"):
             refused()
     with pytest.raises(ArmCommandError, match="lost"):
