@@ -139,7 +139,6 @@ class SimulatedArm(RobotArm):
             motors=self.motors,
             load=self.load,
             faults=self._faults,
-            period=world.timestep,
         )
         self.preparation, self.attend = self._step, self._drive.attend
         self._controls = SimulatedArmControls(

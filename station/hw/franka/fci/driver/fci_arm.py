@@ -20,6 +20,7 @@ from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
+    MEASURED_REST,
     REST_VELOCITY,
     ControllerMode,
     MotionGeneratorMode,
@@ -39,9 +40,6 @@ from station.hw.franka.fci.wire.robot_protocol import (
 )
 from station.kernel.doubles import Storage
 
-MEASURED_REST = 0.02
-"""Joints that are measured slower than this are at rest [rad/s]: the noise of a real
-arm's velocities is 3 mrad/s (see `Realism`)."""
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""
 
