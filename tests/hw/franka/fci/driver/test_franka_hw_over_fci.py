@@ -154,5 +154,6 @@ def test_combined_arms_are_simulated_alone():
     tree = ParameterTree({
         "robot": {"robot_hardware": ["left"], "left": {**ROBOT, "robot_ip": ADDRESS}}
     })
-    with pytest.raises(ParameterError, match="robot_ip 172"):
+    with pytest.raises(ParameterError, match="robot_ip 172") as error:
         FrankaCombinedHW().init(Parameters(tree), Parameters(tree, "robot"))
+    assert "a station of its own for each real arm" in error.value.remedy
