@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Self
 
-from station.app.fci_run import FciRobotError, model_library_of
+from station.app.fci_run import FciRobotError, model_library_of, protocols_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.scheduling import ordinary_priority
@@ -71,6 +71,7 @@ class FciBeside:
             hw.arm,
             SharedPage(shared),
             library,
+            protocols_of(hw.parameters),
             is_commanded=lambda: hw.is_commanded,
             may_move=self._may_move,
         )

@@ -4,7 +4,7 @@ Either the station's controllers command the arm, or the client does. The hand o
 newest command, whoever gives it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from typing_extensions import override
 
@@ -15,6 +15,7 @@ from station.hw.franka.fci.server.gripper_session import (
 )
 from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
 from station.hw.franka.fci.server.shared_page import SharedPage
+from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
 from station.kernel.stages import Stage
 
@@ -28,6 +29,7 @@ class FciGuest:
         arm: The arm.
         page: Where messages are left and found.
         model_library: Where model libraries come from.
+        protocols: The versions that are spoken.
         is_commanded: Returns whether the station's controllers command the arm.
         may_move: Returns whether the station lets anybody move the arm.
     """
@@ -37,13 +39,14 @@ class FciGuest:
         arm: RobotArm,
         page: SharedPage,
         model_library: ModelLibrary,
+        protocols: Sequence[RobotProtocol] = (PANDA,),
         *,
         is_commanded: Callable[[], bool],
         may_move: Callable[[], bool],
     ) -> None:
         self._arm = arm
         self._page = page
-        self._model_library = model_library
+        self._model_library, self._protocols = model_library, protocols
         self._is_commanded, self._may_move = is_commanded, may_move
         self._session: RobotSession | None = None
         self._unsent = b""
@@ -58,7 +61,7 @@ class FciGuest:
         self.leave()
         self._page.take_command()  # one that the last client has left
         self._session = RobotSession(
-            self._arm, self._model_library, is_free=self._is_free
+            self._arm, self._model_library, self._protocols, self._is_free
         )
 
     def receive(self, data: bytes) -> tuple[bytes, int | None]:

@@ -6,7 +6,7 @@ never late, and a client must not lose packets for a server that was.
 
 import select
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -38,12 +38,12 @@ class FciSettings:
         patience: How long the arm's time waits for a command of a moving client beyond
             the end of a cycle, before the command counts as lost [s], >= 0. A real arm
             does not wait.
-        protocol: The version that is spoken.
+        protocols: The versions that are spoken.
     """
 
     host: str = "127.0.0.1"
     patience: float = 0.0
-    protocol: RobotProtocol = PANDA
+    protocols: Sequence[RobotProtocol] = (PANDA,)
 
 
 @dataclass(slots=True)
@@ -91,11 +91,10 @@ class FciServer:
         self._clock = clock
         self._message_id = 0
         self.counts = FciCounts()
-        protocol = settings.protocol
         self._robot_port = ClientPort(
             "Robot",
-            (settings.host, protocol.port),
-            lambda: RobotSession(arm, model_library, protocol),
+            (settings.host, PANDA.port),
+            lambda: RobotSession(arm, model_library, settings.protocols),
         )
         self._gripper_port: ClientPort[GripperSession] | None = None
         if hand is not None:
