@@ -72,8 +72,8 @@ class ObservedContact(ContactEstimate):
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
-        # During a recovery, and for three time constants after it, in which the estimate
-        # still approaches what acts, nothing is a new collision.
+        # Nothing is a new collision in a recovery, and for three time constants after
+        # it, in which the estimate still approaches what acts.
         self._settling_time = 3.0 / (2.0 * pi * realism.observer_frequency)
         # By the arm's time, which goes on while nothing touches the arm.
         self._settled_at = 0.0
