@@ -1,7 +1,9 @@
 cimport cython
 from station.kernel.command_pieces cimport CommandPieces, Piece
 from station.kernel.durations cimport Durations
+from station.kernel.sample_columns cimport SampleColumns
 from station.kernel.stages cimport RobotWatch, Stage
+from station.kernel.usual_update cimport UsualUpdate
 from station.kernel.wall_time cimport wall_time
 
 cdef double _INF
@@ -12,6 +14,8 @@ cdef class ControllerTurn:
     cdef object name
     cdef Durations durations
     cdef list pieces
+    cdef UsualUpdate usual
+    cdef SampleColumns sampled
 
 cdef class ControllerRound(Stage):
     cdef readonly object gate
@@ -35,5 +39,5 @@ cdef class ControllerRound(Stage):
     cpdef update_all(self, double time, double period)
     @cython.locals(begin=double, duration=double, is_finite=bint, piece=Piece)
     cpdef update_one(self, ControllerTurn turn, double time, double period)
-    @cython.locals(turn=ControllerTurn)
+    @cython.locals(turn=ControllerTurn, sampled=SampleColumns)
     cpdef dict samples(self)

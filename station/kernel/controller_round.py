@@ -5,7 +5,9 @@ from typing import Any
 
 from station.kernel.command_pieces import CommandPieces, Piece
 from station.kernel.durations import Durations
+from station.kernel.sample_columns import SampleColumns
 from station.kernel.stages import RobotWatch, Stage
+from station.kernel.usual_update import UsualUpdate
 from station.kernel.wall_time import wall_time
 
 _INF = float("inf")
@@ -21,6 +23,8 @@ class ControllerTurn:
         name: Its name.
         durations: Where the duration of each update goes [s].
         pieces: The commands that it has claimed.
+        usual: Does the same as its `update` in usual cycles; None if nothing does.
+        sampled: The columns of its sample; None if it makes samples itself.
     """
 
     def __init__(
@@ -30,12 +34,16 @@ class ControllerTurn:
         name: str,
         durations: Durations,
         pieces: list[Piece],
+        usual: UsualUpdate | None,
+        sampled: SampleColumns | None,
     ) -> None:
         self.one = one
         self.controller = controller
         self.name = name
         self.durations = durations
         self.pieces = pieces
+        self.usual = usual
+        self.sampled = sampled
 
 
 class ControllerRound(Stage):
@@ -145,7 +153,8 @@ class ControllerRound(Stage):
         one = turn.one
         begin = self.now()
         try:
-            turn.controller.update(time, period)
+            if turn.usual is None or not turn.usual.run(time, period):
+                turn.controller.update(time, period)
         except self.contained as error:
             self.fail(one, time, error)
             return
@@ -171,11 +180,15 @@ class ControllerRound(Stage):
         return wall_time() if self.stopwatch is None else self.stopwatch()
 
     def samples(self) -> dict[str, Any]:
-        """Return what each running controller did last, by name."""
+        """Return what each running controller did last, by name.
+
+        It is what `SampleColumns` has packed, or the controller's own sample.
+        """
         found: dict[str, Any] = {}
         for turn in self.turns:
             controller = turn.controller
-            sample = controller.sample
+            sampled = turn.sampled
+            sample = controller.sample if sampled is None else sampled.newest
             if sample is not None and controller.state is self.running:
                 found[turn.name] = sample
         return found
