@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from station.kernel.arm_step import ArmStep
 from station.kernel.finite_check import FiniteCheck
+from station.kernel.flags import AlertFlag, ContactFlag, MotionFlags
 from station.kernel.imperfections import Imperfections
 from station.kernel.stages import Stage
 from station.kernel.world_step import WorldStep
@@ -13,31 +14,10 @@ if TYPE_CHECKING:
     from station.kernel.finger_motor import FingerSensor
 
 
-class Contact(Protocol):
-    """An estimate of contacts; while it is not quiet, every cycle is looked at."""
-
-    is_quiet: bool
-
-
-class Supervisor(Protocol):
-    """A look at readings; while it is alert, every cycle is looked at."""
-
-    is_alert: bool
-
-
 class TimedState(Protocol):
     """A state with its time [s]."""
 
     time: float
-
-
-class WaitingMotion(Protocol):
-    """A motion that may wait for its beginning."""
-
-    is_waiting: bool
-
-    def advance(self, cycles: int) -> None:
-        """Begin the motion if the arm is ready for it."""
 
 
 class Cycles:
@@ -92,8 +72,8 @@ class SimulatedCycles(Cycles):
         *,
         state: TimedState,
         period: float,
-        contact: Contact,
-        supervisor: Supervisor,
+        contact: ContactFlag,
+        supervisor: AlertFlag,
         read_closely: Callable[[float], int],
         imperfections: Imperfections | None,
         expect_load: Callable[[], None],
@@ -153,7 +133,8 @@ class ArmReading(Stage):
     Args:
         cycles: The arm's cycles.
         readings: Looks for a reading that is not finite.
-        motion: The motion that may wait for the arm.
+        motion: Tells whether a motion waits for the arm.
+        advance: Begins such a motion if the arm is ready; takes how often it was read.
         cycle_time: Duration of the arm's cycle [s], > 0.
         catch_up: Reads the arm as often as the time that is due demands, and takes that
             time from `time_due`; returns how often. For any number but one.
@@ -170,8 +151,9 @@ class ArmReading(Stage):
         self,
         cycles: Cycles,
         readings: FiniteCheck,
-        motion: WaitingMotion,
+        motion: MotionFlags,
         *,
+        advance: Callable[[int], None],
         cycle_time: float,
         catch_up: Callable[[], int],
         end_motion: Callable[[], None],
@@ -179,6 +161,7 @@ class ArmReading(Stage):
         self.cycles = cycles
         self.readings = readings
         self.motion = motion
+        self.advance = advance
         self.cycle_time = cycle_time
         self.catch_up = catch_up
         self.end_motion = end_motion
@@ -197,7 +180,7 @@ class ArmReading(Stage):
         else:
             count = self.catch_up()
         if self.motion.is_waiting:
-            self.motion.advance(count)
+            self.advance(count)
         self.bad = self.readings.first_bad()
         if self.bad >= 0:
             # A controller that used such a reading would command garbage.

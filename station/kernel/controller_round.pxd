@@ -1,6 +1,7 @@
 cimport cython
 from station.kernel.command_pieces cimport CommandPieces, Piece
 from station.kernel.durations cimport Durations
+from station.kernel.flags cimport OwnerFlags
 from station.kernel.sample_columns cimport SampleColumns
 from station.kernel.stages cimport RobotWatch, Stage
 from station.kernel.usual_update cimport UsualUpdate
@@ -18,9 +19,8 @@ cdef class ControllerTurn:
     cdef SampleColumns sampled
 
 cdef class ControllerRound(Stage):
-    cdef readonly object gate
+    cdef readonly OwnerFlags gate
     cdef RobotWatch watch
-    cdef object ident
     cdef object running
     cdef tuple contained
     cdef public list turns
@@ -28,7 +28,7 @@ cdef class ControllerRound(Stage):
     cdef public double update_budget
     cdef public long long cycle
     cdef public double time
-    cdef public object thread
+    cdef public long thread
     cdef public bint updating
     cdef public object pending
     cdef public bint resets

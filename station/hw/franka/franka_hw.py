@@ -155,6 +155,7 @@ class FrankaHW(RobotHW):
             cycles_of(self.arm),
             self._sensors.readings,
             self._motion,
+            advance=self._motion.advance,
             cycle_time=self.arm.cycle_time,
             catch_up=self._catch_up,
             end_motion=self.arm.stop_motion,
@@ -431,7 +432,7 @@ class FrankaHW(RobotHW):
             interfaces, told = self.commands.interfaces(), self._parameters
             self._fingers.register(interfaces, in_states=told.publishes_fingers)
             self._reading.fingers = self._fingers.sensor
-            self._writing.fingers = self._fingers
+            self._writing.add_fingers(self._fingers)
             self.register_interface(self._fingers.services)
 
     def _mode_after(

@@ -22,6 +22,7 @@ from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.doubles import put
+from station.kernel.flags import ContactFlag
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
@@ -37,7 +38,7 @@ _ZEROS = [0.0] * 7
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
-class ContactEstimate:
+class ContactEstimate(ContactFlag):
     """Keeps the external torques and the contact levels of one arm up to date.
 
     Little is computed while nothing touches the arm. Control thread only.
@@ -64,6 +65,7 @@ class ContactEstimate:
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
     ) -> None:
+        super().__init__()
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
         self._joints = joints
         self._state = state
@@ -72,7 +74,6 @@ class ContactEstimate:
         )
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
-        self.is_quiet = True
         self.release = 1.0
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.

@@ -15,6 +15,7 @@ from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
+    Receivers,
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
@@ -35,9 +36,9 @@ from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
-from station.kernel.arm_codes import UNUSUAL
+from station.kernel.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
 from station.kernel.arm_reading import Cycles, SimulatedCycles
-from station.kernel.command_sending import Receiver, TorqueReceiver
+from station.kernel.command_sending import JointReceiver, TorqueReceiver
 from station.kernel.doubles import Storage
 
 _ZEROS = [0.0] * 7
@@ -172,8 +173,13 @@ class SimulatedArm(RobotArm):
         return self.state
 
     @override
-    def torque_receiver(self) -> Receiver:
-        return TorqueReceiver(self.command_joint_torques, self._step)
+    def receivers(self) -> Receivers:
+        step = self._step
+        return Receivers(
+            JointReceiver(self.command_joint_positions, step, POSITIONS),
+            JointReceiver(self.command_joint_velocities, step, VELOCITIES),
+            TorqueReceiver(self.command_joint_torques, step),
+        )
 
     @override
     def cycles(self) -> Cycles:
