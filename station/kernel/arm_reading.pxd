@@ -33,7 +33,6 @@ cdef class ArmReading(Stage):
     cdef Cycles cycles
     cdef FiniteCheck readings
     cdef MotionFlags motion
-    cdef object advance
     cdef double cycle_time
     cdef object catch_up
     cdef object end_motion

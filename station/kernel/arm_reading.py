@@ -133,8 +133,7 @@ class ArmReading(Stage):
     Args:
         cycles: The arm's cycles.
         readings: Looks for a reading that is not finite.
-        motion: Tells whether a motion waits for the arm.
-        advance: Begins such a motion if the arm is ready; takes how often it was read.
+        motion: The motion that may wait for the arm.
         cycle_time: Duration of the arm's cycle [s], > 0.
         catch_up: Reads the arm as often as the time that is due demands, and takes that
             time from `time_due`; returns how often. For any number but one.
@@ -153,7 +152,6 @@ class ArmReading(Stage):
         readings: FiniteCheck,
         motion: MotionFlags,
         *,
-        advance: Callable[[int], None],
         cycle_time: float,
         catch_up: Callable[[], int],
         end_motion: Callable[[], None],
@@ -161,7 +159,6 @@ class ArmReading(Stage):
         self.cycles = cycles
         self.readings = readings
         self.motion = motion
-        self.advance = advance
         self.cycle_time = cycle_time
         self.catch_up = catch_up
         self.end_motion = end_motion
@@ -180,7 +177,7 @@ class ArmReading(Stage):
         else:
             count = self.catch_up()
         if self.motion.is_waiting:
-            self.advance(count)
+            self.motion.advance(count)
         self.bad = self.readings.first_bad()
         if self.bad >= 0:
             # A controller that used such a reading would command garbage.

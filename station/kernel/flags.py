@@ -42,6 +42,14 @@ class MotionFlags:
         self.is_active = False
         self.is_waiting = False
 
+    def advance(self, cycles: int) -> None:
+        """Begin a motion that waits, if the arm is ready for it.
+
+        Args:
+            cycles: Cycles of the arm since the last call.
+        """
+        raise NotImplementedError
+
 
 class ContactFlag:
     """Tells about the contacts of an arm.

@@ -51,7 +51,7 @@ class WatchedSetPoint(SetPointInForce):
         Raises:
             CommandTimeoutError: The set-point has expired and the action is `stop`.
         """
-        if self._port.has_news():
+        if self.news.is_possible() and self._port.has_news():
             self._take_news()
         return self.values
 

@@ -155,7 +155,6 @@ class FrankaHW(RobotHW):
             cycles_of(self.arm),
             self._sensors.readings,
             self._motion,
-            advance=self._motion.advance,
             cycle_time=self.arm.cycle_time,
             catch_up=self._catch_up,
             end_motion=self.arm.stop_motion,

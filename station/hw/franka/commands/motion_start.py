@@ -9,6 +9,8 @@ that the torque controller starts from the pose that the arm keeps, without brak
 torques.
 """
 
+from typing_extensions import override
+
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
@@ -87,6 +89,7 @@ class MotionStart(MotionFlags):
         self._waited = 0
         self.advance(0)
 
+    @override
     def advance(self, cycles: int) -> None:
         """Begin the motion if the arm is ready for it.
 
