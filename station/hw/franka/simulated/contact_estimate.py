@@ -10,6 +10,7 @@ those of the simulation, so nothing is estimated but the load.
 
 from collections.abc import Callable, Sequence
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.doubles import put
+
+if TYPE_CHECKING:
+    from station.kernel.imperfections import Imperfections
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
@@ -53,6 +57,8 @@ class ContactEstimate:
     Attributes:
         behavior: The thresholds.
         is_quiet: Whether nothing touches the arm.
+        imperfections: What disturbs the readings in every cycle; None when nothing
+            does.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
     """
@@ -65,6 +71,7 @@ class ContactEstimate:
         load_torques: Callable[[], list[float] | None],
     ) -> None:
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
+        self.imperfections: "Imperfections | None" = None
         self._joints = joints
         self._state = state
         self._gain = joints.timestep / (
@@ -118,6 +125,21 @@ class ContactEstimate:
 
     def renew(self) -> None:
         """Take new frames over; nothing is kept that depends on them."""
+
+    def expect_load(self) -> None:
+        """Take over the torques for the configured load; `update` asks for them."""
+
+    def attend(self, found: int) -> bool:
+        """Do what an unusual cycle of the imperfections asks for; there are none.
+
+        Args:
+            found: What `Imperfections.sense` has returned, not 0.
+
+        Returns:
+            Whether the next command is to be lost on its way.
+        """
+        del found
+        return False
 
     def _update_wrench(self) -> None:
         state = self._state
