@@ -86,9 +86,7 @@ def test_an_alarm_that_is_not_there_cannot_be_acknowledged(alarms):
         alarms.acknowledge(7)
 
 
-def test_a_faulty_controller_alarms_until_it_is_unloaded(
-    station, alarms, break_spring
-):
+def test_a_faulty_controller_alarms_until_it_is_unloaded(station, alarms, break_spring):
     break_spring()
     (alarm,) = alarms.all()
     assert alarm.cause.subject == "controller spring"

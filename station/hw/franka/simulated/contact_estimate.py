@@ -71,7 +71,7 @@ class ContactEstimate:
         load_torques: Callable[[], list[float] | None],
     ) -> None:
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
-        self.imperfections: "Imperfections | None" = None
+        self.imperfections: Imperfections | None = None
         self._joints = joints
         self._state = state
         self._gain = joints.timestep / (
