@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from station.core.errors import suggest
@@ -130,6 +130,7 @@ def tune(
 
     Raises:
         ExperimentError: The first trial fails, or lacks a metric of the goal.
+        KeyboardInterrupt: Ctrl-C came before the end of the first trial.
     """
     strategy = _strategy(len(gains), search)
     runner = Runner(results, executor, _counted(results, search.trials, watch))
@@ -164,14 +165,17 @@ def _begin(
     """Run the first trial; return the search with it as the best.
 
     Raises:
+        KeyboardInterrupt: Ctrl-C came before its end.
         ExperimentError: It fails, or lacks a metric of the goal.
     """
     progress = runner.run([first], search.trials)
     begun = results.find(first.hash)
-    if begun is None or begun.state == "failed":
-        why = "It was interrupted." if begun is None else begun.reason
+    if begun is None:
+        raise KeyboardInterrupt
+    if begun.state == "failed":
         raise ExperimentError(
-            f"The search cannot begin: the first trial {first.hash} has failed. {why}",
+            f"The search cannot begin: the first trial {first.hash} has failed. "
+            f"{begun.reason}",
             remedy="Begin with gains under which the robot carries the script out.",
         )
     cost = goal.cost(begun, begun.metrics)
@@ -220,12 +224,6 @@ def _counted(results: Results, total: int, watch: Watcher) -> Watcher:
 
     def tell(progress: Progress) -> None:
         ended = results.count()
-        watch(
-            Progress(
-                *(max(total, ended), ended, progress.failed, progress.resumed),
-                progress.repeated,
-                progress.refused,
-            )
-        )
+        watch(replace(progress, total=max(total, ended), ended=ended))
 
     return tell
