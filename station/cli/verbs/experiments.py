@@ -91,7 +91,7 @@ def _tell_tuned(
     say_table(["metric", "first", "best"], rows)
     say(
         f"{results.count()} trials in {seconds:.0f} s, cost {tuned.best_cost:.3f} of "
-        f"the first ({tuned.stopped})."
+        f"the first. {tuned.stopped}"
     )
     _say_refused(tuned.progress)
     name = results.path.stem
