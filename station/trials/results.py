@@ -304,7 +304,7 @@ class Results:
             several = "more than one trial" if found else "no trial"
             raise ExperimentNotFoundError(
                 f"The experiment '{self.path.stem}' has {several} '{trial_hash}'.",
-                remedy="`station experiments show` lists the hashes.",
+                remedy="`station experiments show NAME --json` has all hashes.",
             )
         return Trial.from_json(self.setup, found[0][0])
 
