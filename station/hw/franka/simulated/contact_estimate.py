@@ -10,6 +10,7 @@ those of the simulation, so nothing is estimated but the load.
 
 from collections.abc import Callable, Sequence
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.doubles import put
 from station.kernel.flags import ContactFlag
+
+if TYPE_CHECKING:
+    from station.kernel.imperfections import Imperfections
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
@@ -54,6 +58,8 @@ class ContactEstimate(ContactFlag):
     Attributes:
         behavior: The thresholds.
         is_quiet: Whether nothing touches the arm.
+        imperfections: What disturbs the readings in every cycle; None when nothing
+            does.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
     """
@@ -67,6 +73,7 @@ class ContactEstimate(ContactFlag):
     ) -> None:
         super().__init__()
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
+        self.imperfections: Imperfections | None = None
         self._joints = joints
         self._state = state
         self._gain = joints.timestep / (
@@ -119,6 +126,21 @@ class ContactEstimate(ContactFlag):
 
     def renew(self) -> None:
         """Take new frames over; nothing is kept that depends on them."""
+
+    def expect_load(self) -> None:
+        """Take over the torques for the configured load; `update` asks for them."""
+
+    def attend(self, found: int) -> bool:
+        """Do what an unusual cycle of the imperfections asks for; there are none.
+
+        Args:
+            found: What `Imperfections.sense` has returned, not 0.
+
+        Returns:
+            Whether the next command is to be lost on its way.
+        """
+        del found
+        return False
 
     def _update_wrench(self) -> None:
         state = self._state

@@ -59,7 +59,8 @@ class ObservedContact(ContactEstimate):
         cycle: ArmCycle,
         simulator: SimulatorMemory,
     ) -> None:
-        self.imperfections = Imperfections(
+        super().__init__(joints, state, limits, load_torques)
+        self.imperfections: Imperfections = Imperfections(
             cycle.memory,
             simulator,
             noise=_random_numbers(realism.seed),
@@ -78,7 +79,6 @@ class ObservedContact(ContactEstimate):
             3.0 / (2.0 * pi * realism.observer_frequency * joints.timestep)
         )
         self._settling = 0
-        super().__init__(joints, state, limits, load_torques)
         self.set_behavior(self.behavior)
         self.release = _RELEASE
 
@@ -95,15 +95,8 @@ class ObservedContact(ContactEstimate):
         )
         put(self.imperfections.lower, map(min, nominal, accelerating))
 
+    @override
     def attend(self, found: int) -> bool:
-        """Do what an unusual cycle asks for.
-
-        Args:
-            found: What `Imperfections.sense` has returned, not 0.
-
-        Returns:
-            Whether the next command is to be lost on its way.
-        """
         if found & MOVED:
             self.renew()
         if found & TOUCHED:
@@ -127,8 +120,8 @@ class ObservedContact(ContactEstimate):
         )
         return found
 
+    @override
     def expect_load(self) -> None:
-        """Take over the torques for the configured load."""
         put(self.imperfections.expected, self._load_torques() or [0.0] * 7)
 
     @override
