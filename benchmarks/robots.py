@@ -155,8 +155,8 @@ def _push_against_stops(name: str) -> float:
     worst = 0.0
     for sign in (1.0, -1.0):
         station.motion.set_command("push", (sign * most).tolist())
-        for _ in range(300):
-            station.loop.step(10)
+        for _ in range(3000):
+            station.loop.step(1)
             position = data.qpos[places]
             worst = max(
                 worst, float(np.max(np.maximum(low - position, position - high)))
