@@ -92,6 +92,7 @@ class ArmModes:
         self._world = world
         self._state = state
         self._motion = cycle.motion
+        self._positions = cycle.memory.positions
         self._step = cycle.step
         self._follower = follower
         self._motors = motors
@@ -163,7 +164,7 @@ class ArmModes:
         # Torques, or the motion before an error, have moved the arm away from q_d.
         # Without this reset the arm would jump back to q_d.
         if self._motors.torques_act or mode is not RobotMode.IDLE:
-            self._motion.seed(state.theta, state.dtheta)
+            self._motion.seed(self._positions, state.dtheta)
         self._motors.engage_joint_impedance()
         self._set_modes(None, MotionGeneratorMode.NONE)
         self._frames.is_cartesian = False

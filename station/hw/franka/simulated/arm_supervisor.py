@@ -19,6 +19,7 @@ from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.kernel.cycle_log import CycleLog
+from station.kernel.doubles import Doubles
 from station.kernel.joint_watch import JointWatch
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
@@ -45,6 +46,7 @@ class ArmSupervisor:
         thresholds: Thresholds that Franka does not publish.
         watch: Looks at the readings in every cycle.
         cycle_log: The last cycles.
+        positions: Positions of the joints as they are [rad], shape (7,).
 
     Attributes:
         errors: The present errors with their causes; empty after a recovery.
@@ -61,8 +63,10 @@ class ArmSupervisor:
         thresholds: SupervisorLimits,
         watch: JointWatch,
         cycle_log: CycleLog,
+        positions: Doubles,
     ) -> None:
         self._state = state
+        self._positions = positions
         self._limits = limits
         self._thresholds = thresholds
         self._watch = watch
@@ -91,7 +95,7 @@ class ArmSupervisor:
         Returns:
             Errors of measured values that were out of range for too long.
         """
-        q = self._state.theta
+        q = list(self._positions)
         if is_quiet and not (self._limits.curves and self._is_fast_near_limits(q)):
             self._bad_cycles = 0
             self._known = {}
@@ -150,7 +154,7 @@ class ArmSupervisor:
     def recover(self) -> None:
         """Forget the present errors, and accept values that are out of range now."""
         self.clear()
-        q, state = self._state.theta, self._state
+        q, state = list(self._positions), self._state
         power = sum(
             abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
         )

@@ -96,20 +96,29 @@ class SimulatedArm(RobotArm):
         joints = world.joints(joint_names)
         thresholds = thresholds or SupervisorLimits()
         simulator = joints.simulator_memory()
-        cycle = ArmCycle(state, limits, thresholds, simulator, world.timestep)
+        cycle = ArmCycle(
+            state,
+            limits,
+            thresholds,
+            simulator,
+            world.timestep,
+            is_rigid=realism is None,
+        )
+        self._positions = cycle.memory.positions
         self._motion, self._step = cycle.motion, cycle.step
         self._follower = MotionFollower(state, cycle, limits, world.timestep)
         self.motors = ArmMotors(joints, state, cycle)
         self.load = ArmLoad(gravity)
         self._description, self.frames = description, ArmFrames(state)
         self.supervisor = ArmSupervisor(
-            state, limits, thresholds, cycle.watch, cycle.log
+            state, limits, thresholds, cycle.watch, cycle.log, self._positions
         )
         self.supervisor.has_hand = hand.endswith("_hand")
         self._faults = SensorFaults(world, joints, hand)
         self._sensors = ArmSensors(
             joints,
             state,
+            positions=self._positions,
             step=cycle.step,
             load=self.load,
             faults=self._faults,
@@ -120,6 +129,7 @@ class SimulatedArm(RobotArm):
         if realism is not None:
             self._observed = ObservedContact(*seen, realism, cycle, simulator)
             world.add_preparation(self._observed.imperfections)
+            cycle.motors.is_late = realism.commands_are_late
         self.contact = self._observed or ContactEstimate(*seen)
         self._modes = ArmModes(
             world,
@@ -317,7 +327,7 @@ class SimulatedArm(RobotArm):
         """
         state = self.state
         self._sensors.rest()
-        self._motion.seed(state.theta, _ZEROS)
+        self._motion.seed(self._positions, _ZEROS)
         self.motors.engage_joint_impedance()
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
@@ -327,6 +337,8 @@ class SimulatedArm(RobotArm):
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
         self._sensors.read(self._cycles.seen * self.cycle_time)
+        if self._observed is not None:
+            self._observed.imperfections.wind_up()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
