@@ -4,9 +4,10 @@ Run `python benchmarks/bench_arms.py [--arms 1 2 4] [--switches 200] [--seed 1]`
 cycle is stepped, without deadlines. For the cost, every arm holds a position controller
 of its own, and the step of MuJoCo alone is timed beside the cycles, in the same world;
 low quantiles of the thread's processor time count, so that the figures hold on a
-machine that is busy with other things as well. The switches are between the example controllers of one arm: after
-each of them the motion is watched for some cycles. No arm may raise an error, and no
-joint may exceed its limits of velocity or jump between two cycles.
+machine that is busy with other things as well. The switches are between the example
+controllers of one arm: after each of them the motion is watched for some cycles. No arm
+may raise an error, and no joint may exceed its limits of velocity or jump between two
+cycles.
 """
 
 import argparse
