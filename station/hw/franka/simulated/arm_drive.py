@@ -25,6 +25,7 @@ class ArmDrive:
         self._state = parts.state
         self._modes = modes
         self._motion = parts.cycle.motion
+        self._positions = parts.cycle.memory.positions
         self._step = parts.cycle.step
         self._follower = parts.follower
         self._motors = parts.motors
@@ -48,11 +49,11 @@ class ArmDrive:
         if wants_torques and not motors.torques_act and self._motion.is_at_rest():
             self._let_torques_act_when_settled()
         if self._load.load.mass:
-            motors.carry(self._load.weight(state.theta))
+            motors.carry(self._load.weight(list(self._positions)))
         self._faults.before_step()
         mode = state.robot_mode
         if mode is RobotMode.GUIDING:
-            self._motion.seed(state.theta, state.dtheta)
+            self._motion.seed(self._positions, state.dtheta)
             motors.apply_torques([
                 -d * dq for d, dq in zip(_GUIDING_DAMPING, state.dtheta, strict=True)
             ])

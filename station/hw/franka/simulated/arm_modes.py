@@ -69,6 +69,7 @@ class ArmModes:
         self._world = world
         self._state = parts.state
         self._motion = parts.cycle.motion
+        self._positions = parts.cycle.memory.positions
         self._step = parts.cycle.step
         self._follower = parts.follower
         self._motors = parts.motors
@@ -140,7 +141,7 @@ class ArmModes:
         # Torques, or the motion before an error, have moved the arm away from q_d.
         # Without this reset the arm would jump back to q_d.
         if self._motors.torques_act or mode is not RobotMode.IDLE:
-            self._motion.seed(state.theta, state.dtheta)
+            self._motion.seed(self._positions, state.dtheta)
         self._motors.engage_joint_impedance()
         self._set_modes(None, MotionGeneratorMode.NONE)
         self._frames.is_cartesian = False

@@ -19,6 +19,7 @@ from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.kernel.cycle_log import CycleLog
+from station.kernel.doubles import Doubles
 from station.kernel.flags import AlertFlag
 from station.kernel.joint_watch import JointWatch
 
@@ -46,6 +47,7 @@ class ArmSupervisor(AlertFlag):
         thresholds: Thresholds that Franka does not publish.
         watch: Looks at the readings in every cycle.
         cycle_log: The last cycles.
+        positions: Positions of the joints as they are [rad], shape (7,).
 
     Attributes:
         errors: The present errors with their causes; empty after a recovery.
@@ -62,9 +64,11 @@ class ArmSupervisor(AlertFlag):
         thresholds: SupervisorLimits,
         watch: JointWatch,
         cycle_log: CycleLog,
+        positions: Doubles,
     ) -> None:
         super().__init__()
         self._state = state
+        self._positions = positions
         self._limits = limits
         self._thresholds = thresholds
         self._watch = watch
@@ -92,7 +96,7 @@ class ArmSupervisor(AlertFlag):
         Returns:
             Errors of measured values that were out of range for too long.
         """
-        q = self._state.theta
+        q = list(self._positions)
         if is_quiet and not (self._limits.curves and self._is_fast_near_limits(q)):
             self._bad_cycles = 0
             self._known = {}
@@ -151,7 +155,7 @@ class ArmSupervisor(AlertFlag):
     def recover(self) -> None:
         """Forget the present errors, and accept values that are out of range now."""
         self.clear()
-        q, state = self._state.theta, self._state
+        q, state = list(self._positions), self._state
         power = sum(
             abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
         )

@@ -79,6 +79,7 @@ class SimulatedArm(RobotArm):
         self._faults, self._sensors = parts.faults, parts.sensors
         self._follower = parts.follower
         self._motion, self._step = parts.cycle.motion, parts.cycle.step
+        self._positions = parts.cycle.memory.positions
         self._modes = ArmModes(world, parts)
         self._drive = ArmDrive(parts, self._modes, world.timestep)
         self.preparation, self.attend = self._step, self._drive.attend
@@ -258,7 +259,7 @@ class SimulatedArm(RobotArm):
         """
         state = self.state
         self._sensors.rest()
-        self._motion.seed(state.theta, _ZEROS)
+        self._motion.seed(self._positions, _ZEROS)
         self.motors.engage_joint_impedance()
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
@@ -268,6 +269,8 @@ class SimulatedArm(RobotArm):
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
         self._sensors.read(self._cycles.seen * self.cycle_time)
+        if self.contact.imperfections is not None:
+            self.contact.imperfections.wind_up()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
