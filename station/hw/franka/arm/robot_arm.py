@@ -25,7 +25,9 @@ from station.kernel.doubles import Storage
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""
-
+MEASURED_REST = 0.02
+"""Joints that are measured slower than this are at rest [rad/s]: the noise of a real
+arm's velocities is 3 mrad/s (see `Realism`)."""
 
 MOST_LOST_PACKETS = 20
 """Commands lost in a row that end a motion."""
@@ -292,6 +294,13 @@ class RobotArm(ABC):
         Raises:
             ArmCommandError: A motion runs.
         """
+
+    def is_lost(self) -> bool:
+        """Return whether there is no connection to the arm.
+
+        A recovery connects again. A simulated arm is never lost.
+        """
+        return False
 
     @abstractmethod
     def check_recovery(self) -> None:

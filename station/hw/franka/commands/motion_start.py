@@ -14,7 +14,7 @@ from typing_extensions import override
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.robot_arm import REST_VELOCITY, RobotArm
+from station.hw.franka.arm.robot_arm import MEASURED_REST, REST_VELOCITY, RobotArm
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.kernel.flags import MotionFlags
@@ -60,8 +60,12 @@ class MotionStart(MotionFlags):
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
         reason = arm.refusal(*settings.arm_modes(mode))
-        velocities = (*arm.state.dq, *arm.state.dq_d)
-        moves = any(abs(velocity) > REST_VELOCITY for velocity in velocities)
+        state = arm.state
+        # A rule of the station, not of the arm, which has no error for it: the arm ends
+        # the motion that runs, and checks the first command of the next one alone.
+        moves = any(abs(dq) > REST_VELOCITY for dq in state.dq_d) or any(
+            abs(dq) > MEASURED_REST for dq in state.dq
+        )
         if reason is None and motion and mode & _FROM_REST and moves:
             reason = (
                 f"that would interrupt its motion by {motion.describe()}; let it come "

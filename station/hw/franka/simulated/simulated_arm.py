@@ -81,7 +81,7 @@ class SimulatedArm(RobotArm):
         self._motion, self._step = parts.cycle.motion, parts.cycle.step
         self._positions = parts.cycle.memory.positions
         self._modes = ArmModes(world, parts)
-        self._drive = ArmDrive(parts, self._modes, world.timestep)
+        self._drive = ArmDrive(parts, self._modes)
         self.preparation, self.attend = self._step, self._drive.attend
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
