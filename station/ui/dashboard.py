@@ -190,6 +190,16 @@ class Dashboard:
         loop = self._server.get_event_loop()
         return ShownViews(self.views, loop.call_soon_threadsafe)
 
+    def talk_to(self, url: str, token: str | None) -> None:
+        """Follow another station from now on; in Viser's event loop.
+
+        Args:
+            url: Its API.
+            token: The operator's token; None while there is no station.
+        """
+        self._client.talk_to(url, token)
+        self._link.wake()
+
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
 
