@@ -28,7 +28,11 @@ LATE_UPDATES = 100
 """After so many updates in a row over the budget a controller is stopped. A single one
 may be the machine's doing: another process had the processor."""
 LONGEST_UPDATE = 0.25
-"""After a single update as long as this a controller is stopped [s]."""
+"""After two updates as long as this, the second within `STALL_MEMORY` of the first, a
+controller is stopped [s]. A single one may be the machine's doing as well: the thread
+that has the interpreter lock may be kept off the processor for so long."""
+STALL_MEMORY = 10.0
+"""How long the first of these counts [s station time]."""
 
 
 class ControllerRunner(ControllerRound):
@@ -205,13 +209,20 @@ class ControllerRunner(ControllerRound):
             one.late_updates = 0
             return
         one.late_updates += 1
-        if one.late_updates < LATE_UPDATES and duration < LONGEST_UPDATE:
+        is_stalled_again = False
+        if duration >= LONGEST_UPDATE:
+            is_stalled_again = time - one.stalled_at <= STALL_MEMORY
+            one.stalled_at = time
+        if one.late_updates >= LATE_UPDATES:
+            times = f"{LATE_UPDATES} in a row"
+        elif is_stalled_again:
+            times = f"and one within {STALL_MEMORY:g} s before it as long"
+        else:
             return
-        times = "" if one.late_updates < LATE_UPDATES else f", {LATE_UPDATES} in a row"
         self._fail(
             one,
             time,
-            f"update took {1000.0 * duration:.3g} ms{times}; an update may take at "
+            f"update took {1000.0 * duration:.3g} ms, {times}; an update may take at "
             f"most {1000.0 * self.update_budget:.3g} ms",
             None,
         )

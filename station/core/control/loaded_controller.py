@@ -1,6 +1,7 @@
 """A loaded controller: its claims, the commands it may write, its faults and times."""
 
 import threading
+from math import inf
 from typing import TYPE_CHECKING
 
 from station.core.control.command_guard import CommandGuard
@@ -39,6 +40,8 @@ class LoadedController:
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
         late_updates: Updates in a row that took longer than the budget.
+        stalled_at: Station time of its last update that took very long [s]; minus
+            infinity since its start.
     """
 
     def __init__(
@@ -67,6 +70,7 @@ class LoadedController:
         self._overruns_before = 0
         self.last_overrun = 0.0
         self.late_updates = 0
+        self.stalled_at = -inf
 
     def turn(self) -> ControllerTurn:
         """Return what a round of updates looks at; only the round keeps it."""
