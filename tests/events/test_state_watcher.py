@@ -8,14 +8,6 @@ from station.core.franka.arms import ArmReport
 from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
 from station.events.state_watcher import QUIET, StateWatcher
-from tests.api.spring import make_station
-
-
-@pytest.fixture
-def station():
-    station = make_station()
-    station.loop.step()
-    return station
 
 
 @pytest.fixture
@@ -58,8 +50,10 @@ def test_a_stop_and_its_release_are_recorded(station, log, watcher):
     assert "Somebody is in the cell." in log.since(kinds=[EventKind.STOP])[0].text
 
 
-def test_controllers_are_followed_from_loading_to_unloading(station, log, watcher):
-    station.load_controller("spring", "test/Spring", {"joint": "j"})
+def test_controllers_are_followed_from_loading_to_unloading(
+    station, log, watcher, load_spring
+):
+    load_spring()
     watcher.look()
     station.switch_controllers(SwitchRequest(start=("spring",)))
     watcher.look()
@@ -74,16 +68,8 @@ def test_controllers_are_followed_from_loading_to_unloading(station, log, watche
     assert found[3] == ("spring", "unloaded")
 
 
-def test_a_fault_is_recorded_with_its_traceback(station, log, watcher):
-    station.load_controller("spring", "test/Spring", {"joint": "j"})
-    controller = station.manager.get_controller("spring")
-
-    def fail(*_):
-        raise RuntimeError("a broken spring")
-
-    controller.update = fail
-    station.switch_controllers(SwitchRequest(start=("spring",)))
-    station.loop.step()
+def test_a_fault_is_recorded_with_its_traceback(log, watcher, break_spring):
+    break_spring()
     watcher.look()
 
     (event,) = log.since(kinds=[EventKind.FAULT])

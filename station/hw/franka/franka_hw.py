@@ -431,7 +431,7 @@ class FrankaHW(RobotHW):
             self._fingers = FingerJoints(gripper, names, told.arm_id)
             self._fingers.register(interfaces, in_states=told.publishes_fingers)
             self._reading.fingers = self._fingers.sensor
-            self._writing.fingers = self._fingers
+            self._writing.add_fingers(self._fingers)
             self.register_interface(self._fingers.services)
 
     def _mode_after(

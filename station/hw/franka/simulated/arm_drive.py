@@ -1,13 +1,9 @@
 """Set the motors of a simulated arm before every step of its world."""
 
-from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode
-from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.hw.franka.simulated.arm_load import ArmLoad
 from station.hw.franka.simulated.arm_modes import LONGEST_SETTLING, ArmModes
-from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.motion_follower import MotionFollower
-from station.hw.franka.simulated.sensor_faults import SensorFaults
+from station.hw.franka.simulated.arm_parts import ArmParts
 
 # Joint damping while a person guides the arm [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
@@ -17,34 +13,20 @@ class ArmDrive:
     """Advances the desired motion of one arm and sets its motors. Control thread only.
 
     Args:
-        state: The arm's state.
+        parts: The parts of the arm.
         modes: The modes of the arm.
-        cycle: The arithmetic of the arm's cycle.
-        follower: Follows the client's commands.
-        motors: The motors and the internal controllers.
-        load: The configured load.
-        faults: The faults of the arm.
     """
 
-    def __init__(
-        self,
-        state: RobotState,
-        *,
-        modes: ArmModes,
-        cycle: ArmCycle,
-        follower: MotionFollower,
-        motors: ArmMotors,
-        load: ArmLoad,
-        faults: SensorFaults,
-    ) -> None:
-        self._state = state
+    def __init__(self, parts: ArmParts, modes: ArmModes) -> None:
+        self._state = parts.state
         self._modes = modes
-        self._motion = cycle.motion
-        self._step = cycle.step
-        self._follower = follower
-        self._motors = motors
-        self._load = load
-        self._faults = faults
+        self._motion = parts.cycle.motion
+        self._positions = parts.cycle.memory.positions
+        self._step = parts.cycle.step
+        self._follower = parts.follower
+        self._motors = parts.motors
+        self._load = parts.load
+        self._faults = parts.faults
         self._settling = 0
 
     def is_at_rest(self) -> bool:
@@ -62,11 +44,11 @@ class ArmDrive:
         if wants_torques and not motors.torques_act and self._motion.is_at_rest():
             self._let_torques_act_when_settled()
         if self._load.load.mass:
-            motors.carry(self._load.weight(state.theta))
+            motors.carry(self._load.weight(list(self._positions)))
         self._faults.before_step()
         mode = state.robot_mode
         if mode is RobotMode.GUIDING:
-            self._motion.seed(state.theta, state.dtheta)
+            self._motion.seed(self._positions, state.dtheta)
             motors.apply_torques([
                 -d * dq for d, dq in zip(_GUIDING_DAMPING, state.dtheta, strict=True)
             ])

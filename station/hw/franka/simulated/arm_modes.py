@@ -29,21 +29,14 @@ from collections.abc import Sequence
 
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_errors import ArmError
-from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
     ControllerMode,
     MotionGeneratorMode,
 )
-from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.hw.franka.simulated.arm_frames import ArmFrames
-from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.franka.simulated.contact_estimate import ContactEstimate
-from station.hw.franka.simulated.motion_follower import (
-    CARTESIAN_GENERATORS,
-    MotionFollower,
-)
+from station.hw.franka.simulated.arm_parts import ArmParts
+from station.hw.franka.simulated.motion_follower import CARTESIAN_GENERATORS
 from station.hw.mujoco.world import World
 
 HALTED = (
@@ -75,40 +68,25 @@ class ArmModes:
 
     Args:
         world: The world of the arm.
-        state: The arm's state; `robot_mode` and the success rate are written.
-        cycle: The arithmetic of the arm's cycle.
-        follower: Follows the client's commands.
-        motors: The motors and the internal controllers.
-        frames: Frames and derived state.
-        supervisor: Finds and keeps the errors.
-        contact: External torques and the thresholds for them.
+        parts: The parts of the arm; `robot_mode` and the success rate of its state are
+            written.
 
     Attributes:
         controller: The controller mode of the running motion; None without a motion.
         generator: The motion generator of the running motion.
     """
 
-    def __init__(
-        self,
-        world: World,
-        state: RobotState,
-        *,
-        cycle: ArmCycle,
-        follower: MotionFollower,
-        motors: ArmMotors,
-        frames: ArmFrames,
-        supervisor: ArmSupervisor,
-        contact: ContactEstimate,
-    ) -> None:
+    def __init__(self, world: World, parts: ArmParts) -> None:
         self._world = world
-        self._state = state
-        self._motion = cycle.motion
-        self._step = cycle.step
-        self._follower = follower
-        self._motors = motors
-        self._frames = frames
-        self._supervisor = supervisor
-        self._contact = contact
+        self._state = parts.state
+        self._motion = parts.cycle.motion
+        self._positions = parts.cycle.memory.positions
+        self._step = parts.cycle.step
+        self._follower = parts.follower
+        self._motors = parts.motors
+        self._frames = parts.frames
+        self._supervisor = parts.supervisor
+        self._contact = parts.contact
         self.controller: ControllerMode | None = None
         self.generator = MotionGeneratorMode.NONE
         self._settling = 0
@@ -175,7 +153,7 @@ class ArmModes:
         # Torques, or the motion before an error, have moved the arm away from q_d.
         # Without this reset the arm would jump back to q_d.
         if self._motors.torques_act or mode is not RobotMode.IDLE:
-            self._motion.seed(state.theta, state.dtheta)
+            self._motion.seed(self._positions, state.dtheta)
         self._motors.engage_joint_impedance()
         self._set_modes(None, MotionGeneratorMode.NONE)
         self._frames.is_cartesian = False
