@@ -57,7 +57,9 @@ class PendingRequests:
         self._waiting.append(number)
 
     def look(self) -> None:
-        """Look whether the arm has answered."""
+        """Look whether the arm has answered; once per cycle."""
+        if not self._waiting:
+            return
         for number in list(self._waiting):
             answer = self._link.take(number)
             if answer is None:
