@@ -25,6 +25,7 @@ from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from station.wire import GripperMoveRequest
 from tests.api.conftest import AppTransport
+from tests.hw.franka.fci.server.test_fci_guest import hand_of
 from tests.hw.franka.plain_model import PlainModel
 
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
@@ -133,7 +134,7 @@ def test_hand_of_one_station_is_the_real_hand_of_another(station, tmp_path):
     other.loop.stop()
     other.loop.hw.close()
     assert (state.last.status, state.last.message) == ("succeeded", "")
-    there = station.loop.hw.simulated_hand.get_state()
+    there = hand_of(station.loop.hw).get_state()
     assert there.width == pytest.approx(0.05, abs=2e-3)
 
 
