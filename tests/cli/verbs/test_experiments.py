@@ -90,6 +90,22 @@ def test_impossible_search_is_refused_and_leaves_nothing(run):
     assert not file_of("x").exists()
 
 
+@pytest.mark.parametrize(
+    ("verb", "words"),
+    [
+        ("tune", ["--at-most", "settling_time=0.5"]),
+        ("tune", ["--weight", "overshoot=1"]),
+        ("sweep", ["load=0:1", "--metric", "rise_time"]),
+    ],
+)
+def test_metric_that_the_script_cannot_have_is_refused(capsys, verb, words):
+    """Without a script, all joints move, and no joint by a step."""
+    assert main([verb, GROUP, *words, "--workers", "0", "--name", "x"]) == 1
+
+    assert "that is one of a single step" in capsys.readouterr().err
+    assert not file_of("x").exists()
+
+
 def test_trials_that_fail_are_told_with_all_of_their_reason(script, capsys):
     """The others go on; without any trial that is done the exit code is 1."""
     gain = f"gains/{GROUP}/panda_joint1/p"
