@@ -3,6 +3,8 @@
 import pytest
 
 from station.core.control.switching import SwitchRequest
+from station.core.franka import RobotMode
+from station.core.franka.arms import ArmReport
 from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
 from station.events.state_watcher import QUIET, StateWatcher
@@ -127,3 +129,20 @@ def test_the_thread_looks_and_ends(station, log):
     watcher.stop()
 
     assert told(log, EventKind.STOP) == [("", "stopped")]
+
+
+def test_mode_in_which_an_arm_cannot_move_is_an_error_with_its_remedy(
+    station, log, watcher, monkeypatch
+):
+    todo = "restore the connection, then recover"
+    report = ArmReport(
+        "left", RobotMode.OTHER, is_connected=True, errors=(), remedy=todo
+    )
+    monkeypatch.setattr(watcher._arms, "reports", lambda: [report])
+    monkeypatch.setattr(station.loop.hw, "mode", lambda: "other")
+    station.loop.step()
+    watcher.look()
+
+    event = log.since(kinds=[EventKind.ROBOT_MODE])[-1]
+    assert event.severity is Severity.ERROR
+    assert event.details["remedies"] == [f"left: {todo}"]

@@ -62,19 +62,24 @@ class ArmParts:
         self.joint_names, self.limits = tuple(joint_names), limits
         self.state = state = RobotState()
         state.O_ddP_O = gravity
-        self.cycle = cycle = ArmCycle(state, limits, thresholds, simulator, period)
+        is_rigid = realism is None
+        self.cycle = cycle = ArmCycle(
+            state, limits, thresholds, simulator, period, is_rigid=is_rigid
+        )
+        positions = cycle.memory.positions
         self.follower = MotionFollower(state, cycle, limits, period)
         self.motors = ArmMotors(joints, state, cycle)
         self.load = ArmLoad(gravity)
         self.frames = ArmFrames(state)
         self.supervisor = ArmSupervisor(
-            state, limits, thresholds, cycle.watch, cycle.log
+            state, limits, thresholds, cycle.watch, cycle.log, positions
         )
         self.supervisor.has_hand = hand.endswith("_hand")
         self.faults = SensorFaults(world, joints, hand)
         self.sensors = ArmSensors(
             joints,
             state,
+            positions=positions,
             step=cycle.step,
             load=self.load,
             faults=self.faults,
@@ -86,3 +91,5 @@ class ArmParts:
             if realism is None
             else ObservedContact(*seen, realism, cycle, simulator)
         )
+        if realism is not None:
+            cycle.motors.is_late = realism.commands_are_late

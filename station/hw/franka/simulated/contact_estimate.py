@@ -23,6 +23,7 @@ from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.doubles import put
+from station.kernel.flags import ContactFlag
 
 if TYPE_CHECKING:
     from station.kernel.imperfections import Imperfections
@@ -41,7 +42,7 @@ _ZEROS = [0.0] * 7
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
-class ContactEstimate:
+class ContactEstimate(ContactFlag):
     """Keeps the external torques and the contact levels of one arm up to date.
 
     Little is computed while nothing touches the arm. Control thread only.
@@ -70,6 +71,7 @@ class ContactEstimate:
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
     ) -> None:
+        super().__init__()
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
         self.imperfections: Imperfections | None = None
         self._joints = joints
@@ -79,7 +81,6 @@ class ContactEstimate:
         )
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
-        self.is_quiet = True
         self.release = 1.0
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.

@@ -14,6 +14,7 @@ from station.hw.franka.arm.arm_names import find_prefix, joint_names
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.hand.hand_limits import OPEN_WIDTH
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.end_effector import (
     as_transform,
@@ -22,7 +23,7 @@ from station.hw.franka.simulated.end_effector import (
 )
 from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulated_gripper import OPEN_WIDTH, SimulatedGripper
+from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,

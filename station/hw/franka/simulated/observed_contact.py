@@ -65,11 +65,13 @@ class ObservedContact(ContactEstimate):
             simulator,
             noise=_random_numbers(realism.seed),
             estimate=state.doubles("tau_ext_hat_filtered"),
+            theta=state.doubles("theta"),
             wrench=state.doubles("O_F_ext_hat_K"),
             turned=state.doubles("K_F_ext_hat_K"),
             period=joints.timestep,
         )
         _set(self.imperfections, realism, joints.timestep)
+        self._positions = cycle.memory.positions
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
@@ -144,9 +146,10 @@ class ObservedContact(ContactEstimate):
     @override
     def renew(self) -> None:
         state, kernel = self._state, self.imperfections
+        positions = list(self._positions)
         frames = (state.F_T_EE, state.EE_T_K)
-        put(kernel.pose, frame_pose(Frame.STIFFNESS, state.theta, *frames))
-        put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, state.theta, *frames))
+        put(kernel.pose, frame_pose(Frame.STIFFNESS, positions, *frames))
+        put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, positions, *frames))
         kernel.renew(SINGULAR)
 
     def _draw_loss(self) -> None:
@@ -165,6 +168,10 @@ def _set(kernel: Imperfections, realism: Realism, period: float) -> None:
     put(kernel.level, realism.friction_level)
     put(kernel.slope, realism.friction_slope)
     put(kernel.shift, realism.friction_shift)
+    kernel.stribeck_velocity = realism.stribeck_velocity
+    kernel.presliding = realism.presliding
+    put(kernel.static_friction, realism.static_friction)
+    put(kernel.compliance, [1.0 / stiffness for stiffness in realism.joint_stiffness])
     put(kernel.torque_noise, realism.torque_noise)
     put(kernel.torque_bias, realism.torque_bias)
     put(kernel.velocity_noise, realism.velocity_noise)

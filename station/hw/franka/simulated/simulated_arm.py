@@ -14,6 +14,7 @@ from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
+    Receivers,
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
@@ -23,9 +24,9 @@ from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
-from station.kernel.arm_codes import UNUSUAL
+from station.kernel.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
 from station.kernel.arm_reading import Cycles, SimulatedCycles
-from station.kernel.command_sending import Receiver, TorqueReceiver
+from station.kernel.command_sending import JointReceiver, TorqueReceiver
 from station.kernel.doubles import Storage
 
 _ZEROS = [0.0] * 7
@@ -78,8 +79,9 @@ class SimulatedArm(RobotArm):
         self._faults, self._sensors = parts.faults, parts.sensors
         self._follower = parts.follower
         self._motion, self._step = parts.cycle.motion, parts.cycle.step
+        self._positions = parts.cycle.memory.positions
         self._modes = ArmModes(world, parts)
-        self._drive = ArmDrive(parts, self._modes, world.timestep)
+        self._drive = ArmDrive(parts, self._modes)
         self.preparation, self.attend = self._step, self._drive.attend
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
@@ -107,8 +109,13 @@ class SimulatedArm(RobotArm):
         return self.state
 
     @override
-    def torque_receiver(self) -> Receiver:
-        return TorqueReceiver(self.command_joint_torques, self._step)
+    def receivers(self) -> Receivers:
+        step = self._step
+        return Receivers(
+            JointReceiver(self.command_joint_positions, step, POSITIONS),
+            JointReceiver(self.command_joint_velocities, step, VELOCITIES),
+            TorqueReceiver(self.command_joint_torques, step),
+        )
 
     @override
     def cycles(self) -> Cycles:
@@ -252,7 +259,7 @@ class SimulatedArm(RobotArm):
         """
         state = self.state
         self._sensors.rest()
-        self._motion.seed(state.theta, _ZEROS)
+        self._motion.seed(self._positions, _ZEROS)
         self.motors.engage_joint_impedance()
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
@@ -262,6 +269,8 @@ class SimulatedArm(RobotArm):
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
         self._sensors.read(self._cycles.seen * self.cycle_time)
+        if self.contact.imperfections is not None:
+            self.contact.imperfections.wind_up()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
