@@ -2,21 +2,26 @@
 
 Run `python benchmarks/bench_arms.py [--arms 1 2 4] [--switches 200] [--seed 1]`. The
 cycle is stepped, without deadlines. For the cost, every arm holds a position controller
-of its own; low quantiles count, so that the figures hold on a machine that is busy with
-other things as well. The switches are between the example controllers of one arm: after
-each of them the motion is watched for some cycles. No arm may raise an error, and no
-joint may exceed its limits of velocity or jump between two cycles.
+of its own, and the step of MuJoCo alone is timed beside the cycles, in the same world;
+low quantiles of the thread's processor time count, so that the figures hold on a
+machine that is busy with other things as well. The switches are between the example
+controllers of one arm: after each of them the motion is watched for some cycles. No arm
+may raise an error, and no joint may exceed its limits of velocity or jump between two
+cycles.
 """
 
 import argparse
 import logging
 import random
 import sys
+from collections.abc import Callable
+from copy import copy
 from pathlib import Path
-from time import perf_counter
+from time import thread_time
 
+import mujoco
 import numpy as np
-from measuring import print_table, print_title
+from measuring import print_table, print_title, simulated_world
 
 from station.app.composition import compose
 from station.config import load_config
@@ -63,14 +68,21 @@ def make_arms(count: int) -> Station:
     return station
 
 
-def cost(station: Station) -> float:
-    """Return what a cycle costs, a low quantile of blocks [us]."""
-    times = []
+def cost(station: Station) -> tuple[float, float]:
+    """Return what a cycle costs, and MuJoCo's step, low quantiles of blocks [us]."""
+    model = simulated_world(station).model
+    data = copy(simulated_world(station).data)
+    cycles, steps = [], []
     for _ in range(BLOCKS):
-        begin = perf_counter()
-        station.loop.step(CYCLES)
-        times.append((perf_counter() - begin) / CYCLES * 1e6)
-    return float(np.quantile(times, QUANTILE))
+        cycles.append(_time(lambda: station.loop.step(CYCLES)))
+        steps.append(_time(lambda: mujoco.mj_step(model, data, CYCLES)))
+    return float(np.quantile(cycles, QUANTILE)), float(np.quantile(steps, QUANTILE))
+
+
+def _time(cycles: Callable[[], None]) -> float:
+    begin = thread_time()
+    cycles()
+    return (thread_time() - begin) / CYCLES * 1e6
 
 
 def switch_at_random(count: int, seed: int) -> list[str]:
@@ -135,9 +147,11 @@ def main() -> int:
     print_title("What a cycle of several arms costs")
     rows = []
     for count in options.arms:
-        used = cost(make_arms(count))
-        rows.append([count, used, used / count])
-    print_table(["arms", "cycle [us]", "per arm [us]"], rows)
+        cycle, step = cost(make_arms(count))
+        rest = cycle - step
+        rows.append([count, cycle, step, cycle / count, rest / count])
+    headers = ["arms", "cycle [us]", "mj_step [us]", "per arm [us]", "without mj_step"]
+    print_table(headers, rows)
     problems = switch_at_random(options.switches, options.seed)
     sys.stdout.write(f"{options.switches} switches: {problems or 'nothing wrong'}\n")
     return int(bool(problems))

@@ -6,7 +6,7 @@ from station.kernel.wrench_equation cimport WrenchEquation
 from station.kernel.functions cimport exponential
 
 cdef int _MOVED, _TOUCHED, _LOST
-cdef double _LARGEST_POWER
+cdef double _LARGEST_POWER, _RELAXATION
 
 cdef class Imperfections(Preparation):
     cdef readonly Py_ssize_t size
@@ -15,6 +15,7 @@ cdef class Imperfections(Preparation):
     cdef WrenchEquation equation
     cdef double[::1] noise
     cdef double[::1] estimate
+    cdef double[::1] theta
     cdef double[::1] wrench
     cdef double[::1] turned
     cdef double period
@@ -22,6 +23,11 @@ cdef class Imperfections(Preparation):
     cdef readonly double[::1] slope
     cdef readonly double[::1] shift
     cdef double[::1] offset
+    cdef readonly double[::1] static_friction
+    cdef readonly double[::1] compliance
+    cdef double[::1] bristle
+    cdef public double stribeck_velocity
+    cdef public double presliding
     cdef readonly double[::1] torque_noise
     cdef readonly double[::1] torque_bias
     cdef readonly double[::1] velocity_noise
@@ -43,12 +49,13 @@ cdef class Imperfections(Preparation):
     cpdef settle(self)
     cpdef rest(self)
     cpdef renew(self, double singular)
-    @cython.locals(i=Py_ssize_t, power=double)
+    @cython.locals(i=Py_ssize_t, power=double, velocity=double, sliding=double, relative=double, most=double, bend=double, share=double, turn=double, lead=double)
     cpdef bint before(self)
     @cython.locals(i=Py_ssize_t, result=int, reach=double)
     cpdef int sense(self)
     @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, period=double, measured=double, error=double)
     cpdef disturb(self)
+    cpdef wind_up(self)
     @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, period=double, gain=double, needed=double, external=double)
     cpdef observe(self)
     @cython.locals(i=Py_ssize_t, k=Py_ssize_t, axis=Py_ssize_t, torque=double, u=double, v=double, w=double, a=double, b=double, c=double, x=double, y=double, z=double)

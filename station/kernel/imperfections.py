@@ -1,11 +1,17 @@
 """How the joints of a real arm differ from their model: friction, noise, an estimate.
 
-    friction:  tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
+    sliding:   tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
+    sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)
+    winding:   theta = q + compliance tau_J
     observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
 
-The friction acts behind the torque sensor, so the sensor reads the torque that
-overcomes it. The observer gets what a real one has: the measured torques, the change of
-the momentum at the measured velocities, and a model that is not quite right.
+Sliding friction is zero at rest, where the joint sticks: its z follows the joint as a
+spring with the stiffness k = static / presliding and a damping, until the largest
+static friction is reached, which the speed lessens (C. Hess, A. Soom: Friction at a
+Lubricated Line Contact Operating at Oscillating Sliding Velocities, Journal of
+Tribology 112, 1990). Both act behind the torque sensor, so the sensor reads the torque
+that overcomes them. The observer gets what a real one has: the measured torques, the
+change of the momentum at the measured velocities, and a model that is not quite right.
 """
 
 from station.kernel.doubles import Doubles, zeros
@@ -23,6 +29,8 @@ LOST = 4
 """The next command is lost on its way."""
 
 _LARGEST_POWER = 700.0  # the exponential of more is no finite number
+# T above [s], damping over stiffness: half of the critical damping, or more.
+_RELAXATION = 0.005
 _MOVED = MOVED
 _TOUCHED = TOUCHED
 _LOST = LOST
@@ -37,12 +45,17 @@ class Imperfections(Preparation):
             a fixed base.
         noise: Random numbers of mean 0 and variance 1, used over and over.
         estimate: Where the estimated external torques go [Nm], shape (n,).
+        theta: Where the positions of the motors go [rad], shape (n,).
         wrench: Where the wrench goes, in the axes of the base [N, Nm], shape (6,).
         turned: Where it goes in the axes of the stiffness frame, shape (6,).
         period: Duration of a cycle [s], > 0.
 
     Attributes:
-        level, slope, shift: The friction [Nm, s/rad, rad/s], shape (n,).
+        level, slope, shift: The sliding friction [Nm, s/rad, rad/s], shape (n,).
+        static_friction: Largest torque at which a joint stays at rest [Nm], shape (n,).
+        stribeck_velocity: Speed v_s at which half of it is left [rad/s], > 0.
+        presliding: How far a joint turns before it slides [rad], > 0.
+        compliance: Turn of the motor against the link [rad/Nm], shape (n,).
         torque_noise: Standard deviation of the torque sensors [Nm], shape (n,).
         torque_bias: What the torque sensors add [Nm], shape (n,).
         velocity_noise: Standard deviation of the velocities [rad/s], shape (n,).
@@ -66,6 +79,7 @@ class Imperfections(Preparation):
         *,
         noise: Doubles,
         estimate: Doubles,
+        theta: Doubles,
         wrench: Doubles,
         turned: Doubles,
         period: float,
@@ -75,6 +89,7 @@ class Imperfections(Preparation):
         self.simulator = simulator
         self.noise = noise
         self.estimate = estimate
+        self.theta = theta
         self.wrench = wrench
         self.turned = turned
         self.period = period
@@ -82,6 +97,11 @@ class Imperfections(Preparation):
         self.slope = zeros(size)
         self.shift = zeros(size)
         self.offset = zeros(size)
+        self.static_friction = zeros(size)
+        self.stribeck_velocity = 1.0
+        self.presliding = 1.0
+        self.bristle = zeros(size)  # z
+        self.compliance = zeros(size)
         self.torque_noise = zeros(size)
         self.torque_bias = zeros(size)
         self.velocity_noise = zeros(size)
@@ -113,13 +133,14 @@ class Imperfections(Preparation):
         self.drawn = 0
         for i in range(self.size):
             self.velocity[i] = 0.0
+            self.bristle[i] = 0.0
             self.estimate[i] = 0.0
         for i in range(6):
             self.wrench[i] = 0.0
             self.turned[i] = 0.0
 
     def renew(self, singular: float) -> None:
-        """Take over Jacobian and pose, which somebody has computed for `theta`.
+        """Take over Jacobian and pose, which somebody has computed for `positions`.
 
         Args:
             singular: Smallest singular value of a Jacobian that gives a wrench.
@@ -128,18 +149,37 @@ class Imperfections(Preparation):
         if self.has_wrench:
             self.has_wrench = self.equation.factorise(self.jacobian, 0.0)
         for i in range(self.size):
-            self.place[i] = self.memory.theta[i]
+            self.place[i] = self.memory.positions[i]
 
     def before(self) -> bool:
         """Let the friction act in the coming step; return True."""
         velocities, applied = self.simulator.velocities, self.simulator.applied
         level, slope, shift = self.level, self.slope, self.shift
-        offset = self.offset
+        offset, static_friction = self.offset, self.static_friction
+        bristle, share = self.bristle, 1.0 / self.stribeck_velocity
+        turn = self.period / self.presliding
+        lead = _RELAXATION / self.presliding
         for i in range(self.size):
-            power = -slope[i] * (velocities[i] + shift[i])
+            velocity = velocities[i]
+            power = -slope[i] * (velocity + shift[i])
             if power > _LARGEST_POWER:
                 power = _LARGEST_POWER
-            applied[i] = offset[i] - level[i] / (1.0 + exponential(power))
+            sliding = level[i] / (1.0 + exponential(power)) - offset[i]
+            # Shares of the static friction: what the speed leaves, and what acts.
+            relative = velocity * share
+            most = 1.0 / (1.0 + relative * relative)
+            bend = bristle[i] + turn * velocity
+            if bend > most:
+                bend = most
+            if bend < -most:
+                bend = -most
+            bristle[i] = bend
+            bend += lead * velocity
+            if bend > most:
+                bend = most
+            if bend < -most:
+                bend = -most
+            applied[i] = -sliding - static_friction[i] * bend
         return True
 
     def sense(self) -> int:
@@ -149,11 +189,12 @@ class Imperfections(Preparation):
             A sum of `MOVED`, `TOUCHED` and `LOST`, 0 in a usual cycle.
         """
         self.disturb()
+        self.wind_up()
         self.observe()
         result = 0
-        theta, place, reach = self.memory.theta, self.place, self.reach
+        positions, place, reach = self.memory.positions, self.place, self.reach
         for i in range(self.size):
-            if abs(theta[i] - place[i]) > reach:
+            if abs(positions[i] - place[i]) > reach:
                 result = _MOVED
         self.compute_wrench()
         if self.is_touched():
@@ -184,6 +225,13 @@ class Imperfections(Preparation):
             dtau[i] += error / period
             tau[i] += error
         self.drawn = drawn
+
+    def wind_up(self) -> None:
+        """Turn the motors against the links as the torques between them demand."""
+        memory, theta, compliance = self.memory, self.theta, self.compliance
+        positions, tau = memory.positions, memory.tau_J
+        for i in range(self.size):
+            theta[i] = positions[i] + compliance[i] * tau[i]
 
     def observe(self) -> None:
         """Move the estimate towards what the measured motion does not explain."""

@@ -2,7 +2,7 @@ cdef class JointMemory:
     cdef readonly Py_ssize_t size
     cdef readonly double[::1] q
     cdef readonly double[::1] dq
-    cdef readonly double[::1] theta
+    cdef readonly double[::1] positions
     cdef readonly double[::1] dtheta
     cdef readonly double[::1] tau_J
     cdef readonly double[::1] dtau_J

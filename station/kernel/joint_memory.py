@@ -6,14 +6,14 @@ from station.kernel.doubles import Doubles, given_or_zeros, zeros
 class JointMemory:
     """State and commands of n joints, each quantity of shape (n,).
 
-    The names are libfranka's. Each part of the cycle reads and writes in place. What is
-    not given is the object's own.
+    The names are libfranka's, but for `positions`. Each part of the cycle reads and
+    writes in place. What is not given is the object's own.
 
     Args:
         size: Number of joints.
         q: Reported positions [rad].
         dq: Reported velocities [rad/s].
-        theta: Positions as they are, whatever the sensors report [rad].
+        positions: Positions as they are, whatever the sensors report [rad].
         dtheta: Velocities as they are [rad/s].
         tau_J: Link-side torques [Nm].
         dtau_J: Rates of the torques [Nm/s].
@@ -35,7 +35,7 @@ class JointMemory:
         *,
         q: Doubles | None = None,
         dq: Doubles | None = None,
-        theta: Doubles | None = None,
+        positions: Doubles | None = None,
         dtheta: Doubles | None = None,
         tau_J: Doubles | None = None,  # noqa: N803 - libfranka's name
         dtau_J: Doubles | None = None,  # noqa: N803 - libfranka's name
@@ -47,7 +47,7 @@ class JointMemory:
         self.size = size
         self.q = given_or_zeros(q, size)
         self.dq = given_or_zeros(dq, size)
-        self.theta = given_or_zeros(theta, size)
+        self.positions = given_or_zeros(positions, size)
         self.dtheta = given_or_zeros(dtheta, size)
         self.tau_J = given_or_zeros(tau_J, size)
         self.dtau_J = given_or_zeros(dtau_J, size)

@@ -10,6 +10,15 @@ cdef class JointMotors:
     cdef public double[::1] damping
     cdef public double[::1] load_weight
     cdef double[::1] unloaded
+    cdef public bint is_late
+    cdef public bint are_commands
+    cdef bint is_new
+    cdef double[::1] late_torques
+    cdef double[::1] late_q
+    cdef double[::1] late_dq
+    cdef double[::1] late_ddq
+    cpdef begin(self)
+    cpdef note_motion(self)
     cpdef apply_torques(self)
     cpdef apply_impedance(self)
     cpdef tell_impedance(self)

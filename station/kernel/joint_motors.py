@@ -3,6 +3,9 @@
     impedance: control = K q_d + D dq_d + bias - compensation + M_ii ddq_d
 
 The terms of the impedance in q and dq are part of the simulator's motor model.
+
+The motors of a real arm act on a command in the cycle after the one in which it is
+noticed: so do these when they are late.
 """
 
 from station.kernel.doubles import zeros
@@ -22,6 +25,8 @@ class JointMotors:
         stiffness: Stiffness of the impedance [Nm/rad], shape (n,).
         damping: Damping of the impedance [Nm s/rad], shape (n,).
         load_weight: Torques that carry a configured load [Nm], shape (n,).
+        is_late: Whether the motors act on commands one cycle later.
+        are_commands: Whether the torques are commands, and not computed by the arm.
     """
 
     def __init__(
@@ -35,12 +40,28 @@ class JointMotors:
         self.damping = zeros(self.size)
         self.load_weight = zeros(self.size)
         self.unloaded = zeros(self.size)  # controls of the impedance without a load
+        self.is_late = False
+        self.are_commands = False
+        self.is_new = True
+        # What was wanted in the cycle before.
+        self.late_torques = zeros(self.size)
+        self.late_q = zeros(self.size)
+        self.late_dq = zeros(self.size)
+        self.late_ddq = zeros(self.size)
+
+    def begin(self) -> None:
+        """Forget what was wanted before: something else drives the motors now."""
+        self.are_commands = False
+        self.is_new = True
+        for i in range(self.size):
+            self.late_torques[i] = 0.0
 
     def apply_torques(self) -> None:
         """Let the motors give the commanded torques, within their limits."""
         torques, tau_d = self.memory.torques, self.memory.tau_J_d
         limits, controls = self.simulator.limits, self.simulator.controls
-        load = self.load_weight
+        load, late_torques = self.load_weight, self.late_torques
+        is_late = self.is_late and self.are_commands
         for i in range(self.size):
             tau, limit = torques[i], limits[i]
             if limit < tau:
@@ -48,12 +69,21 @@ class JointMotors:
             if tau < -limit:
                 tau = -limit
             tau_d[i] = tau
+            if is_late:
+                late = late_torques[i]
+                late_torques[i] = tau
+                tau = late
             controls[i] = tau + load[i]
 
     def apply_impedance(self) -> None:
         """Let the motors follow the desired motion."""
         memory = self.memory
         q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
+        is_late = self.is_late
+        if is_late:
+            if self.is_new:
+                self.note_motion()
+            q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
         stiffness, damping = self.stiffness, self.damping
         simulator = self.simulator
         bias, compensation = simulator.bias, simulator.compensation
@@ -69,11 +99,22 @@ class JointMotors:
             )
             unloaded[i] = control
             controls[i] = control + load[i]
+        if is_late:
+            self.note_motion()
+
+    def note_motion(self) -> None:
+        """Note the desired motion for the next cycle."""
+        memory = self.memory
+        q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
+        late_q, late_dq, late_ddq = self.late_q, self.late_dq, self.late_ddq
+        for i in range(self.size):
+            late_q[i], late_dq[i], late_ddq[i] = q_d[i], dq_d[i], ddq_d[i]
+        self.is_new = False
 
     def tell_impedance(self) -> None:
         """Note as `tau_J_d` what the impedance asks for, within the limits."""
         memory = self.memory
-        q, dq, tau_d = memory.theta, memory.dtheta, memory.tau_J_d
+        q, dq, tau_d = memory.positions, memory.dtheta, memory.tau_J_d
         stiffness, damping = self.stiffness, self.damping
         limits = self.simulator.limits
         unloaded = self.unloaded
@@ -95,7 +136,7 @@ class JointMotors:
         while the motor's reading contains the velocity at the beginning.
         """
         memory = self.memory
-        q, dq, theta, dtheta = memory.q, memory.dq, memory.theta, memory.dtheta
+        q, dq, actual, dtheta = memory.q, memory.dq, memory.positions, memory.dtheta
         tau, dtau = memory.tau_J, memory.dtau_J
         simulator, period = self.simulator, self.period
         positions, velocities = simulator.positions, simulator.velocities
@@ -115,4 +156,4 @@ class JointMotors:
             tau[i] = torque
             dtheta[i] = velocity
             dq[i] = velocity
-            theta[i] = q[i] = positions[i]
+            actual[i] = q[i] = positions[i]

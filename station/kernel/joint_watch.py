@@ -69,7 +69,7 @@ class JointWatch:
             closer.
         """
         memory = self.memory
-        q, dq, tau, q_d = memory.theta, memory.dtheta, memory.tau_J, memory.q_d
+        q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
         lower, upper = self.lower, self.upper
         fastest, largest = self.velocity, self.torque
         total = 0.0

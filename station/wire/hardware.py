@@ -18,6 +18,7 @@ RepairKindName = Literal[
     "range",
     "mimic",
     "motor",
+    "friction",
     "transmission",
     "self_collision",
     "start_pose",

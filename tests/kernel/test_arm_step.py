@@ -30,7 +30,16 @@ from tests.kernel.both_modes import (
 SIZE = 7
 START = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 PERIOD = 0.001
-QUANTITIES = ("theta", "dtheta", "tau_J", "q_d", "dq_d", "ddq_d", "tau_J_d", "target")
+QUANTITIES = (
+    "positions",
+    "dtheta",
+    "tau_J",
+    "q_d",
+    "dq_d",
+    "ddq_d",
+    "tau_J_d",
+    "target",
+)
 SIMULATED = ("positions", "velocities", "motor_forces", "bias", "compensation")
 
 

@@ -17,7 +17,7 @@ FAR = (
     "velocity_group_controller",
     "effort_group_effort_controller",
 )
-FRANKAS = ("franka_examples", "dual_panda")
+FRANKAS = ("franka_examples", "dual_panda", "four_pandas")
 ROBOTS = sorted({path.stem for path in EXAMPLES.glob("*.yaml")} - {"cube", *FRANKAS})
 
 

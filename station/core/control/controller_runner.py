@@ -52,9 +52,7 @@ class ControllerRunner(ControllerRound):
 
     def __init__(self, hw: RobotHW) -> None:
         self.lifecycle = ControllerLifecycle(hw)
-        super().__init__(
-            self.lifecycle.gate, watch_of(hw), get_ident, _RUNNING, CONTAINED
-        )
+        super().__init__(self.lifecycle.gate, watch_of(hw), _RUNNING, CONTAINED)
         self.interrupted: tuple[str, ...] = ()
         self._hw = hw
         self._transaction: SwitchTransaction | None = None
@@ -94,7 +92,7 @@ class ControllerRunner(ControllerRound):
     @override
     def look_closely(self, time: float, period: float) -> None:
         """Do a cycle with a switch, an interruption, a trace or a restart in it."""
-        gate, loaded = self.gate, self.lifecycle.loaded
+        gate, loaded = self.lifecycle.gate, self.lifecycle.loaded
         if gate.traced_cycles:
             gate.restore()
         if self._hw.is_interrupted():
@@ -123,7 +121,7 @@ class ControllerRunner(ControllerRound):
 
     def _close(self, time: float, period: float) -> None:
         """Carry on with a pending switch, and note who owns which commands."""
-        gate = self.gate
+        gate = self.lifecycle.gate
         if self.pending is not None:
             gate.restore()
             self._carry_on(self.pending, time, period)
@@ -131,8 +129,8 @@ class ControllerRunner(ControllerRound):
         self._note_running()
 
     def _note_running(self) -> None:
-        self.kept = self.gate.kept
-        self.turns = [one.turn() for one in self.gate.running]
+        self.kept = self.lifecycle.gate.kept
+        self.turns = [one.turn() for one in self.lifecycle.gate.running]
 
     def _update_after(
         self,
@@ -164,7 +162,7 @@ class ControllerRunner(ControllerRound):
         self.time = time
         try:
             self._carry_on(pending, time, 0.0)
-            self.gate.close(self.lifecycle.loaded)
+            self.lifecycle.gate.close(self.lifecycle.loaded)
             self._note_running()
         finally:
             self.updating = False
@@ -174,8 +172,8 @@ class ControllerRunner(ControllerRound):
         self, one: LoadedController, time: float, period: float
     ) -> None:
         self.update_one(one.turn(), time, period)
-        if self.gate.traced_cycles:
-            intrusion = self.gate.find_intrusion(one, self.lifecycle.loaded)
+        if self.lifecycle.gate.traced_cycles:
+            intrusion = self.lifecycle.gate.find_intrusion(one, self.lifecycle.loaded)
             if intrusion is not None:
                 problem = f"update wrote {intrusion}, which it has not claimed"
                 self._fail(one, time, problem, None)

@@ -15,6 +15,7 @@ from station.core.control.controller_status import (
 from station.core.hardware.robot_hw import ControllerInfo
 from station.core.numerics.statistics import DurationRing
 from station.core.ports.goal import Goal
+from station.core.quick_way import is_in_force
 from station.kernel.controller_round import ControllerTurn
 
 if TYPE_CHECKING:
@@ -75,7 +76,13 @@ class LoadedController:
         """Return what a round of updates looks at; only the round keeps it."""
         pieces: list[Piece] = [*self.commands.pieces]
         name = self.info.name
-        return ControllerTurn(self, self.controller, name, self.durations, pieces)
+        controller = self.controller
+        usual = None
+        if is_in_force(controller, "usual_update", "update"):
+            usual = controller.usual_update()
+        return ControllerTurn(
+            self, controller, name, self.durations, pieces, usual, controller.sampled
+        )
 
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""

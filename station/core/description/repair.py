@@ -9,6 +9,7 @@ RepairKind = Literal[
     "range",
     "mimic",
     "motor",
+    "friction",
     "transmission",
     "self_collision",
     "start_pose",

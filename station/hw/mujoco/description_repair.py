@@ -6,11 +6,13 @@ With `strict` the description is taken as it is and refused if it cannot be simu
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
+from types import MappingProxyType
 from xml.etree import ElementTree as ET
 
 from station.core.description.repair import Repair
 from station.core.description.robot_files import RobotFiles
-from station.core.description.urdf import Urdf
+from station.core.description.urdf import Joint, Urdf
 from station.core.description.urdf_repair import ZeroRange, repair_urdf
 from station.core.description.urdf_text import parse_robot
 from station.core.errors import HardwareInterfaceError
@@ -63,6 +65,7 @@ def repair_robot(
     urdf = load_urdf(files)
     xml, transmissions = _repair_transmissions(xml, urdf)
     urdf, inertias = repair_inertias(urdf)
+    urdf, frictions = _repair_frictions(urdf)
     motors = tuple(
         Repair("motor", f"joint '{joint.name}'", "its effort limit is 0", "", "passive")
         for joint in urdf.joints.values()
@@ -72,7 +75,9 @@ def repair_robot(
         and joint.limit.effort == 0.0
     )
     return RepairedRobot(
-        replace(files, xml=xml), urdf, repairs + inertias + motors + transmissions
+        replace(files, xml=xml),
+        urdf,
+        repairs + inertias + frictions + motors + transmissions,
     )
 
 
@@ -88,6 +93,31 @@ def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
         usual = repair.kind in ("self_collision", "motor")
         level = logging.INFO if usual else logging.WARNING
         _logger.log(level, "%s: %s", files.urdf_path, repair.sentence())
+
+
+def _repair_frictions(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
+    """Halve the friction of joints that their own motors could not turn."""
+    changed: dict[str, Joint] = {}
+    repairs: list[Repair] = []
+    for name in driven_joints(urdf):
+        joint = urdf.joints[name]
+        most = joint.limit.effort if joint.limit is not None else inf
+        if joint.friction < most:
+            continue
+        changed[name] = replace(joint, friction=most / 2.0)
+        repairs.append(
+            Repair(
+                "friction",
+                f"joint '{name}'",
+                f"its friction is all that its motor can give, {most:g}",
+                f"{joint.friction:g}",
+                f"half of that, {most / 2.0:g}",
+            )
+        )
+    if not changed:
+        return urdf, ()
+    joints = MappingProxyType({**urdf.joints, **changed})
+    return replace(urdf, joints=joints), tuple(repairs)
 
 
 def _repair_transmissions(xml: str, urdf: Urdf) -> tuple[str, tuple[Repair, ...]]:

@@ -14,6 +14,14 @@ to just that by impulses p between their two links, against the motion:
 with the inertia M of that step; the positions of the step are corrected accordingly.
 The brakes only remove energy. Within the limits the brakes do nothing, so they never
 change a motion that respects the limits. Mimic joints have brakes of their own.
+
+Slowing one joint down moves the others, and can carry one of them past its mechanical
+stop. Therefore the stops take part, with impulses of their own: a joint with a range
+goes no further in that step than to its end, or not further beyond it,
+
+    q_i + dt dq'_i >= min(q_i, lower_i),    q_i + dt dq'_i <= max(q_i, upper_i)
+
+with the positions q before the step. Forces of stops are no forces of brakes.
 """
 
 from collections.abc import Iterable, Mapping
@@ -73,6 +81,9 @@ class OverspeedBrakes:
         self._position_of_dof = np.full(model.nv, -1, dtype=np.intp)
         single = np.isin(model.jnt_type, _SINGLE_DOF)
         self._position_of_dof[model.jnt_dofadr[single]] = model.jnt_qposadr[single]
+        stopped = np.flatnonzero(single & (model.jnt_limited != 0))
+        self._stopped: NDArray[np.intp] = model.jnt_dofadr[stopped].astype(np.intp)
+        self._ends: NDArray[np.float64] = model.jnt_range[stopped].T
         self.has_acted = False
         self.forces = np.zeros(model.nv)
         self.braked_steps = 0
@@ -122,10 +133,12 @@ class OverspeedBrakes:
         fast = np.abs(relative) > 1.0
         self.asked[fast] = self._qvel[fast]
         self.counts += fast
-        braked = np.flatnonzero(self._shares)
-        response = self._response(braked)
+        low, high = self._bounds_with_stops()
+        held = np.flatnonzero((low > -inf) | (high < inf))
+        response = self._response(held)
+        scale = np.where(self._bounds < inf, self._bounds, 1.0)
         impulses = _find_impulses(
-            self._qvel[braked], self._bounds[braked], response[:, braked]
+            self._qvel[held], (low[held], high[held], scale[held]), response[:, held]
         )
         change = impulses @ response
         self._qvel += change
@@ -138,9 +151,24 @@ class OverspeedBrakes:
             mujoco.mj_integratePos(self._model, self._data.qpos, change, timestep)
         else:
             self._data.qpos[places] += timestep * change[dofs]
-        self.forces[braked] = impulses / timestep
+        # The impulses of a joint slow it down, or come from the stop at its end.
+        is_stop = np.where(impulses < 0.0, high[held], -low[held]) < self._bounds[held]
+        self.forces[held] = np.where(is_stop, 0.0, impulses / timestep)
         self.has_acted = True
         self.braked_steps += 1
+
+    def _bounds_with_stops(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the least and the largest velocity of each degree of freedom."""
+        low, high = -self._bounds, self._bounds.copy()
+        stopped, timestep = self._stopped, self._model.opt.timestep
+        before = self._data.qpos[self._position_of_dof[stopped]]
+        before = before - timestep * self._qvel[stopped]
+        lower, upper = self._ends
+        to_lower = np.minimum(lower - before, 0.0) / timestep
+        to_upper = np.maximum(upper - before, 0.0) / timestep
+        low[stopped] = np.maximum(low[stopped], to_lower)
+        high[stopped] = np.minimum(high[stopped], to_upper)
+        return low, high
 
     def _response(self, dofs: NDArray[np.intp]) -> NDArray[np.float64]:
         """Return the velocities that unit impulses cause, shape (len(dofs), nv)."""
@@ -153,7 +181,7 @@ class OverspeedBrakes:
 
 def _find_impulses(
     velocities: NDArray[np.float64],
-    bounds: NDArray[np.float64],
+    bounds: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
     response: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return the impulses that bring velocities within their bounds, shape (n,).
@@ -163,22 +191,24 @@ def _find_impulses(
 
     Args:
         velocities: Velocities without impulses [rad/s or m/s], shape (n,).
-        bounds: Largest speeds, > 0, shape (n,).
+        bounds: Least velocities, <= 0, largest ones, >= 0, and what the accuracy is
+            relative to, > 0, shape (n,) each.
         response: Velocities that unit impulses cause, symmetric, shape (n, n).
     """
     velocity = velocities.copy()
     impulses = np.zeros_like(velocity)
+    limits = list(zip(*(bound.tolist() for bound in bounds), strict=True))
     for _ in range(_MOST_SWEEPS):
         worst = 0.0
-        for i, bound in enumerate(bounds.tolist()):
+        for i, (low, high, scale) in enumerate(limits):
             own = response[i, i]
             free = velocity[i] - own * impulses[i]
-            wanted = (min(max(free, -bound), bound) - free) / own
+            wanted = (min(max(free, low), high) - free) / own
             change = wanted - impulses[i]
             if change:
                 velocity += change * response[i]
                 impulses[i] = wanted
-                worst = max(worst, abs(change * own) / bound)
+                worst = max(worst, abs(change * own) / scale)
         if worst < _TOLERANCE:
             break
     return impulses

@@ -75,6 +75,17 @@ def test_moving_point_mass_gets_an_inertia() -> None:
     assert found.urdf.links["arm"].inertial.inertia[0] == pytest.approx(0.8e-4)
 
 
+@pytest.mark.parametrize(("friction", "used"), [(4.9, 4.9), (5.0, 2.5), (7.0, 2.5)])
+def test_motor_that_cannot_overcome_its_joint_gets_a_joint_that_it_can(
+    friction, used
+) -> None:
+    """The joint's effort limit is 5 Nm."""
+    rough = f'<dynamics friction="{friction}"/></joint>'
+    found = repaired(robot().replace("</joint>", rough))
+    assert found.urdf.joints["j"].friction == used
+    assert [repair.kind for repair in found.repairs] == ["friction"] * (used == 2.5)
+
+
 def test_old_transmission_keeps_its_reduction(tmp_path) -> None:
     old = (
         '<transmission name="t" type="pr2_mechanism_model/SimpleTransmission">'

@@ -127,3 +127,20 @@ def test_what_was_braked_is_reported_joint_by_joint(bench: Bench) -> None:
     assert report.count == 2
     assert report.last.asked == -4.0
     assert report.last.given == pytest.approx(-OVERSPEED)
+
+
+def test_a_brake_carries_no_joint_past_its_stop(bench: Bench) -> None:
+    """The second joint stands at its end; slowing the first one down swings it on."""
+    model, data = bench.model, bench.data
+    model.jnt_limited[1], model.jnt_range[1] = 1, [-3.0, float(data.qpos[1])]
+    brakes = OverspeedBrakes(model, data)
+    brakes.set_limits(LIMITS)
+    data.qvel[:3] = [3.0, 0.0, 0.0]
+    position, energy = float(data.qpos[1]), bench.energy()
+    brakes.act()
+    assert data.qvel[0] == pytest.approx(OVERSPEED)
+    assert data.qvel[1] == pytest.approx(0.0, abs=1e-5)
+    assert data.qpos[1] == pytest.approx(position, abs=1e-8)
+    assert bench.energy() < energy
+    assert brakes.forces[0] < 0.0
+    assert brakes.forces[1] == 0.0, "the force of a stop is none of a brake"

@@ -19,7 +19,7 @@ from station.kernel.simulator_memory import SimulatorMemory
 REACH = 1.3
 """Larger than the distance of any end effector from any joint axis [m]."""
 _FIELDS = (
-    "q", "dq", "theta", "dtheta", "tau_J", "dtau_J", "q_d", "dq_d", "ddq_d", "tau_J_d"
+    "q", "dq", "dtheta", "tau_J", "dtau_J", "q_d", "dq_d", "ddq_d", "tau_J_d"
 )  # fmt: skip
 
 
@@ -32,6 +32,7 @@ class ArmCycle:
         thresholds: Thresholds that Franka does not publish.
         simulator: The simulator's memory of the arm's joints.
         period: Duration of a cycle [s], > 0.
+        is_rigid: Whether `theta` of the state is the position of the links.
 
     Attributes:
         memory: State and commands of the joints.
@@ -50,8 +51,14 @@ class ArmCycle:
         thresholds: SupervisorLimits,
         simulator: SimulatorMemory,
         period: float,
+        *,
+        is_rigid: bool = True,
     ) -> None:
-        self.memory = JointMemory(7, **{name: state.doubles(name) for name in _FIELDS})
+        self.memory = JointMemory(
+            7,
+            positions=state.doubles("theta") if is_rigid else None,
+            **{name: state.doubles(name) for name in _FIELDS},
+        )
         self.motion = DesiredMotion(
             self.memory,
             lower=limits.lower,

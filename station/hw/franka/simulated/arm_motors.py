@@ -92,7 +92,7 @@ class ArmMotors:
     def engage_torques(self) -> None:
         """Let the client's torques act from the next step on."""
         self._engage(_ZEROS, _ZEROS)
-        self._step.torques_act = True
+        self._step.torques_act = self._kernel.are_commands = True
 
     def apply_torques(self, torques: Sequence[float] | Doubles) -> None:
         """Set the motors' controls.
@@ -108,7 +108,8 @@ class ArmMotors:
         if self._step.torques_act:
             self._kernel.apply_torques()
         elif self._step.is_cartesian:
-            self._apply_cartesian(self._state.theta, self._state.dtheta)
+            positions = list(self._memory.positions)
+            self._apply_cartesian(positions, self._state.dtheta)
         else:
             self._kernel.apply_impedance()
             if self._state.robot_mode is RobotMode.MOVE:
@@ -118,6 +119,7 @@ class ArmMotors:
         self._step.torques_act = self._step.is_cartesian = False
         put(self._kernel.stiffness, stiffness)
         put(self._kernel.damping, damping)
+        self._kernel.begin()
         self._joints.set_servo(list(stiffness), list(damping))
 
     def _apply_cartesian(self, q: Sequence[float], dq: Sequence[float]) -> None:

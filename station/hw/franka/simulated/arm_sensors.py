@@ -5,6 +5,7 @@ from station.hw.franka.simulated.arm_load import ArmLoad
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.arm_step import ArmStep
+from station.kernel.doubles import Doubles, put
 
 _ZEROS = [0.0] * 7
 
@@ -16,6 +17,7 @@ class ArmSensors:
         joints: The arm's joints in the world.
         state: The arm's state; time, measured positions, velocities and torques are
             written.
+        positions: Positions of the joints as they are [rad], shape (7,); written.
         step: Reads and looks at the joints.
         load: The configured load.
         faults: The faults that change readings.
@@ -27,6 +29,7 @@ class ArmSensors:
         joints: WorldJoints,
         state: RobotState,
         *,
+        positions: Doubles,
         step: ArmStep,
         load: ArmLoad,
         faults: SensorFaults,
@@ -34,6 +37,7 @@ class ArmSensors:
     ) -> None:
         self._joints = joints
         self._state = state
+        self._positions = positions
         self._step = step
         self._load = load
         self._faults = faults
@@ -68,6 +72,7 @@ class ArmSensors:
         state = self._state
         state.dq = state.dtheta = _ZEROS
         state.q = state.theta = self._joints.read_positions()
+        put(self._positions, state.q)
 
     def load_torques(self) -> list[float] | None:
         """Return the torques for the configured load [Nm], (7,); None without a load.
@@ -77,4 +82,4 @@ class ArmSensors:
         if not self._step.has_load:
             return None
         state = self._state
-        return self._load.torques(state.theta, state.dtheta, self._ddq)
+        return self._load.torques(list(self._positions), state.dtheta, self._ddq)

@@ -19,6 +19,8 @@ from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.kernel.cycle_log import CycleLog
+from station.kernel.doubles import Doubles
+from station.kernel.flags import AlertFlag
 from station.kernel.joint_watch import JointWatch
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
@@ -27,7 +29,7 @@ _WORSE = 0.005
 _WORSE_SHARE = 0.1
 
 
-class ArmSupervisor:
+class ArmSupervisor(AlertFlag):
     """Finds errors in the measured state, and keeps those of the arm.
 
     A value that is still out of its range when the arm recovers, such as a joint beyond
@@ -45,6 +47,7 @@ class ArmSupervisor:
         thresholds: Thresholds that Franka does not publish.
         watch: Looks at the readings in every cycle.
         cycle_log: The last cycles.
+        positions: Positions of the joints as they are [rad], shape (7,).
 
     Attributes:
         errors: The present errors with their causes; empty after a recovery.
@@ -61,8 +64,11 @@ class ArmSupervisor:
         thresholds: SupervisorLimits,
         watch: JointWatch,
         cycle_log: CycleLog,
+        positions: Doubles,
     ) -> None:
+        super().__init__()
         self._state = state
+        self._positions = positions
         self._limits = limits
         self._thresholds = thresholds
         self._watch = watch
@@ -75,7 +81,6 @@ class ArmSupervisor:
         self._speed = limits.translation.velocity * thresholds.velocity_factor
         self._bad_cycles = 0
         self._known: dict[tuple[str, str], float] = {}
-        self.is_alert = False
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []
@@ -91,7 +96,7 @@ class ArmSupervisor:
         Returns:
             Errors of measured values that were out of range for too long.
         """
-        q = self._state.theta
+        q = list(self._positions)
         if is_quiet and not (self._limits.curves and self._is_fast_near_limits(q)):
             self._bad_cycles = 0
             self._known = {}
@@ -150,7 +155,7 @@ class ArmSupervisor:
     def recover(self) -> None:
         """Forget the present errors, and accept values that are out of range now."""
         self.clear()
-        q, state = self._state.theta, self._state
+        q, state = list(self._positions), self._state
         power = sum(
             abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
         )

@@ -59,16 +59,19 @@ class ObservedContact(ContactEstimate):
         cycle: ArmCycle,
         simulator: SimulatorMemory,
     ) -> None:
-        self.imperfections = Imperfections(
+        super().__init__(joints, state, limits, load_torques)
+        self.imperfections: Imperfections = Imperfections(
             cycle.memory,
             simulator,
             noise=_random_numbers(realism.seed),
             estimate=state.doubles("tau_ext_hat_filtered"),
+            theta=state.doubles("theta"),
             wrench=state.doubles("O_F_ext_hat_K"),
             turned=state.doubles("K_F_ext_hat_K"),
             period=joints.timestep,
         )
         _set(self.imperfections, realism, joints.timestep)
+        self._positions = cycle.memory.positions
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
@@ -78,7 +81,6 @@ class ObservedContact(ContactEstimate):
             3.0 / (2.0 * pi * realism.observer_frequency * joints.timestep)
         )
         self._settling = 0
-        super().__init__(joints, state, limits, load_torques)
         self.set_behavior(self.behavior)
         self.release = _RELEASE
 
@@ -95,15 +97,8 @@ class ObservedContact(ContactEstimate):
         )
         put(self.imperfections.lower, map(min, nominal, accelerating))
 
+    @override
     def attend(self, found: int) -> bool:
-        """Do what an unusual cycle asks for.
-
-        Args:
-            found: What `Imperfections.sense` has returned, not 0.
-
-        Returns:
-            Whether the next command is to be lost on its way.
-        """
         if found & MOVED:
             self.renew()
         if found & TOUCHED:
@@ -127,8 +122,8 @@ class ObservedContact(ContactEstimate):
         )
         return found
 
+    @override
     def expect_load(self) -> None:
-        """Take over the torques for the configured load."""
         put(self.imperfections.expected, self._load_torques() or [0.0] * 7)
 
     @override
@@ -151,9 +146,10 @@ class ObservedContact(ContactEstimate):
     @override
     def renew(self) -> None:
         state, kernel = self._state, self.imperfections
+        positions = list(self._positions)
         frames = (state.F_T_EE, state.EE_T_K)
-        put(kernel.pose, frame_pose(Frame.STIFFNESS, state.theta, *frames))
-        put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, state.theta, *frames))
+        put(kernel.pose, frame_pose(Frame.STIFFNESS, positions, *frames))
+        put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, positions, *frames))
         kernel.renew(SINGULAR)
 
     def _draw_loss(self) -> None:
@@ -172,6 +168,10 @@ def _set(kernel: Imperfections, realism: Realism, period: float) -> None:
     put(kernel.level, realism.friction_level)
     put(kernel.slope, realism.friction_slope)
     put(kernel.shift, realism.friction_shift)
+    kernel.stribeck_velocity = realism.stribeck_velocity
+    kernel.presliding = realism.presliding
+    put(kernel.static_friction, realism.static_friction)
+    put(kernel.compliance, [1.0 / stiffness for stiffness in realism.joint_stiffness])
     put(kernel.torque_noise, realism.torque_noise)
     put(kernel.torque_bias, realism.torque_bias)
     put(kernel.velocity_noise, realism.velocity_noise)

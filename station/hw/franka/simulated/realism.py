@@ -12,6 +12,16 @@ of the spread of the torques.
     Identification of the Franka Emika Panda Robot With Retrieval of Feasible Parameters
     Using Penalty-Based Optimization. IEEE Robotics and Automation Letters 4(4), 2019.
     https://github.com/marcocognetti/FrankaEmikaPandaDynModel
+[2] franka_emulator of the Institute for Data Science in Mechanical Engineering, RWTH
+    Aachen: model/franka_emulator/model.urdf, `friction`, as measured on a Panda by
+    source/emulator/friction_calibrator.cpp: a torque that grows by 0.5 Nm/s turns a
+    resting joint by 0.5 degrees.
+    https://github.com/Data-Science-in-Mechanical-Engineering/franka_emulator
+[3] Franka Control Interface documentation, Getting started, the output of
+    echo_robot_state: `theta`, `q` and `tau_J` of one moment.
+[4] Franka Control Interface documentation, Under the hood; and a maintainer's answer in
+    https://github.com/frankarobotics/libfranka/issues/71: a command is for the cycle
+    whose state it answers, and has to arrive before that cycle ends.
 """
 
 from dataclasses import dataclass
@@ -25,6 +35,11 @@ class Realism:
         friction_level: Friction at high speed forwards plus that backwards [Nm].
         friction_slope: How suddenly the friction rises with the speed [s/rad].
         friction_shift: Makes it larger one way than the other; 0: both alike [rad/s].
+        static_friction: Largest torque at which a joint stays at rest [Nm].
+        stribeck_velocity: Speed at which half of that is left [rad/s].
+        presliding: How far a joint turns before it slides [rad].
+        joint_stiffness: Stiffness between motor and link [Nm/rad]: `theta` differs
+            from `q` by the torque over it. The links move as if it were rigid.
         torque_noise: Standard deviation of the torque sensors in a cycle [Nm].
         torque_bias: What the torque sensors add [Nm].
         velocity_noise: Standard deviation of the velocities in a cycle [rad/s].
@@ -32,18 +47,25 @@ class Realism:
             are too large.
         observer_frequency: Cutoff of the observer of external torques [Hz].
         losses: Share of the cycles in which a command is lost on its way, 0 to 1.
+        commands_are_late: Whether a command acts in the cycle after the one in which
+            the arm reports it as desired.
         seed: Of the random numbers.
     """
 
     friction_level: tuple[float, ...]
     friction_slope: tuple[float, ...]
     friction_shift: tuple[float, ...]
+    static_friction: tuple[float, ...]
+    stribeck_velocity: float
+    presliding: float
+    joint_stiffness: tuple[float, ...]
     torque_noise: tuple[float, ...]
     torque_bias: tuple[float, ...]
     velocity_noise: tuple[float, ...]
     model_error: tuple[float, ...]
     observer_frequency: float
     losses: float
+    commands_are_late: bool
     seed: int = 0
 
 
@@ -52,6 +74,16 @@ TYPICAL = Realism(
     friction_level=(0.54615, 0.87224, 0.64068, 1.2794, 0.83904, 0.30301, 0.56489),
     friction_slope=(5.1181, 9.0657, 10.136, 5.5903, 8.3469, 17.133, 10.336),
     friction_shift=(0.03953, 0.02588, -0.04607, 0.03619, 0.02623, -0.02105, 0.00355),
+    # The torques of [2], 0.83, 1.00, 0.89, 1.29, 0.81, 0.59 and 0.41 Nm, without what
+    # the torque grows by while the joint begins to slide.
+    static_friction=(0.70, 0.79, 0.725, 1.145, 0.75, 0.515, 0.34),
+    # Assumptions: nobody publishes them. From 0.1 rad/s on, the static friction adds
+    # less than 0.05 Nm to the curve of [1]; below, a joint turns by less than the
+    # repeatability of 0.1 mm at the end of the arm.
+    stribeck_velocity=0.02,
+    presliding=1e-4,
+    # [3]: (theta - q) K = tau_J holds for all joints, to the last digit that is shown.
+    joint_stiffness=(7000.0,) * 7,
     # The recording, see above.
     torque_noise=(0.059, 0.050, 0.059, 0.050, 0.024, 0.025, 0.040),
     torque_bias=(-0.15, -0.40, 0.01, 0.03, -0.02, 0.03, 0.0),
@@ -64,5 +96,6 @@ TYPICAL = Realism(
     # libfranka's examples/communication_test.cpp calls 95 % of commands received
     # acceptable; a good network loses one in a thousand.
     losses=0.001,
+    commands_are_late=True,  # [4]
 )
 """A Panda as it was measured."""

@@ -20,7 +20,12 @@ class Supervised:
         cycle = ArmCycle(state, PANDA_LIMITS, thresholds, SimulatorMemory(7), 0.001)
         self.watch = cycle.watch
         self.supervisor = ArmSupervisor(
-            state, PANDA_LIMITS, thresholds, cycle.watch, cycle.log
+            state,
+            PANDA_LIMITS,
+            thresholds,
+            cycle.watch,
+            cycle.log,
+            cycle.memory.positions,
         )
 
     def errors(self) -> list[ArmError]:
