@@ -5,6 +5,7 @@
 const POLL_MS = 300;
 const POLL_LOST_MS = 100; // the station may be back at any moment
 const PATIENCE_MS = 2000;
+const STOP_PATIENCE_MS = 5000;
 const MOTION = {
   armed: "allowed",
   stopped: "STOPPED",
@@ -24,11 +25,22 @@ function notice(text, holdMs = 8000) {
   noticeUntil = Date.now() + holdMs;
 }
 
+// Give a request up after some time in which this page could have taken the answer. While
+// a slow picture of the 3D view is drawn it cannot, and that says nothing of the dashboard.
+const TURN_MS = 100;
+async function patiently(path, ms, options = {}) {
+  const giveUp = new AbortController();
+  let turns = ms / TURN_MS;
+  const timer = setInterval(() => (turns -= 1) <= 0 && giveUp.abort(), TURN_MS);
+  try {
+    return await fetch(path, { ...options, signal: giveUp.signal });
+  } finally {
+    clearInterval(timer);
+  }
+}
+
 async function post(path) {
-  const answer = await fetch(path, {
-    method: "POST",
-    signal: AbortSignal.timeout(5000),
-  });
+  const answer = await patiently(path, STOP_PATIENCE_MS, { method: "POST" });
   const body = await answer.json();
   if (!answer.ok) throw new Error(`${body.detail} ${body.remedy ?? ""}`);
   return body;
@@ -114,9 +126,7 @@ function render(polled) {
 
 async function refresh() {
   try {
-    const answer = await fetch("/state", {
-      signal: AbortSignal.timeout(PATIENCE_MS),
-    });
+    const answer = await patiently("/state", PATIENCE_MS);
     if (answer.status === 401) return location.replace("/login");
     render(await answer.json());
   } catch {

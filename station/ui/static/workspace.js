@@ -86,6 +86,7 @@ function makeDock(dock) {
     section.classList.toggle("folded", folded);
     fold.setAttribute("aria-expanded", String(!folded));
     keepLayout();
+    if (body.built && body.isShown && store.docks) body.refresh(); // not at the next poll
   };
   fold.addEventListener("click", () => setFolded(!layout.folded[dock.id]));
   setFolded(Boolean(layout.folded[dock.id]));

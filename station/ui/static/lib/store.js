@@ -104,6 +104,12 @@ export async function stopController(name) {
   return done;
 }
 
+/** Stop a controller and start it again; the station takes one of the two in a switch. */
+export async function restartController(name) {
+  const stopped = await stopController(name);
+  return stopped && switchTo(name);
+}
+
 /** Start what makes the joints take values; load it first if no such thing is loaded. */
 export async function enableSliders() {
   const wanted = store.docks?.enabling;

@@ -4,7 +4,7 @@ import { Panel } from "../lib/panel.js";
 import { fieldsOf, valuesOf } from "../lib/parameter_fields.js";
 import { act, api, send } from "../lib/station.js";
 import { refusals } from "../lib/refusals.js";
-import { stopController, store, switchTo } from "../lib/store.js";
+import { restartController, stopController, store, switchTo } from "../lib/store.js";
 
 const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "…", aborted: "✖", waiting: "…" };
 
@@ -60,10 +60,10 @@ class Controllers extends Panel {
       c.state === "running"
         ? [
             button("Stop", `Stop ${c.name}; its joints hold`, () => stopController(c.name)),
-            button("Restart", `Stop and start ${c.name} in one cycle`, () => act("POST", "/controllers/switch", { start: [c.name], stop: [c.name] }), () => this.look(c, true)),
+            button("Restart", `Stop ${c.name} and start it again`, () => restartController(c.name), () => show(this.preview, `Restart ${c.name}: its joints hold, and it starts anew from where they are.`)),
           ]
         : [
-            button("Start", c.reason || `Start ${c.name}`, () => switchTo(c.name), () => this.look(c, false)),
+            button("Start", c.reason || `Start ${c.name}`, () => switchTo(c.name), () => this.look(c)),
             button("Unload", `Unload ${c.name}`, () => this.unload(c)),
           ];
     const fault = c.fault ? h("div", { class: "fault" }, `✖ ${c.fault}`) : null;
@@ -84,19 +84,18 @@ class Controllers extends Panel {
   }
 
   /** Ask the station what a switch would do; nothing is done. */
-  async look(c, restart) {
-    const stop = restart ? [c.name] : (store.controller(c.name)?.replaces ?? []);
-    const verb = restart ? "Restart" : "Start";
+  async look(c) {
+    const stop = store.controller(c.name)?.replaces ?? [];
     try {
       const plan = await api("POST", "/controllers/switch", { start: [c.name], stop, dry_run: true });
       const steps = Object.entries(plan.jump).filter(([, size]) => size != null);
       const [joint, size] = steps.reduce((most, one) => (Math.abs(one[1]) > Math.abs(most[1]) ? one : most), ["", 0]);
-      const stops = restart ? "" : plan.stopped.length ? `stops ${plan.stopped.join(", ")}; ` : "stops nothing; ";
+      const stops = plan.stopped.length ? `stops ${plan.stopped.join(", ")}; ` : "stops nothing; ";
       const jump = steps.length ? `largest step ${Math.abs(size).toFixed(4)} rad${joint ? ` (${joint})` : ""}` : "the step is known when it runs";
-      show(this.preview, `${verb} ${c.name}: ${stops}${jump}.`);
+      show(this.preview, `Start ${c.name}: ${stops}${jump}.`);
       this.preview.title = steps.map(([name, step]) => `${name}: ${step}`).join("\n");
     } catch (error) {
-      show(this.preview, `${verb} ${c.name} would be refused: ${error.detail ?? error.message} ${error.remedy ?? ""}`);
+      show(this.preview, `Start ${c.name} would be refused: ${error.detail ?? error.message} ${error.remedy ?? ""}`);
     }
   }
 

@@ -1,0 +1,280 @@
+"""What a person does in the docks beyond the usual tasks, checked at the station."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    position,
+    wait_until,
+)
+
+pytestmark = pytest.mark.slow
+
+KIND = "effort_controllers/JointGroupPositionController"
+
+
+def _desired(client, joint):
+    """Return where the default controller was last told to move a joint [rad]."""
+    return client.last_command(CONTROLLER).last[joint - 1]
+
+
+def _type(workspace, joint, text):
+    workspace.type_into("joints", f"Command of joint{joint}", text)
+
+
+def test_a_named_pose_is_kept_by_the_browser_and_gone_back_to(workspace, enabled):
+    page = workspace.page
+    workspace.button("joints", "rad").click()
+    before = position(enabled, "panda_joint1")
+    dock = workspace.dock("joints")
+    dock.get_by_label("Name of the pose").fill("home of the test")
+    workspace.button("joints", "Save pose").click()
+    _type(workspace, 1, f"{before + 0.3:.4f}")
+    assert wait_until(lambda: position(enabled, "panda_joint1") > before + 0.25)
+    page.reload()
+    dock.get_by_label("Pose", exact=True).select_option("home of the test")
+    page.wait_for_function("() => !document.querySelector('.joints input').disabled")
+    workspace.button("joints", "Go").click()
+    assert wait_until(lambda: abs(position(enabled, "panda_joint1") - before) < 0.02)
+    workspace.button("joints", "Forget").click()
+    assert dock.get_by_label("Pose", exact=True).inner_text() == "none saved yet"
+
+
+def test_the_top_speed_holds_for_typed_values(workspace, enabled):
+    dock = workspace.dock("joints")
+    slider = dock.get_by_label("Top speed in degrees per second")
+    slider.evaluate(
+        "(e) => { e.value = 6; e.dispatchEvent(new Event('input', {bubbles: true})); }"
+    )
+    workspace.button("joints", "deg").click()
+    start = math.degrees(_desired(enabled, 7) or position(enabled, "panda_joint7"))
+    began = enabled.status().time
+    _type(workspace, 7, f"{start - 3.0:.3f}")
+    wanted = math.radians(round(start - 3.0, 3))
+    assert wait_until(lambda: abs(_desired(enabled, 7) - wanted) < 1e-9)
+    assert enabled.status().time - began > 0.9 * 3.0 / 6.0
+    slider.evaluate(
+        "(e) => { e.value = 29; e.dispatchEvent(new Event('input', {bubbles: true})); }"
+    )
+
+
+def test_parameters_are_written_as_yaml_and_a_wrong_one_is_refused(workspace, client):
+    dock = workspace.dock("controllers")
+    workspace.button("controllers", "Load …").click()
+    dock.get_by_label("Search controller types").fill("effort group position")
+    dock.get_by_role("option", name=KIND).click()
+    dock.get_by_label("Name of the controller").fill("written")
+    dock.get_by_role("button", name="Edit as YAML").click()
+    text = dock.get_by_label("Parameters in YAML")
+    good = text.input_value()
+    text.fill("joints: [panda_joint1")
+    dock.get_by_role("button", name="Load", exact=True).click()
+    line = workspace.page.locator("#refusal-line")
+    line.get_by_text("The parameters are no YAML").wait_for()
+    text.fill(good.replace("p: 600", "p: 611"))
+    dock.get_by_role("button", name="Load", exact=True).click()
+    assert wait_until(lambda: "written" in [c.name for c in client.controllers()])
+    assert client.gains("written").values["panda_joint1/p"] == 611
+    workspace.button("controllers", "Unload written").click()
+    assert wait_until(lambda: "written" not in [c.name for c in client.controllers()])
+
+
+def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
+    told = []
+    workspace.page.on(
+        "response", lambda r: r.url.endswith("/switch") and told.append(r.json())
+    )
+    workspace.button("controllers", f"Restart {CONTROLLER}").click()
+    assert wait_until(lambda: workspace.page.wait_for_timeout(50) or len(told) == 2)
+    assert [told[0]["stopped"], told[1]["started"]] == [[CONTROLLER], [CONTROLLER]]
+    assert enabled.controller(CONTROLLER).state == "running"
+
+
+def test_a_gain_that_is_an_enumeration_is_chosen_by_name(workspace, client):
+    name = next(
+        c.name
+        for c in client.controllers()
+        if c.type.endswith("CartesianJogController")
+    )
+    dock = workspace.dock("tuning")
+    dock.get_by_label("Controller to tune").select_option(name)
+    assert client.gains(name).values["frame"] == 0
+    dock.get_by_label(f"frame of {name}").select_option("1")
+    workspace.button("tuning", "Apply").click()
+    assert wait_until(lambda: client.gains(name).values["frame"] == 1)
+    workspace.button("tuning", "Undo").click()
+    assert wait_until(lambda: client.gains(name).values["frame"] == 0)
+
+
+def test_a_set_of_gains_is_saved_compared_and_applied(workspace, enabled):
+    dock = workspace.dock("tuning")
+    name = "panda_joint2/p"
+    before = enabled.gains(CONTROLLER).values[name]
+    dock.get_by_text("Sets of gains").click()
+    dock.get_by_label("Name of the set").fill("test-set")
+    dock.get_by_role("button", name="Save", exact=True).click()
+    dock.get_by_text("no gain differs").wait_for()
+    enabled.set_gains(CONTROLLER, {name: before - 50})
+    dock.get_by_label("Set of gains").dispatch_event("change")
+    dock.get_by_text(f"{name}: set {before:.4f}, now {before - 50:.4f}").wait_for()
+    dock.get_by_role("button", name="Apply set").click()
+    assert wait_until(lambda: enabled.gains(CONTROLLER).values[name] == before)
+    dock.get_by_role("button", name="Delete", exact=True).click()
+    assert wait_until(lambda: enabled.gain_sets.names() == [])
+    dock.get_by_text("Sets of gains").click()
+
+
+def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, client):
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    moving = [name for name in running if name != "joint_state_controller"]
+    if moving:
+        client.switch_controllers(stop=moving)
+    dock = workspace.dock("move")
+    dock.get_by_text("Arm: collision thresholds").click()
+    panda = client.robot("panda")
+    dock.get_by_label("Load: mass").fill("0.35")
+    dock.get_by_role("button", name="Set Load").click()
+    assert wait_until(lambda: panda.state().m_load == pytest.approx(0.35)), (
+        workspace.page.locator("#log").text_content()
+    )
+    dock.get_by_label("End effector in the nominal frame: x, y, z").fill("0, 0, 0.05")
+    dock.get_by_role("button", name="Set End effector").click()
+    assert wait_until(lambda: panda.state().NE_T_EE[14] == pytest.approx(0.05))
+    since = client.events(limit=1)[-1].id
+    dock.get_by_label("Collision thresholds: contact force").fill("33")
+    dock.get_by_role("button", name="Set Collision thresholds").click()
+
+    def asked():
+        what = "PUT /robots/panda/force_torque_collision_behavior"
+        return [e.result for e in client.events(since, limit=1000) if e.what == what]
+
+    assert wait_until(asked)
+    assert asked()[-1].startswith("20")
+    guide = dock.get_by_role("button", name=re.compile("^Guiding"))
+    guide.click()
+    assert wait_until(lambda: panda.errors().robot_mode == "guiding")
+    guide.click()
+    assert wait_until(lambda: panda.errors().robot_mode != "guiding")
+    dock.get_by_label("Load: mass").fill("0")
+    dock.get_by_role("button", name="Set Load").click()
+    dock.get_by_label("End effector in the nominal frame: x, y, z").fill("0, 0, 0")
+    dock.get_by_role("button", name="Set End effector").click()
+    assert wait_until(lambda: panda.state().NE_T_EE[14] == pytest.approx(0.0))
+    dock.get_by_text("Arm: collision thresholds").click()
+
+
+def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
+    dock = workspace.dock("move")
+    dock.get_by_text("Hand: jog and target").click()
+    dock.get_by_role("button", name="Start hand jog").click()
+    up = dock.get_by_role("button", name="Move the hand along z while held", exact=True)
+    workspace.page.wait_for_function(
+        "() => !document.querySelector('.jog button').disabled"
+    )
+    panda = client.robot("panda")
+    before = panda.state().O_T_EE[14]
+    up.hover()
+    workspace.page.mouse.down()
+    assert wait_until(lambda: panda.state().O_T_EE[14] > before + 0.015)
+    workspace.page.mouse.up()
+    assert wait_until(lambda: abs(max(panda.state().dq, key=abs)) < 0.01)
+    dock.get_by_text("Hand: jog and target").click()
+
+
+def test_waypoints_are_named_reordered_and_removed(workspace, enabled):
+    dock = workspace.dock("move")
+    for joint1 in ("0.05", "0.2"):
+        workspace.button("joints", "rad").click()
+        _type(workspace, 1, joint1)
+        assert wait_until(
+            lambda v=joint1: abs(position(enabled, "panda_joint1") - float(v)) < 0.01
+        )
+        count = dock.locator("ol.waypoints li").count()
+        workspace.button("move", "+ Capture").click()
+        dock.locator("ol.waypoints li").nth(count).wait_for()
+    paths = enabled.waypoint_paths
+
+    def names():
+        return [one.name for one in paths.get("path-1").waypoints]
+
+    assert len(names()) == 2
+    name = dock.get_by_label("Name of waypoint 1", exact=True)
+    name.fill("near")
+    name.press("Enter")
+    assert wait_until(lambda: names()[0] == "near")
+    dock.get_by_role("button", name="Move down: near").click()
+    assert wait_until(lambda: names()[1] == "near")
+    dock.get_by_role("button", name="Remove: near").click()
+    assert wait_until(lambda: "near" not in names())
+    workspace.button("move", "Delete").click()
+    assert wait_until(lambda: paths.names() == [])
+
+
+def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
+    page, dock = workspace.page, workspace.dock("plots")
+    box = dock.locator(".plot").first
+    plot = "document.querySelector('st-plots').plots[0].plot"
+    page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 30")
+    workspace.button("plots", "Pause").click()
+    end = page.evaluate(f"() => {plot}.end")
+    before = enabled.status().cycle
+    canvas = box.locator("canvas")
+    canvas.focus()
+    span = page.evaluate(f"() => {plot}.span")
+    canvas.press("+")
+    assert page.evaluate(f"() => {plot}.span") < span
+    canvas.press("ArrowLeft")
+    canvas.press("Enter")
+    for _ in range(10):
+        canvas.press("ArrowRight")
+    page.wait_for_function(f"() => {plot}.fixed !== null && {plot}.cursor !== null")
+    assert wait_until(lambda: enabled.status().cycle > before + 100)
+    assert page.evaluate(f"() => {plot}.end") == end
+    canvas.press("-")
+    box.locator(".picker > summary").click()
+    with page.expect_download() as download:
+        box.get_by_role("button", name="CSV", exact=True).click()
+    rows = Path(download.value.path()).read_text().splitlines()
+    assert rows[0].startswith("time [s],q joint1 [rad]")
+    assert len(rows) > 10
+    box.locator(".picker > summary").click()
+    workspace.button("plots", "Resume").click()
+    page.wait_for_function(f"() => {plot}.end === null")
+
+
+def test_switches_and_gains_are_marked_in_the_plots(workspace, enabled):
+    page = workspace.page
+    dock = workspace.dock("tuning")
+    dock.get_by_label("Controller to tune").select_option(CONTROLLER)
+    dock.get_by_label("Joint to tune").select_option("panda_joint7")
+    dock.get_by_label("d of panda_joint7").fill("4.5")
+    workspace.button("tuning", "Apply").click()
+    assert wait_until(lambda: enabled.gains(CONTROLLER).values["panda_joint7/d"] == 4.5)
+    workspace.button("tuning", "Undo").click()
+    enabled.switch_controllers(stop=[CONTROLLER])
+    marks = "document.querySelector('st-plots').plots[0].plot.markers.map(m => m.text)"
+    for text in ("gains panda_joint7/d", "gains undone", f"{CONTROLLER} stopped"):
+        page.wait_for_function(
+            f"(text) => {marks}.some((mark) => mark.includes(text))", arg=text
+        )
+
+
+def test_the_speed_of_the_simulation_and_its_reset_are_the_stations(workspace, enabled):
+    dock = workspace.dock("simulation")
+    state = enabled.simulation.state
+    for typed in ("0.5", "1"):
+        field = dock.get_by_label("Speed of simulated time")
+        field.fill(typed)
+        field.press("Enter")
+        assert wait_until(lambda t=typed: state().real_time_factor == float(t))
+    workspace.button("joints", "rad").click()
+    _type(workspace, 1, "0.4")
+    assert wait_until(lambda: position(enabled, "panda_joint1") > 0.35)
+    epoch = enabled.status().epoch
+    workspace.button("simulation", "Reset").click()
+    assert wait_until(lambda: enabled.status().epoch > epoch)
+    assert wait_until(lambda: abs(position(enabled, "panda_joint1")) < 0.05)
