@@ -5,6 +5,7 @@ A station of its own is started and ended. `--readme` renews the picture of the 
 """
 
 import argparse
+import io
 import json
 import os
 import subprocess
@@ -14,6 +15,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from PIL import Image, ImageOps
 from playwright.sync_api import Browser, Page, sync_playwright
 
 SIZES = ((1280, 800), (1920, 1080), (390, 844))
@@ -67,12 +69,11 @@ def opened(browser: Browser, login: str, size: tuple[int, int], scheme: str) -> 
         color_scheme="dark" if scheme == "dark" else "light",
     )
     page = context.new_page()
+    page.set_default_timeout(SCENE_MS)
     page.goto(login)
     page.wait_for_selector(".joints tbody tr", state="attached")
     page.get_by_role("button", name="Skip the tour").click()
-    page.wait_for_function(
-        "() => document.getElementById('progress').hidden", timeout=SCENE_MS
-    )
+    page.wait_for_function("() => document.getElementById('progress').hidden")
     return page
 
 
@@ -147,7 +148,9 @@ def readme(browser: Browser, login: str) -> None:
         field.fill(value)
         field.press("Enter")
         page.wait_for_timeout(2200)
-    README.write_bytes(page.screenshot())
+    picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    # Six bits of each colour look the same and need fewer bytes.
+    ImageOps.posterize(picture, 6).save(README, optimize=True)
 
 
 def main() -> None:
