@@ -4,17 +4,17 @@ Run `python benchmarks/bench_dashboard.py [--seconds 20] [--browsers 3]` on a ma
 that does nothing else; it needs Chromium and the packages of the tests. It starts
 `station run` with its dashboard, measures without browsers, then with some that are
 niced, so that drawing in software on the same cores does not decide it. Then it kills
-the station, starts it again, and measures how long the open page takes to return. At
-the end it measures what six traces of the dock *Plots* cost a browser.
+the station, starts it again, and measures when its API, its dashboard and the open
+pages are back. At the end it measures what six traces of the dock *Plots* cost a
+browser.
 
 The age of a pose: joint 1 turns steadily, so its angle says when the station had it. A
-page notes each message to its 3D view when the picture with it is due (the next
-animation frame). The station's time is laid over the wall clock by the fastest of
+page notes the newest pose of its 3D view whenever a picture is due (an animation
+frame). The station's time is laid over the wall clock by the fastest of
 many stream frames: the age leaves out what that one needed on its way, under 1 ms.
 """
 
 import argparse
-import base64
 import contextlib
 import json
 import os
@@ -24,6 +24,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -31,9 +32,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import msgspec
+import httpx
 import numpy as np
-import zstandard
 from live import BROWSER_FLAGS
 from measuring import print_table, print_title
 from numpy.typing import NDArray
@@ -52,34 +52,59 @@ SWEEP = 1.2
 NICENESS = 10
 _CLOCK = os.sysconf("SC_CLK_TCK")
 _PATIENCE = 120.0
-_NOTE_MESSAGES = """
+# Viser's page has its socket in a worker, which posts the messages to the page.
+_NOTE_POSES = (
+    """
 (() => {
-  const Real = window.WebSocket;
-  window.__noted = [];
+  const Real = window.Worker;
   window.__noting = false;
-  window.WebSocket = class extends Real {
+  window.__poses = {arrived: 0, drawn: []};
+  let newest = null;
+  const note = (wxyz) => {
+    window.__poses.arrived += 1;
+    if (newest === null)
+      requestAnimationFrame(() => {
+        window.__poses.drawn.push([Date.now() / 1000, newest]);
+        newest = null;
+      });
+    newest = 2 * Math.atan2(wxyz[3], wxyz[0]);
+  };
+  window.Worker = class extends Real {
     constructor(...given) {
       super(...given);
-      this.addEventListener("message", (event) => {
-        if (!window.__noting || !(event.data instanceof ArrayBuffer)) return;
-        const data = event.data.slice(0);
-        requestAnimationFrame(() => window.__noted.push([Date.now() / 1000, data]));
+      this.addEventListener("message", ({data}) => {
+        if (!window.__noting || data?.type !== "message_batch") return;
+        for (const message of data.messages)
+          if (message.type === "SetOrientationMessage" && message.name === "NODE")
+            note(message.wxyz);
       });
     }
   };
 })();
 """
-_TAKE_NOTES = """
-() => window.__noted.splice(0).map(([at, data]) => {
-  let text = "";
-  for (const byte of new Uint8Array(data)) text += String.fromCharCode(byte);
-  return [at, btoa(text)];
-})
+).replace("NODE", NODE)
+_NOTE_RETURN = """
+() => {
+  const bar = document.getElementById("bar");
+  window.__back = null;
+  const look = () => {
+    const isBack = bar.dataset.link === "live" && !document.body.matches(".stale");
+    window.__back = isBack ? (window.__back ?? Date.now() / 1000) : null;
+  };
+  const options = {attributes: true, attributeFilter: ["class", "data-link"]};
+  new MutationObserver(look).observe(bar, options);
+  new MutationObserver(look).observe(document.body, options);
+}
 """
 
 
 class RunningStation:
-    """A station with its dashboard on ports that stay the same."""
+    """A station with its dashboard on ports that stay the same.
+
+    Attributes:
+        access: What its runtime file says.
+        answered_at: When its API was announced after the last start [s], wall clock.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -87,6 +112,7 @@ class RunningStation:
         self._ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
         self._process: subprocess.Popen[bytes] | None = None
         self.access: dict[str, str] = {}
+        self.answered_at = 0.0
 
     def start(self) -> None:
         """Start, and wait until station and dashboard answer.
@@ -103,10 +129,14 @@ class RunningStation:
             )
         os.setpriority(os.PRIO_PROCESS, self._process.pid, 0)
         deadline = time.monotonic() + _PATIENCE
+        self.answered_at = 0.0
         while len(lines := output.read_text().splitlines()) < 2:
+            if lines and not self.answered_at:
+                self.answered_at = time.time()
             if self._process.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError("the station did not start; see its messages")
             time.sleep(0.02)
+        self.answered_at = self.answered_at or time.time()
         self.access = json.loads(Path(json.loads(lines[0])["runtime_file"]).read_text())
 
     def stop(self, number: signal.Signals = signal.SIGINT) -> None:
@@ -134,8 +164,39 @@ class Measured:
 
     loop: LoopReport
     cpu: float
-    ages: list[NDArray[np.float64]]
-    rates: list[float]
+    screens: "list[Screen]"
+
+
+@dataclass(frozen=True)
+class Screen:
+    """The poses on one browser's screen.
+
+    Attributes:
+        poses: Poses that arrived, per second.
+        pictures: Pictures with a new pose, per second.
+        ages: How old the pose of each picture was when it was drawn [s].
+        oldest: How old it had become when the next picture took its place [s].
+    """
+
+    poses: float
+    pictures: float
+    ages: NDArray[np.float64]
+    oldest: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Return:
+    """How long a killed station that is started anew takes to be back.
+
+    Attributes:
+        station: From its start until its API is announced [s].
+        dashboard: From there until the dashboard has its data [s].
+        pages: From there until the last page shows it, with joints that move [s].
+    """
+
+    station: float
+    dashboard: float
+    pages: float
 
 
 def main() -> None:
@@ -160,7 +221,7 @@ def _report(station: RunningStation, seconds: float, count: int) -> None:
         os.setpriority(os.PRIO_PROCESS, 0, NICENESS)  # the browsers inherit it
         with browsers(station.access, count) as pages:
             watched = measure(station, client, pages, seconds)
-            come_back = reconnect_time(station, pages[0])
+            back = come_back(station, pages)
         plots = plot_cost(station.access, seconds)
     print_title(f"The dashboard for {seconds:g} s, without and with {count} browsers")
     late = [one.loop.lateness for one in (alone, watched)]
@@ -170,18 +231,25 @@ def _report(station: RunningStation, seconds: float, count: int) -> None:
             ["lateness p50 [us]", *(one.p50 * 1e6 for one in late), ""],
             ["lateness p99 [us]", *(one.p99 * 1e6 for one in late), "1.5 x none"],
             ["CPU of the dashboard [cores]", alone.cpu, watched.cpu, "0.5"],
-            ["page is back after the station [s]", "", come_back, "3"],
+            ["station started anew: API answers after [s]", "", back.station, ""],
+            ["dashboard has it after the API [s]", "", back.dashboard, ""],
+            ["all pages have it after the API [s]", "", back.pages, "3"],
             ["6 traces of 30 Hz over 30 s in one browser [cores]", "", plots, "0.1"],
         ],
     )
     sys.stdout.write("\nThe pose on the screen\n")
     print_table(
-        ("browser", "poses per second", "age p50 [ms]", "p95", "max"),
+        (
+            *("browser", "poses per second", "pictures per second"),
+            *("age p50 [ms]", "p95", "max", "before the next p95"),
+        ),
         [
-            [i, rate, *(np.percentile(age, q) * 1e3 for q in (50, 95, 100))]
-            for i, (rate, age) in enumerate(
-                zip(watched.rates, watched.ages, strict=True), start=1
-            )
+            [
+                *(i, screen.poses, screen.pictures),
+                *(np.percentile(screen.ages, q) * 1e3 for q in (50, 95, 100)),
+                np.percentile(screen.oldest, 95) * 1e3,
+            ]
+            for i, screen in enumerate(watched.screens, start=1)
         ],
     )
     sys.stdout.write("allowed: 100 ms at 30 poses per second\n")
@@ -215,7 +283,7 @@ def browsers(access: dict[str, str], count: int) -> Iterator[list[Page]]:
         for _ in range(count):
             context = browser.new_context(viewport={"width": 1280, "height": 800})
             context.set_default_timeout(_PATIENCE * 1e3)
-            context.add_init_script(_NOTE_MESSAGES)
+            context.add_init_script(_NOTE_POSES)
             pages.append(context.new_page())
             pages[-1].goto(f"{access['ui_url']}/login?token={access['token']}")
         for page in pages:
@@ -285,12 +353,25 @@ def measure(
     cpu = (station.dashboard_cpu() - cpu) / took
     loop = client.loop()
     _note(pages, is_on=False)
-    ages, rates = [], []
-    for page in pages:
-        seen = _seen_poses(_scene(page).evaluate(_TAKE_NOTES))
-        ages.append(_ages(seen, stamps, angles))
-        rates.append(len(seen) / took)
-    return Measured(loop, cpu, ages, rates)
+    screens = [_screen(page, stamps, angles, took) for page in pages]
+    return Measured(loop, cpu, screens)
+
+
+def _screen(
+    page: Page, stamps: NDArray[np.float64], angles: NDArray[np.float64], took: float
+) -> Screen:
+    """Return what a page has noted.
+
+    Raises:
+        RuntimeError: It has noted nothing.
+    """
+    noted = _scene(page).evaluate("() => window.__poses")
+    drawn = np.array(noted["drawn"]).reshape(-1, 2)
+    if not len(drawn):
+        raise RuntimeError(f"no pose of {NODE} came: has Viser's page changed?")
+    return Screen(
+        noted["arrived"] / took, len(drawn) / took, *_ages(drawn, stamps, angles)
+    )
 
 
 def _turn_and_watch(
@@ -334,37 +415,16 @@ def _here(client: StationClient) -> list[float]:
     return [value or 0.0 for value in joints.position[:7]]
 
 
-def _seen_poses(notes: Sequence[tuple[float, str]]) -> NDArray[np.float64]:
-    """Return when the joint was drawn at which angle, shape (n, 2) [s, rad]."""
-    found = []
-    for at, text in notes:
-        for message in _messages(base64.b64decode(text)):
-            if (
-                message.get("type") == "SetOrientationMessage"
-                and message.get("name") == NODE
-            ):
-                w, _, _, z = message["wxyz"]
-                found.append((at, 2.0 * np.arctan2(z, w)))
-    return np.array(found).reshape(-1, 2)
-
-
-def _messages(frame: bytes) -> list[dict[str, Any]]:
-    """Return the messages in a frame of Viser; see its `_message_producer`."""
-    size = int.from_bytes(frame[8:16], "little")
-    packed = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + size])
-    return list(msgspec.msgpack.decode(packed)["messages"])
-
-
 def _ages(
-    seen: NDArray[np.float64], times: NDArray[np.float64], angles: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return how old each pose was when it was drawn [s].
+    drawn: NDArray[np.float64], times: NDArray[np.float64], angles: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return how old each pose was when it was drawn, and when the next was [s].
 
     Of the moments at which the joint had that angle, the last one before the picture
     counts. Near its turning points an angle says little and is left out.
     """
     ages = []
-    for at, angle in seen:
+    for (at, angle), following in zip(drawn[:-1], drawn[1:, 0], strict=True):
         if abs(angle) > 0.9 * SWEEP:
             continue
         below = angles[:-1] - angle
@@ -374,8 +434,10 @@ def _ages(
         if len(crossings):
             last = crossings[-1]
             part = below[last] / ((angles[last] - angles[last + 1]) or 1.0)
-            ages.append(at - (times[last] + part * (times[last + 1] - times[last])))
-    return np.array(ages or [np.nan])
+            then = times[last] + part * (times[last + 1] - times[last])
+            ages.append((at - then, following - then))
+    first, second = np.array(ages or [(np.nan, np.nan)]).T
+    return first, second
 
 
 def _scene(page: Page) -> Any:  # noqa: ANN401 - Playwright's frame
@@ -387,14 +449,37 @@ def _note(pages: Sequence[Page], *, is_on: bool) -> None:
         _scene(page).evaluate(f"() => {{ window.__noting = {str(is_on).lower()}; }}")
 
 
-def reconnect_time(station: RunningStation, page: Page) -> float:
-    """Kill and start the station; return how long the page takes after that [s]."""
+def come_back(station: RunningStation, pages: Sequence[Page]) -> Return:
+    """Kill and start the station; return how long its parts take to be back."""
+    cookies = {c["name"]: c["value"] for c in pages[0].context.cookies()}
+    for page in pages:
+        page.evaluate(_NOTE_RETURN)
     station.stop(signal.SIGKILL)
-    page.wait_for_selector('#bar:not([data-link="live"])', timeout=_PATIENCE * 1e3)
+    for page in pages:
+        page.wait_for_selector('#bar:not([data-link="live"])', timeout=_PATIENCE * 1e3)
+    seen: list[float] = []
+    address = f"{station.access['ui_url']}/state"
+    looking = threading.Thread(target=_wait_for_link, args=(address, cookies, seen))
+    looking.start()
+    began = time.time()
     station.start()
-    answered = time.monotonic()
-    page.wait_for_selector('#bar[data-link="live"]', timeout=_PATIENCE * 1e3)
-    return time.monotonic() - answered
+    looking.join()
+    for page in pages:
+        page.wait_for_function("() => window.__back", timeout=_PATIENCE * 1e3)
+    page_back = max(page.evaluate("() => window.__back") for page in pages)
+    answered = station.answered_at
+    return Return(answered - began, seen[0] - answered, page_back - answered)
+
+
+def _wait_for_link(address: str, cookies: dict[str, str], seen: list[float]) -> None:
+    """Note when the dashboard says that it has the station's data."""
+    deadline = time.monotonic() + _PATIENCE
+    with httpx.Client(cookies=cookies, trust_env=False) as client:
+        while time.monotonic() < deadline:
+            if client.get(address).json()["link"] == "live":
+                seen.append(time.time())
+                return
+            time.sleep(0.02)
 
 
 def _free_port() -> int:

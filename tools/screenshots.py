@@ -1,6 +1,7 @@
 """Take pictures of every dock of the dashboard, to be looked at: `artifacts/docks/`.
 
-A station of its own is started and ended. `--readme` renews the picture of the docs.
+A station of its own is started and ended. `--readme` renews the picture of the docs;
+`--station examples/dual_panda.yaml` or `--station=--robot=ur5` shows another robot.
 """
 
 import argparse
@@ -9,7 +10,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -26,8 +27,12 @@ _READY_LINES = 20
 
 
 @contextmanager
-def station() -> Iterator[str]:
-    """Run a station on free ports; yields the address that logs in."""
+def station(arguments: Sequence[str]) -> Iterator[str]:
+    """Run a station on free ports; yields the address that logs in.
+
+    Args:
+        arguments: More arguments of `station run`.
+    """
     command = [sys.executable, "-m", "station", "run", "--port", "0", "--ui-port", "0"]
     with tempfile.TemporaryDirectory() as home:
         places = {
@@ -36,7 +41,7 @@ def station() -> Iterator[str]:
             "XDG_STATE_HOME": f"{home}/state",
         }
         process = subprocess.Popen(
-            [*command, "--json"],
+            [*command, "--json", *arguments],
             stdout=subprocess.PIPE,
             text=True,
             env={**os.environ, **places},
@@ -104,10 +109,10 @@ def move(page: Page, size: tuple[int, int]) -> None:
         enable.click()
     show_dock(page, "joints", size)
     page.wait_for_function("() => !document.querySelector('.joints input').disabled")
-    for joint, value in (("joint1", "18"), ("joint4", "-120"), ("joint1", "-10")):
-        field = page.get_by_label(f"Command of {joint}")
-        field.fill(value)
-        field.press("Enter")
+    fields = page.locator(".joints input")
+    for row, value in ((0, "18"), (3, "-100"), (0, "-10")):
+        fields.nth(row).fill(value)
+        fields.nth(row).press("Enter")
         page.wait_for_timeout(2500)
 
 
@@ -151,8 +156,11 @@ def main() -> None:
     parser.add_argument("--readme", action="store_true")
     parser.add_argument("--schemes", nargs="+", default=["light", "dark"])
     parser.add_argument("--widths", nargs="+", type=int, help="only these sizes")
+    parser.add_argument(
+        "--station", nargs="+", default=[], help="arguments of `station run`"
+    )
     chosen = parser.parse_args()
-    with station() as login:
+    with station(chosen.station) as login:
         # Drawing in software must not starve the control loop; the browser inherits it.
         os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
         take_pictures(login, chosen)

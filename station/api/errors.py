@@ -53,6 +53,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ServiceNotFoundError: 404,
     errors.GripperNotFoundError: 404,
     errors.GripperCommandError: 409,
+    errors.GripperLostError: 503,
     errors.CommandTimeoutError: 409,
     errors.InvalidTrajectoryError: 422,
     errors.GoalNotFoundError: 404,

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Self
 
-from station.app.fci_run import FciRobotError, model_library_of
+from station.app.fci_run import FciRobotError, model_library_of, protocols_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.scheduling import ordinary_priority
@@ -19,13 +19,15 @@ from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_door import (
     ANSWER,
     DATA,
+    MEMORY_BYTES,
+    OF_HAND,
     OPEN,
     REFUSAL,
     UDP_PORT,
     receive_frame,
     send_frame,
 )
-from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading
+from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.franka_hw import FrankaHW
 
@@ -35,7 +37,7 @@ _END = 2.0
 
 
 class FciBeside:
-    """Joins a process that serves clients to the arm of a station.
+    """Joins a process that serves clients to the arm and the hand of a station.
 
     The process moves bytes (`fci_door`). What a client asks for is done by the control
     thread between two cycles, at the request of a thread that waits for the process.
@@ -63,14 +65,20 @@ class FciBeside:
         library = model_library_of(hw.parameters, warn)
         self._loop, self._hw, self._warn = loop, hw, warn
         memory = os.memfd_create("station-fci")
-        os.ftruncate(memory, PAGE_BYTES)
+        os.ftruncate(memory, MEMORY_BYTES)
+        shared, hand = mmap.mmap(memory, MEMORY_BYTES), hw.simulated_hand
         self._guest = FciGuest(
             hw.arm,
-            SharedPage(mmap.mmap(memory, PAGE_BYTES)),
+            SharedPage(shared),
             library,
+            protocols_of(hw.parameters),
             is_commanded=lambda: hw.is_commanded,
-            may_move=lambda: loop.stop_latch.state is StopState.ARMED,
+            may_move=self._may_move,
         )
+        self._hand: HandGuest | None = None
+        if hand is not None:
+            page = SharedPage(shared, PAGE_BYTES)
+            self._hand = HandGuest(hand, page, may_move=self._may_move)
         self._pipe, other = socket.socketpair()
         with other, ordinary_priority():
             inherited = (other.fileno(), memory)
@@ -81,6 +89,7 @@ class FciBeside:
                     "station.hw.franka.fci.server.fci_door",
                     host,
                     *map(str, inherited),
+                    *([] if hand is None else ["hand"]),
                 ],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -136,7 +145,10 @@ class FciBeside:
 
     def _welcome(self) -> None:
         self._hw.guest = self._guest
-        self._loop.reading = GuestReading(self._guest, self._loop.reading)
+        self._loop.reading = GuestReading(self._guest, self._loop.reading, self._hand)
+
+    def _may_move(self) -> bool:
+        return self._loop.stop_latch.state is StopState.ARMED
 
     def _serve(self) -> None:
         """Carry out what the process passes on, until it ends."""
@@ -156,17 +168,22 @@ class FciBeside:
 
     def _carry_out(self, kind: int, data: bytes) -> tuple[bytes, int | None]:
         """Do what a frame asks for. Control thread."""
+        guest: FciGuest | HandGuest = self._guest
+        if kind > OF_HAND and self._hand is not None:
+            guest, kind = self._hand, kind - OF_HAND
         if kind == DATA:
-            return self._guest.receive(data)
+            return guest.receive(data)
         if kind == OPEN:
-            self._guest.open()
+            guest.open()
         else:
-            self._guest.leave()
+            guest.leave()
         return b"", None
 
     def _say_goodbye(self) -> None:
         """End what the last client has begun."""
         try:
             self._loop.run_in_cycle(self._guest.leave)
+            if self._hand is not None:
+                self._loop.run_in_cycle(self._hand.leave)
         except StationError as error:
             self._warn(f"The last client of the FCI was not told: {error}")

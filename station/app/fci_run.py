@@ -3,7 +3,8 @@
 import contextlib
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from station.app.composition import ROBOT_NAMESPACE, SCENE_NAMESPACE
 from station.app.shutdown_signals import ShutdownSignals
@@ -15,12 +16,14 @@ from station.core.loop.scheduling import (
 )
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_description import load_arm_description
+from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM
 from station.hw.franka.fci.server.fci_server import FciCounts, FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import (
     ModelLibraryError,
     build_model_library,
 )
 from station.hw.franka.fci.server.robot_session import ModelLibrary
+from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA, RobotProtocol
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.arm_placement import simulate_one
@@ -78,13 +81,15 @@ class FciRun:
         gripper = world.grippers.get(arm_id)
         hand = None if gripper is None else HandServices(arm_id, gripper)
         library = model_library_of(parameters, self._warn)
-        server = FciServer(world.arms[arm_id], hand, self._settings, library)
+        protocols = protocols_of(parameters)
+        settings = replace(self._settings, protocols=protocols)
+        server = FciServer(world.arms[arm_id], hand, settings, library)
         with contextlib.closing(server), realtime_interpreter():
             granted = request_realtime_priority()
-            host, protocol = self._settings.host, self._settings.protocol
+            versions = " and ".join(f"{one.version}" for one in protocols)
             self._tell(
-                f"Franka Control Interface {protocol.version} of arm '{arm_id}' at "
-                f"{host} ({granted})"
+                f"Franka Control Interface {versions} of arm '{arm_id}' at "
+                f"{settings.host} ({granted})"
             )
             started = time.monotonic()
             try:
@@ -119,6 +124,11 @@ class FciRun:
                 SCENE_NAMESPACE: self._config.scene.model_dump(),
             })
         )
+
+
+def protocols_of(parameters: FrankaParameters) -> Sequence[RobotProtocol]:
+    """Return the versions that the client of an arm may speak."""
+    return FR3 if parameters.limits is LIMITS_OF_ARM["fr3"] else (PANDA,)
 
 
 def model_library_of(

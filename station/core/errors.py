@@ -21,6 +21,7 @@ StationError
 ├── ServiceNotFoundError          the robot has no service of that name (KeyError)
 ├── GripperNotFoundError          there is no hand at that arm (KeyError)
 ├── GripperCommandError           a hand cannot carry out a request (RuntimeError)
+├── GripperLostError              there is no connection to a hand (ConnectionError)
 ├── CommandTimeoutError           no new set-point arrived in time (TimeoutError)
 ├── InvalidTrajectoryError        a trajectory cannot be followed (ValueError)
 ├── GoalNotFoundError             no goal of that name is known (KeyError)
@@ -233,6 +234,12 @@ class GripperCommandError(StationError, RuntimeError):
     """A hand cannot carry out a request in its present state."""
 
     code = "gripper_command_refused"
+
+
+class GripperLostError(StationError, ConnectionError):
+    """There is no connection to a hand."""
+
+    code = "gripper_lost"
 
 
 class CommandTimeoutError(StationError, TimeoutError):

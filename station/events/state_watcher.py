@@ -149,21 +149,26 @@ class StateWatcher:
         if snapshot is None or snapshot.mode == self._mode:
             return
         before, self._mode = self._mode, snapshot.mode
+        reports = self._arms.reports()
         errors = [
             f"{arm.arm_id}: {error.description}"
-            for arm in self._arms.reports()
+            for arm in reports
             if arm.robot_mode is RobotMode.REFLEX
             for error in arm.errors
         ]
+        is_bad = any(bad in snapshot.mode for bad in ("reflex", "other"))
         self._log.record(
             EventKind.ROBOT_MODE,
             f"The robot's mode is {snapshot.mode}; it was {before or 'unknown'}.",
-            severity=Severity.ERROR if "reflex" in snapshot.mode else Severity.INFO,
+            severity=Severity.ERROR if is_bad else Severity.INFO,
             result=snapshot.mode,
             details={
                 "before": before,
                 "seen_in_cycle": snapshot.cycle,
                 "errors": errors,
+                "remedies": [
+                    f"{arm.arm_id}: {arm.remedy}" for arm in reports if arm.remedy
+                ],
             },
         )
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from posixpath import commonpath
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -75,13 +76,17 @@ def _parallel(figure: Figure, rows: Sequence[Row], metrics: Sequence[str]) -> No
     for place, line in reversed(list(enumerate(lines))):
         share = place / max(1, len(lines) - 1)
         axes.plot(line, color=(share, 0.3, 1.0 - share), alpha=0.5, linewidth=0.8)
+    # Names of gains are long, and most of it is the same in all of them.
+    folder = commonpath(names) if len(names) > 1 else ""
+    short = [name.removeprefix(f"{folder}/") for name in names]
     labels = [
         f"{name}\n{np.nanmin(column):.3g} … {np.nanmax(column):.3g}"
-        for name, column in zip([*names, *metrics], columns, strict=True)
+        for name, column in zip([*short, *metrics], columns, strict=True)
     ]
     axes.set_xticks(range(len(labels)), labels, rotation=60, ha="right", fontsize=7)
     axes.set_yticks([])
-    axes.set_title(f"{len(rows)} trials; blue is the best {metrics[0]}")
+    title = f"{len(rows)} trials; blue is the best {metrics[0]}"
+    axes.set_title(f"{title}\n{folder}/…" if folder else title)
 
 
 def _pareto(figure: Figure, rows: Sequence[Row], metrics: Sequence[str]) -> None:

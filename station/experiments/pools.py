@@ -1,10 +1,12 @@
 """Where trials run on this machine: in processes of low priority, or in this one."""
 
 import os
-from collections.abc import Callable, Mapping
+import signal
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context
 from typing import ParamSpec, TypeVar
 
 from typing_extensions import override
@@ -56,16 +58,23 @@ class ProcessPool(Executor):
     def submit(
         self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Future[T]:
-        try:
-            return self._pool.submit(fn, *args, **kwargs)
-        except BrokenProcessPool:
-            self._pool.shutdown(wait=True)
-            self._pool = self._begin()
-            return self._pool.submit(fn, *args, **kwargs)
+        with _no_interrupts():
+            try:
+                return self._pool.submit(fn, *args, **kwargs)
+            except BrokenProcessPool:
+                self._pool.shutdown(wait=True)
+                self._pool = self._begin()
+                return self._pool.submit(fn, *args, **kwargs)
 
     @override
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
+
+    def abandon(self) -> None:
+        """End this program's worker processes at once; what they run is lost."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in active_children():
+            process.kill()
 
     def _begin(self) -> ProcessPoolExecutor:
         # A fork would copy locks and MuJoCo's memory in whatever state they are.
@@ -75,6 +84,20 @@ class ProcessPool(Executor):
             initializer=begin_worker,
             initargs=(NICENESS,),
         )
+
+
+@contextmanager
+def _no_interrupts() -> Iterator[None]:
+    """Hold SIGINT back in this thread, and in processes that it begins meanwhile.
+
+    Ctrl-C goes to all processes of a terminal. A worker ignores it as soon as
+    `begin_worker` runs; until then, while it still imports, it must not die of it.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def make_pool(workers: int | None = None) -> Executor:

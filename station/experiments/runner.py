@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from station.experiments.pools import losses, refusals, worker_count
 from station.experiments.workers import Identity, identity, run_trial
@@ -26,9 +26,9 @@ class Progress:
     Attributes:
         total: How many trials it has.
         ended: How many have ended, the ones of earlier runs among them.
-        failed: How many of those that ended in this run have failed.
-        resumed: How many had ended before this run.
-        repeated: How often a trial was given away again.
+        failed: How many have failed since the runner was made.
+        resumed: How many had ended before the runner was asked for them.
+        repeated: How often a trial was given away again since the runner was made.
         refused: Why workers were refused, each reason once.
         is_interrupted: Whether Ctrl-C ended it early.
     """
@@ -57,7 +57,8 @@ class Runner:
     Args:
         results: Where the trials are kept.
         executor: Where they run; its owner shuts it down.
-        watch: Is told after every trial, and when workers were refused or lost.
+        watch: Is told after every trial, when workers were refused or lost, and of
+            Ctrl-C.
         sleep: Waits [s] before a trial is given away again.
     """
 
@@ -77,9 +78,12 @@ class Runner:
         self._lost: list[Trial] = []
         self._has_one_ended = False
         self._deaths = 0
+        self._last = Progress(0)
 
     def run(self, trials: Iterable[Trial], total: int) -> Progress:
         """Run trials until all have ended or Ctrl-C.
+
+        With Ctrl-C, no further trial begins, and those that run may end.
 
         Args:
             trials: The trials, all of the results' setup; taken as they are needed.
@@ -89,8 +93,10 @@ class Runner:
             ExperimentError: Workers die or refuse again and again; what has ended is
                 kept.
             StationError: The setup cannot be used.
+            KeyboardInterrupt: Ctrl-C came a second time.
         """
-        progress = Progress(total)
+        progress = replace(self._last, total=total, ended=0, is_interrupted=False)
+        self._last = progress
         self._lost.clear()
         waiting: dict[Future[TrialResult], tuple[Trial, int]] = {}
         left = self._not_ended(trials, progress)
@@ -105,6 +111,7 @@ class Runner:
                     self._collect(future, waiting, progress)
         except KeyboardInterrupt:
             progress.is_interrupted = True
+            self._watch(progress)
             self._let_run_end(waiting, progress)
         except BaseException:
             for future in waiting:

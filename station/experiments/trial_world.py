@@ -238,7 +238,11 @@ class TrialWorld:
     def _play(
         self, script: Script, reference: Reference
     ) -> tuple[Trace, Counts, str | None]:
-        """Play the script; return the cycles, the counts, and why it ended early."""
+        """Play the script; return the cycles, the counts, and why it ended early.
+
+        Raises:
+            StationError: The controller runs, and refuses a command.
+        """
         station, facade = self.station, self.station.facade
         recorder = TraceRecorder(facade, script.controller)
         violations = facade.manager.command_violations[0]
@@ -248,7 +252,15 @@ class TrialWorld:
         while cycle < cycles and reason is None:
             for push in pushes.get(cycle, ()):
                 self._push(push)
-            reference.command(cycle)
+            try:
+                reference.command(cycle)
+            except StationError:
+                # A controller that was stopped since the last look takes no commands.
+                reason = self._why_ended(script.controller)
+                if reason is None:
+                    raise
+                recorder.take()
+                break
             ahead = min(reference.quiet_from(cycle), cycles) - cycle
             later = [c - cycle for c in pushes if c > cycle]
             ahead = max(1, min([ahead, _LOOK, *later]))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from station.core.errors import suggest
@@ -130,9 +130,12 @@ def tune(
 
     Raises:
         ExperimentError: The first trial fails, or lacks a metric of the goal.
+        KeyboardInterrupt: Ctrl-C came before the end of the first trial.
     """
     strategy = _strategy(len(gains), search)
-    runner = Runner(results, executor, _counted(results, search.trials, watch))
+    runner = Runner(
+        results, executor, lambda p: watch(_of_search(p, results, search.trials))
+    )
     found = _begin(first, goal, search, results, runner)
     seen, idle, strictness = {first.hash}, 0, _STRICTNESS
     while not found.progress.is_interrupted:
@@ -141,7 +144,8 @@ def tune(
         points = strategy.ask()
         candidates = [_at(point, first, gains) for point in points]
         best_before = found.best
-        found.progress = runner.run(candidates, search.trials)
+        progress = runner.run(candidates, search.trials)
+        found.progress = _of_search(progress, results, search.trials)
         ended = _judge(candidates, goal, results, found)
         if len(ended) < len(candidates):
             break
@@ -152,9 +156,9 @@ def tune(
         strictness *= 1.0 / _STRICTER if kept > _KEPT * len(ended) else _STRICTER
         idle = idle + 1 if found.best is best_before else 0
         if idle >= search.patience or strategy.stop():
-            found.stopped = f"no better trial in {max(idle, 1)} generations"
+            found.stopped = f"No trial was better in {max(idle, 1)} generations."
             return found
-    found.stopped = "interrupted"
+    found.stopped = "It was interrupted."
     return found
 
 
@@ -164,18 +168,22 @@ def _begin(
     """Run the first trial; return the search with it as the best.
 
     Raises:
+        KeyboardInterrupt: Ctrl-C came before its end.
         ExperimentError: It fails, or lacks a metric of the goal.
     """
-    progress = runner.run([first], search.trials)
+    progress = _of_search(runner.run([first], search.trials), results, search.trials)
     begun = results.find(first.hash)
-    if begun is None or begun.state == "failed":
-        why = "It was interrupted." if begun is None else begun.reason
+    if begun is None:
+        raise KeyboardInterrupt
+    if begun.state == "failed":
         raise ExperimentError(
-            f"The search cannot begin: the first trial {first.hash} has failed. {why}",
+            f"The search cannot begin: the first trial {first.hash} has failed. "
+            f"{begun.reason}",
             remedy="Begin with gains under which the robot carries the script out.",
         )
     cost = goal.cost(begun, begun.metrics)
-    return Tuned(first, begun, first, begun, cost, progress, "all trials have been run")
+    stopped = f"Another generation would exceed {search.trials} trials."
+    return Tuned(first, begun, first, begun, cost, progress, stopped)
 
 
 def _strategy(count: int, search: Search) -> "cma.CMAEvolutionStrategy":
@@ -215,17 +223,7 @@ def _judge(
     return ended
 
 
-def _counted(results: Results, total: int, watch: Watcher) -> Watcher:
-    """Return a watcher that is told of the whole search instead of a generation."""
-
-    def tell(progress: Progress) -> None:
-        ended = results.count()
-        watch(
-            Progress(
-                *(max(total, ended), ended, progress.failed, progress.resumed),
-                progress.repeated,
-                progress.refused,
-            )
-        )
-
-    return tell
+def _of_search(progress: Progress, results: Results, total: int) -> Progress:
+    """Return the progress of the whole search, given that of a generation."""
+    ended = results.count()
+    return replace(progress, total=max(total, ended), ended=ended)

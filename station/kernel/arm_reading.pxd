@@ -1,6 +1,7 @@
 from station.kernel.arm_step cimport ArmStep
 from station.kernel.finger_motor cimport FingerSensor
 from station.kernel.finite_check cimport FiniteCheck
+from station.kernel.flags cimport AlertFlag, ContactFlag, MotionFlags
 from station.kernel.imperfections cimport Imperfections
 from station.kernel.stages cimport Stage
 from station.kernel.world_step cimport WorldStep
@@ -17,8 +18,8 @@ cdef class SimulatedCycles(Cycles):
     cdef WorldStep world
     cdef object state
     cdef double period
-    cdef object contact
-    cdef object supervisor
+    cdef ContactFlag contact
+    cdef AlertFlag supervisor
     cdef object read_closely
     cdef Imperfections imperfections
     cdef object expect_load
@@ -31,7 +32,7 @@ cdef class SimulatedCycles(Cycles):
 cdef class ArmReading(Stage):
     cdef Cycles cycles
     cdef FiniteCheck readings
-    cdef object motion
+    cdef MotionFlags motion
     cdef double cycle_time
     cdef object catch_up
     cdef object end_motion

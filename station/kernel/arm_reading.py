@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from station.kernel.arm_step import ArmStep
 from station.kernel.finite_check import FiniteCheck
+from station.kernel.flags import AlertFlag, ContactFlag, MotionFlags
 from station.kernel.imperfections import Imperfections
 from station.kernel.stages import Stage
 from station.kernel.world_step import WorldStep
@@ -13,31 +14,10 @@ if TYPE_CHECKING:
     from station.kernel.finger_motor import FingerSensor
 
 
-class Contact(Protocol):
-    """An estimate of contacts; while it is not quiet, every cycle is looked at."""
-
-    is_quiet: bool
-
-
-class Supervisor(Protocol):
-    """A look at readings; while it is alert, every cycle is looked at."""
-
-    is_alert: bool
-
-
 class TimedState(Protocol):
     """A state with its time [s]."""
 
     time: float
-
-
-class WaitingMotion(Protocol):
-    """A motion that may wait for its beginning."""
-
-    is_waiting: bool
-
-    def advance(self, cycles: int) -> None:
-        """Begin the motion if the arm is ready for it."""
 
 
 class Cycles:
@@ -92,8 +72,8 @@ class SimulatedCycles(Cycles):
         *,
         state: TimedState,
         period: float,
-        contact: Contact,
-        supervisor: Supervisor,
+        contact: ContactFlag,
+        supervisor: AlertFlag,
         read_closely: Callable[[float], int],
         imperfections: Imperfections | None,
         expect_load: Callable[[], None],
@@ -170,7 +150,7 @@ class ArmReading(Stage):
         self,
         cycles: Cycles,
         readings: FiniteCheck,
-        motion: WaitingMotion,
+        motion: MotionFlags,
         *,
         cycle_time: float,
         catch_up: Callable[[], int],

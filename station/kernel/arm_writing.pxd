@@ -1,4 +1,6 @@
+cimport cython
 from station.kernel.command_sending cimport CommandSending
+from station.kernel.flags cimport MotionFlags
 from station.kernel.stages cimport RobotWatch, Stage
 
 cdef int _MOVE
@@ -6,12 +8,17 @@ cdef int _MOVE
 cdef class ArmWatch(RobotWatch):
     cdef double[::1] code
     cdef dict names
-    cdef object motion
+    cdef MotionFlags motion
+    cdef double last_code
+    cdef str last_name
     cpdef bint is_interrupted(self)
+    @cython.locals(code=double)
     cpdef mode(self)
 
 cdef class ArmWriting(Stage):
     cdef double[::1] code
     cdef CommandSending sender
-    cdef public object fingers
+    cdef object write_fingers
+    cdef object claimed
+    cdef object hand
     cpdef run(self, double time, double period)

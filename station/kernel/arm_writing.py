@@ -1,21 +1,15 @@
 """Send the commands of an arm in every cycle, and tell how the arm is."""
 
-from collections.abc import Sized
+from collections.abc import Callable, Sized
 from typing import Protocol
 
 from station.kernel.arm_codes import MOVE
 from station.kernel.command_sending import CommandSending
 from station.kernel.doubles import Doubles
+from station.kernel.flags import MotionFlags
 from station.kernel.stages import Robot, RobotWatch, Stage
 
 _MOVE = MOVE
-
-
-class Motion(Protocol):
-    """The motion that controllers have begun."""
-
-    is_active: bool
-    is_waiting: bool
 
 
 class Hand(Protocol):
@@ -50,12 +44,14 @@ class ArmWatch(RobotWatch):
     """
 
     def __init__(
-        self, robot: Robot, code: Doubles, names: dict[float, str], motion: Motion
+        self, robot: Robot, code: Doubles, names: dict[float, str], motion: MotionFlags
     ) -> None:
         super().__init__(robot)
         self.code = code
         self.names = names
         self.motion = motion
+        self.last_code = code[0]
+        self.last_name = names[code[0]]
 
     def is_interrupted(self) -> bool:
         """Return whether the arm has left the motion that controllers command."""
@@ -66,7 +62,10 @@ class ArmWatch(RobotWatch):
 
     def mode(self) -> str:
         """Return the name of the arm's mode."""
-        return self.names[self.code[0]]
+        code = self.code[0]
+        if code != self.last_code:
+            self.last_code, self.last_name = code, self.names[code]
+        return self.last_name
 
 
 class ArmWriting(Stage):
@@ -75,20 +74,26 @@ class ArmWriting(Stage):
     Args:
         code: The arm's mode, one number.
         sender: Sends the commands while a motion runs.
-
-    Attributes:
-        fingers: The fingers; None without a simulated hand.
     """
 
     def __init__(self, code: Doubles, sender: CommandSending) -> None:
         self.code = code
         self.sender = sender
-        self.fingers: Fingers | None = None
+        self.hand: Hand | None = None
+        self.write_fingers: Callable[[], object] | None = None
+        self.claimed: Sized = ()
+
+    def add_fingers(self, fingers: Fingers) -> None:
+        """Send the commands of fingers, too."""
+        self.hand, self.write_fingers = fingers.hand, fingers.write
+        self.claimed = fingers.claimed
 
     def run(self, time: float, period: float) -> None:
         """Send the commands; see `Stage.run`."""
-        fingers = self.fingers
-        if fingers is not None and (fingers.claimed or fingers.hand.is_moving):
-            fingers.write()
+        hand, write = self.hand, self.write_fingers
+        if hand is None or write is None:
+            pass  # without a simulated hand there are no fingers
+        elif self.claimed or hand.is_moving:
+            write()
         if self.code[0] == _MOVE:
             self.sender.send_limited(period)

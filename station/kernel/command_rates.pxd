@@ -1,3 +1,4 @@
+cimport cython
 from station.kernel.copying cimport copy_into
 from station.kernel.functions cimport square_root
 from station.kernel.joint_memory cimport JointMemory
@@ -36,8 +37,10 @@ cdef class CommandRates:
     cdef public double[::1] goals
     cdef double[::1] last_goals
     cdef public bint has_goals
+    cdef public bint passes_next
     cdef public double[::1] result
     cpdef note_goals(self)
     cpdef filter_torques(self)
     cpdef filter_velocities(self)
-    cpdef filter_positions(self, bint passes)
+    @cython.locals(passes=bint)
+    cpdef filter_positions(self)

@@ -93,6 +93,7 @@ class CommandRates:
         highest: Highest velocities at the present positions [rad/s].
         goals: The controllers' positions within their range [rad].
         has_goals: Whether `goals` were noted in an earlier cycle of this motion.
+        passes_next: Whether the low-pass lets the next positions pass unchanged.
         result: The command to send, shape (n,).
     """
 
@@ -135,10 +136,16 @@ class CommandRates:
         self.goals = zeros(size)
         self.last_goals = zeros(size)
         self.has_goals = False
+        self.passes_next = False
         self.result = zeros(size)
 
     def note_goals(self) -> None:
-        """Note the commanded positions, which joint limits may change, as goals."""
+        """Note the commanded positions, which joint limits may change, as goals.
+
+        With rate limits the arm approaches a goal so that it can stop there.
+        """
+        if not self.is_limiting:
+            return
         q, goals, lower, upper = self.positions, self.goals, self.lower, self.upper
         for i in range(self.size):
             goal, low, high = q[i], lower[i], upper[i]
@@ -190,13 +197,11 @@ class CommandRates:
                 )
             result[i] = value
 
-    def filter_positions(self, passes: bool) -> None:  # noqa: FBT001 - a C function
-        """Compute the positions to send, towards the noted goals.
-
-        Args:
-            passes: Whether the low-pass lets this command pass unchanged.
-        """
+    def filter_positions(self) -> None:
+        """Compute the positions to send, towards the noted goals."""
         memory, result, gain = self.memory, self.result, self.gain
+        passes = self.passes_next
+        self.passes_next = False
         q = self.positions
         q_d, dq_d, ddq_d, period = memory.q_d, memory.dq_d, memory.ddq_d, self.period
         if passes:

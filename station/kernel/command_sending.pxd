@@ -12,21 +12,33 @@ cdef class TorqueReceiver(Receiver):
     cdef ArmStep step
     cpdef receive(self, double[::1] values)
 
+cdef class JointReceiver(Receiver):
+    cdef ArmStep step
+    cdef int generator
+    @cython.locals(step=ArmStep)
+    cpdef receive(self, double[::1] values)
+
 cdef class JointSend:
-    cdef object filtering
+    cdef CommandRates rates
     cdef Receiver receiver
+    cdef object prepare
     cdef double[::1] result
     cpdef send(self)
 
+cdef class PositionSend(JointSend):
+    cpdef send(self)
+
+cdef class VelocitySend(JointSend):
+    cpdef send(self)
+
 cdef class TorqueSend(JointSend):
-    cdef CommandRates rates
     cpdef send(self)
 
 cdef class CommandSending:
     cdef public list checks
     cdef public list limits
     cdef public list sends
-    cdef public bint has_goals
+    cdef public CommandRates goals
     cdef public bint is_cartesian
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits, one=JointSend)
     cpdef send_limited(self, double period)

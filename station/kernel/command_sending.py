@@ -45,39 +45,78 @@ class TorqueReceiver(Receiver):
             self.function(values)
 
 
+class JointReceiver(Receiver):
+    """Takes positions or velocities for a simulated arm.
+
+    Args:
+        function: Takes what the step does not take, or refuses it.
+        step: The arm's arithmetic.
+        generator: What the step's motion has to command, see `arm_codes`.
+    """
+
+    def __init__(
+        self, function: Callable[[Doubles], object], step: ArmStep, generator: int
+    ) -> None:
+        super().__init__(function)
+        self.step = step
+        self.generator = generator
+
+    def receive(self, values: Doubles) -> None:
+        """Take positions [rad] or velocities [rad/s], shape (7,)."""
+        step = self.step
+        if step.generator != self.generator or not step.receive_joints(values):
+            self.function(values)
+
+
 class JointSend:
     """Filters commands of the joints and passes them on.
 
     Args:
-        filtering: Filters them into `result`.
+        rates: Filters them.
         receiver: Takes them.
-        result: The filtered commands, shape (7,).
+        prepare: Called first; None for nothing.
     """
 
     def __init__(
-        self, filtering: Callable[[], object], receiver: Receiver, result: Doubles
+        self,
+        rates: CommandRates,
+        receiver: Receiver,
+        prepare: Callable[[], object] | None = None,
     ) -> None:
-        self.filtering = filtering
+        self.rates = rates
         self.receiver = receiver
-        self.result = result
+        self.prepare = prepare
+        self.result = rates.result
 
     def send(self) -> None:
         """Filter and send."""
-        self.filtering()
+        raise NotImplementedError
+
+
+class PositionSend(JointSend):
+    """Filters positions and passes them on; see `JointSend`."""
+
+    def send(self) -> None:
+        """Filter and send."""
+        if self.prepare is not None:
+            self.prepare()
+        self.rates.filter_positions()
+        self.receiver.receive(self.result)
+
+
+class VelocitySend(JointSend):
+    """Filters velocities and passes them on; see `JointSend`."""
+
+    def send(self) -> None:
+        """Filter and send."""
+        if self.prepare is not None:
+            self.prepare()
+        self.rates.filter_velocities()
         self.receiver.receive(self.result)
 
 
 class TorqueSend(JointSend):
-    """Filters torques and passes them on.
-
-    Args:
-        rates: Filters them.
-        receiver: Takes them.
-    """
-
-    def __init__(self, rates: CommandRates, receiver: Receiver) -> None:
-        super().__init__(rates.filter_torques, receiver, rates.result)
-        self.rates = rates
+    """Filters torques and passes them on; see `JointSend`."""
 
     def send(self) -> None:
         """Filter and send."""
@@ -92,7 +131,7 @@ class CommandSending:
         checks: Look for commands that are not finite.
         limits: The limits of the commands that are sent.
         sends: What is sent for the joints.
-        has_goals: Whether positions are noted as goals before they are limited.
+        goals: Notes positions as goals before they are limited; None for nothing.
         is_cartesian: Whether poses or twists are sent.
     """
 
@@ -100,15 +139,11 @@ class CommandSending:
         self.checks: list[FiniteCheck] = []
         self.limits: list[EnforcedLimits] = []
         self.sends: list[JointSend] = []
-        self.has_goals = False
+        self.goals: CommandRates | None = None
         self.is_cartesian = False
 
     def refuse(self) -> None:
         """End the motion, because a command is not finite."""
-        raise NotImplementedError
-
-    def note_goals(self) -> None:
-        """Note the commanded positions as goals."""
         raise NotImplementedError
 
     def send_end_effector(self, is_new: bool) -> None:  # noqa: FBT001 - as `send`
@@ -127,8 +162,8 @@ class CommandSending:
             if check.first_bad() >= 0:
                 self.refuse()
                 return
-        if self.has_goals:
-            self.note_goals()
+        if self.goals is not None:
+            self.goals.note_goals()
         if period > 0.0:
             for limits in self.limits:
                 limits.enforce(period)

@@ -1,6 +1,7 @@
 cimport cython
 from station.kernel.controller_round cimport ControllerRound
 from station.kernel.durations cimport CycleTimes
+from station.kernel.flags cimport StopFlag
 from station.kernel.stages cimport RobotWatch, Stage
 from station.kernel.wall_time cimport wall_time
 
@@ -21,7 +22,7 @@ cdef class ControlCycle:
     cdef object pack
     cdef RobotWatch watch
     cdef object waiting
-    cdef object latch
+    cdef StopFlag latch
     cdef unsigned char[::1] stop_flags
     cdef public tuple taps
     cdef public double time

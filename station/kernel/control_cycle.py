@@ -5,18 +5,13 @@ from typing import Any, Protocol
 
 from station.kernel.controller_round import ControllerRound
 from station.kernel.durations import CycleTimes
+from station.kernel.flags import StopFlag
 from station.kernel.stages import RobotWatch, Stage
 from station.kernel.wall_time import wall_time
 
 Record = tuple[int, int, float, float, str, Any, dict[str, Any]]
 """A cycle as it is left behind: its number, the epoch, time [s], period [s], the mode
 of the robot, the joint states, and the samples of the controllers."""
-
-
-class Latch(Protocol):
-    """A stop that waits to be carried out, or not."""
-
-    pending: bool
 
 
 class Tap(Protocol):
@@ -86,7 +81,7 @@ class ControlCycle:
         pack: Callable[[], object],
         watch: RobotWatch,
         waiting: Sized,
-        latch: Latch,
+        latch: StopFlag,
         stop_flags: memoryview,
     ) -> None:
         self.reading = reading

@@ -1,7 +1,10 @@
 cimport cython
 from station.kernel.command_pieces cimport CommandPieces, Piece
 from station.kernel.durations cimport Durations
+from station.kernel.flags cimport OwnerFlags
+from station.kernel.sample_columns cimport SampleColumns
 from station.kernel.stages cimport RobotWatch, Stage
+from station.kernel.usual_update cimport UsualUpdate
 from station.kernel.wall_time cimport wall_time
 
 cdef double _INF
@@ -12,11 +15,12 @@ cdef class ControllerTurn:
     cdef object name
     cdef Durations durations
     cdef list pieces
+    cdef UsualUpdate usual
+    cdef SampleColumns sampled
 
 cdef class ControllerRound(Stage):
-    cdef readonly object gate
+    cdef readonly OwnerFlags gate
     cdef RobotWatch watch
-    cdef object ident
     cdef object running
     cdef tuple contained
     cdef public list turns
@@ -24,7 +28,7 @@ cdef class ControllerRound(Stage):
     cdef public double update_budget
     cdef public long long cycle
     cdef public double time
-    cdef public object thread
+    cdef public long thread
     cdef public bint updating
     cdef public object pending
     cdef public bint resets
@@ -35,5 +39,5 @@ cdef class ControllerRound(Stage):
     cpdef update_all(self, double time, double period)
     @cython.locals(begin=double, duration=double, is_finite=bint, piece=Piece)
     cpdef update_one(self, ControllerTurn turn, double time, double period)
-    @cython.locals(turn=ControllerTurn)
+    @cython.locals(turn=ControllerTurn, sampled=SampleColumns)
     cpdef dict samples(self)

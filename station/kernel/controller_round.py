@@ -1,12 +1,24 @@
 """Update the running controllers once per cycle, and keep their commands."""
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import cython
 
 from station.kernel.command_pieces import CommandPieces, Piece
 from station.kernel.durations import Durations
+from station.kernel.flags import OwnerFlags
+from station.kernel.sample_columns import SampleColumns
 from station.kernel.stages import RobotWatch, Stage
+from station.kernel.usual_update import UsualUpdate
 from station.kernel.wall_time import wall_time
+
+if cython.compiled:
+    from cython.cimports.cpython.pythread import PyThread_get_thread_ident as get_ident
+else:
+    from threading import get_ident
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 _INF = float("inf")
 
@@ -21,6 +33,8 @@ class ControllerTurn:
         name: Its name.
         durations: Where the duration of each update goes [s].
         pieces: The commands that it has claimed.
+        usual: Does the same as its `update` in usual cycles; None if nothing does.
+        sampled: The columns of its sample; None if it makes samples itself.
     """
 
     def __init__(
@@ -30,12 +44,16 @@ class ControllerTurn:
         name: str,
         durations: Durations,
         pieces: list[Piece],
+        usual: UsualUpdate | None,
+        sampled: SampleColumns | None,
     ) -> None:
         self.one = one
         self.controller = controller
         self.name = name
         self.durations = durations
         self.pieces = pieces
+        self.usual = usual
+        self.sampled = sampled
 
 
 class ControllerRound(Stage):
@@ -45,7 +63,6 @@ class ControllerRound(Stage):
         gate: Notes the owners of commands. While it `is_stale` or has `traced_cycles`,
             `look_closely` does the whole cycle.
         watch: Tells whether the robot has ended what controllers command.
-        ident: Returns the number of the present thread.
         running: The state of a controller that runs.
         contained: Exceptions that end only the controller that raises them.
 
@@ -64,15 +81,13 @@ class ControllerRound(Stage):
 
     def __init__(
         self,
-        gate: Any,  # noqa: ANN401 - only its two flags matter here
+        gate: OwnerFlags,
         watch: RobotWatch,
-        ident: Callable[[], int],
         running: object,
         contained: tuple[type[BaseException], ...],
     ) -> None:
         self.gate = gate
         self.watch = watch
-        self.ident = ident
         self.running = running
         self.contained = contained
         self.turns: list[ControllerTurn] = []
@@ -111,7 +126,7 @@ class ControllerRound(Stage):
         # A negative or unknown period would turn integrators and filters around.
         if not (0.0 <= time < _INF and 0.0 <= period < _INF):
             self.refuse(time, period)
-        self.thread = self.ident()
+        self.thread = get_ident()
         self.updating = True
         self.cycle += 1
         self.time = time
@@ -145,7 +160,8 @@ class ControllerRound(Stage):
         one = turn.one
         begin = self.now()
         try:
-            turn.controller.update(time, period)
+            if turn.usual is None or not turn.usual.run(time, period):
+                turn.controller.update(time, period)
         except self.contained as error:
             self.fail(one, time, error)
             return
@@ -171,11 +187,15 @@ class ControllerRound(Stage):
         return wall_time() if self.stopwatch is None else self.stopwatch()
 
     def samples(self) -> dict[str, Any]:
-        """Return what each running controller did last, by name."""
+        """Return what each running controller did last, by name.
+
+        It is what `SampleColumns` has packed, or the controller's own sample.
+        """
         found: dict[str, Any] = {}
         for turn in self.turns:
             controller = turn.controller
-            sample = controller.sample
+            sampled = turn.sampled
+            sample = controller.sample if sampled is None else sampled.newest
             if sample is not None and controller.state is self.running:
                 found[turn.name] = sample
         return found

@@ -70,7 +70,7 @@ def put(view: Doubles, values: Iterable[float]) -> None:
         TypeError: A value is no number.
         ValueError: There are more or fewer than n values; nothing was copied.
     """
-    view[:] = array("d", values)
+    view[:] = values if isinstance(values, memoryview) else array("d", values)
 
 
 class Block:

@@ -7,7 +7,7 @@ cdef class PidGroup:
     cdef Py_ssize_t n
     cdef double[::1] errors
     cdef double[::1] rates
-    cdef double[::1] commands
+    cdef readonly double[::1] commands
     cdef double[::1] integrals
     cdef double[::1] last
     cdef double[::1] p

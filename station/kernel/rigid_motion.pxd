@@ -10,4 +10,5 @@ cpdef void twist_between(
 cpdef void displace(
     double[::1] pose, double[::1] way, double share, double[::1] result
 ) noexcept
+cpdef void numbers_of(double[::1] pose, double[::1] near, double[::1] result) noexcept
 cpdef void quaternion_of(double[::1] pose, double[::1] result) noexcept

@@ -163,6 +163,23 @@ def displace(pose: Doubles, way: Doubles, share: float, result: Doubles) -> None
     result[15] = 1.0
 
 
+def numbers_of(pose: Doubles, near: Doubles, result: Doubles) -> None:
+    """Write the position and the unit quaternion x, y, z, w of a pose.
+
+    Args:
+        pose: The pose, 16 numbers.
+        near: Of the two quaternions of the rotation, the one nearer to this one is
+            written, so that numbers of a motion do not jump; shape (4,).
+        result: Where the numbers go, shape (7,).
+    """
+    quaternion_of(pose, result)
+    x, y, z, w = result[0], result[1], result[2], result[3]
+    if x * near[0] + y * near[1] + z * near[2] + w * near[3] < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    result[0], result[1], result[2] = pose[12], pose[13], pose[14]
+    result[3], result[4], result[5], result[6] = x, y, z, w
+
+
 def quaternion_of(pose: Doubles, result: Doubles) -> None:
     """Write the unit quaternion x, y, z, w of a pose's rotation, with w >= 0.
 

@@ -9,6 +9,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from station.core.control.controller import unpack_sample
 from station.core.hardware.interfaces.joint_group import packed_memory
 from station.core.loop.snapshot import Record
 
@@ -91,7 +92,7 @@ class RowPacker:
             record: The cycle as the ring of snapshots has it.
         """
         cycle, epoch, time, period, mode, packed, samples = record
-        pieces = [one.memory() for one in samples.values()]
+        pieces = [unpack_sample(one).memory() for one in samples.values()]
         key = (mode, tuple(samples), tuple(map(len, pieces)))
         index = self._indices.get(key)
         if index is None:

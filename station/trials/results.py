@@ -134,16 +134,14 @@ class Results:
         """
         if path.exists():
             found = cls.open(path)
-            if (found.kind, found.setup, canonical(found.plan)) == (
-                *(kind, setup),
-                canonical(plan),
-            ):
+            differing = found.differs_in(kind, setup, plan)
+            if not differing:
                 return found
             found.close()
             raise ExperimentError(
-                f"The experiment '{path.stem}' exists, and is another one: "
-                f"{found.kind} of setup {found.setup.digest}.",
-                remedy="Choose another --name, or delete its file to begin anew: "
+                f"The experiment '{path.stem}' exists, and is another one; it differs "
+                f"in {', '.join(differing)}.",
+                remedy="Choose another name, or delete its file to begin anew: "
                 f"{path}.",
             )
         try:
@@ -187,6 +185,18 @@ class Results:
         except (sqlite3.Error, KeyError, ValueError) as error:
             connection.close()
             raise ExperimentError(_unusable(path, error), remedy=_REMEDY) from error
+
+    def differs_in(
+        self, kind: str, setup: Setup, plan: Mapping[str, object]
+    ) -> list[str]:
+        """Return what another start of this experiment would have otherwise."""
+        mine = {**self.plan, "kind": self.kind, "configuration": self.setup.text}
+        other = {**plan, "kind": kind, "configuration": setup.text}
+        return [
+            name
+            for name in sorted({*mine, *other})
+            if canonical(mine.get(name)) != canonical(other.get(name))
+        ]
 
     def __enter__(self) -> Self:
         return self
@@ -294,7 +304,7 @@ class Results:
             several = "more than one trial" if found else "no trial"
             raise ExperimentNotFoundError(
                 f"The experiment '{self.path.stem}' has {several} '{trial_hash}'.",
-                remedy="`station experiments show` lists the hashes.",
+                remedy="`station experiments show NAME --json` has all hashes.",
             )
         return Trial.from_json(self.setup, found[0][0])
 

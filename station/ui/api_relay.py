@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 
 import httpx
 from starlette.responses import JSONResponse, Response, StreamingResponse
-from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
+from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
 from station.ui.forwarded_routes import PREFIX, may_ask, may_forward, may_stream
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Session
-from station.ui.socket_ends import until_first
+from station.ui.socket_ends import close_socket, send_frame, until_first
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 ANSWER_TIME = 70.0
 """How long the station may take to answer, e.g. while it loads a controller [s]."""
 _CONNECT_TIME = 2.0
+# The station closes a connection that was idle for 5 s. A request sent at that moment
+# would be lost, on a busy machine sooner, so older connections are not used again.
+_CONNECTIONS = httpx.Limits(
+    max_connections=100, max_keepalive_connections=20, keepalive_expiry=2.0
+)
 _REQUEST_HEADERS = ("content-type", "if-match", "last-event-id", "accept")
 _ANSWER_HEADERS = ("content-type", "etag", "content-disposition", "x-request-id")
 _MAX_FRAME_BYTES = 4 * 1024 * 1024
@@ -51,6 +56,7 @@ class ApiRelay:
         self._http = httpx.AsyncClient(
             trust_env=False,
             timeout=httpx.Timeout(ANSWER_TIME, connect=_CONNECT_TIME),
+            limits=_CONNECTIONS,
             verify=True if tls is None else tls,
         )
 
@@ -170,26 +176,19 @@ async def _pass_frames(
     listening = asyncio.create_task(_until_gone(browser))
     await until_first(ended, downwards, listening)
     is_over = not ended.cancelled()
-    if browser.application_state is not WebSocketState.CONNECTED:
-        return
     if listening.done() and not listening.cancelled():
         return
     code = _SESSION_ENDED if is_over else upstream.close_code or _STATION_GONE
-    with contextlib.suppress(WebSocketDisconnect):
-        await browser.close(
-            code if code >= 3000 else _STATION_GONE, "the stream has ended"
-        )
+    await close_socket(
+        browser, code if code >= 3000 else _STATION_GONE, "the stream has ended"
+    )
 
 
 async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
-    try:
+    with contextlib.suppress(ConnectionClosed):  # The caller closes the other end.
         async for frame in upstream:
-            if isinstance(frame, bytes):
-                await browser.send_bytes(frame)
-            else:
-                await browser.send_text(frame)
-    except (ConnectionClosed, WebSocketDisconnect):
-        return  # Either end has gone; the caller closes the other.
+            if not await send_frame(browser, frame):
+                return
 
 
 async def _until_gone(browser: WebSocket) -> None:

@@ -60,22 +60,23 @@ def startable_first(view: StationView) -> list[str]:
     """Return all controllers, first those with claims that do not run."""
 
     def rank(controller: ControllerState) -> bool:
-        return controller.state == "running" or not _resources(controller)
+        return controller.state == "running" or not resources_of(controller)
 
     return [c.name for c in sorted(view.controllers, key=rank)]
 
 
 def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
     """Return the running controllers that hold a resource of this controller."""
-    wanted = _resources(controller)
+    wanted = resources_of(controller)
     return tuple(
         other.name
         for other in view.controllers
-        if other.state == "running" and wanted & _resources(other)
+        if other.state == "running" and wanted & resources_of(other)
     )
 
 
-def _resources(controller: ControllerState) -> frozenset[str]:
+def resources_of(controller: ControllerState) -> frozenset[str]:
+    """Return the resources that a controller claims."""
     return frozenset(
         resource
         for claim in controller.claimed_resources

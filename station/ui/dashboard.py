@@ -23,6 +23,7 @@ from station.ui.layers.scene_facts import (
 )
 from station.ui.layers.trail_layer import Trails
 from station.ui.markup import warning
+from station.ui.operate_model import choose_all_operated
 from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.jog_panel import JogPanel
@@ -189,6 +190,16 @@ class Dashboard:
         loop = self._server.get_event_loop()
         return ShownViews(self.views, loop.call_soon_threadsafe)
 
+    def talk_to(self, url: str, token: str | None) -> None:
+        """Follow another station from now on; in Viser's event loop.
+
+        Args:
+            url: Its API.
+            token: The operator's token; None while there is no station.
+        """
+        self._client.talk_to(url, token)
+        self._link.wake()
+
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
 
@@ -249,6 +260,8 @@ class Dashboard:
         for panel in self._panels:
             panel.refresh(view)
             watched |= panel.watched()
+        # The desks of the page start from where each controller was told to be.
+        watched |= {one.name for one in choose_all_operated(view) if one.name}
         if "command" in self.views.wanted():
             watched |= commanding(view)
         self._link.watch(watched)

@@ -6,19 +6,19 @@ logged out, nothing more is sent, and the joints stay where they were told to be
 """
 
 import asyncio
-import contextlib
+import json
 import time
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
-from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from station.client import ApiError, AsyncStationClient
 from station.ui.cartesian_model import HELD_FOR
+from station.ui.controller_desk import SetPoint
 from station.ui.hand_desk import HandDesk
-from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk, SetPoint
-from station.ui.socket_ends import until_first
+from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk
+from station.ui.socket_ends import close_socket, send_frame, until_first
 from station.ui.station_view import StationView
 
 if TYPE_CHECKING:
@@ -119,9 +119,7 @@ class DeskSocket:
             asyncio.create_task(self._listen()),
             asyncio.create_task(self._send()),
         )
-        if self._socket.application_state is WebSocketState.CONNECTED:
-            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
-                await self._socket.close(_SESSION_ENDED, "the session has ended")
+        await close_socket(self._socket, _SESSION_ENDED, "the session has ended")
 
     async def _listen(self) -> None:
         while True:
@@ -168,10 +166,10 @@ class DeskSocket:
             self._joints.refresh(view)
             self._hand.refresh(view)
             self._look_at_control()
-            joints = self._joints.step(SEND_PERIOD, self._now())
-            for set_point in (joints, self._hand.step(self._now())):
-                if set_point is not None:
-                    await self._command(set_point)
+            set_points = self._joints.step(SEND_PERIOD, self._now())
+            hand = self._hand.step(self._now())
+            for set_point in set_points if hand is None else (*set_points, hand):
+                await self._command(set_point)
             rounds += 1
             if self._refusal:
                 refused, self._refusal = self._refusal, ""
@@ -202,10 +200,9 @@ class DeskSocket:
 
     async def _tell(self, **more: str) -> None:
         """Tell the page what is commanded, and what was refused."""
-        operated = self._joints.operated
         content = {
-            "controller": operated.name,
-            "reason": operated.reason,
+            "controller": ", ".join(self._joints.controllers),
+            "reason": self._joints.reason,
             "remaining": self._joints.remaining,
             "jog": {"controller": self._hand.jog.name, "reason": self._hand.jog.reason},
             "target": {
@@ -214,7 +211,5 @@ class DeskSocket:
             },
             **more,
         }
-        try:
-            await self._socket.send_json(content)
-        except (RuntimeError, WebSocketDisconnect):
-            return  # The browser has gone; `_listen` ends the desk.
+        # When the browser has gone, `_listen` ends the desk.
+        await send_frame(self._socket, json.dumps(content))

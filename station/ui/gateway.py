@@ -22,6 +22,7 @@ from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
 from station.client import ApiError
+from station.ui.control_routes import refused
 from station.ui.forwarded_routes import PREFIX
 from station.ui.gateway_guard import GatewayGuard, session_cookie
 from station.ui.sessions import Role, Session, Sessions
@@ -202,6 +203,10 @@ class _Gateway:
         session = self.find_session(request)
         if session is None:
             return _no_session()
+        if request.method == "GET" and self._parts.bar().link == "lost":
+            # A browser has six connections, and one of them is for the stop.
+            remedy = "STOP works. Look whether `station run` still runs."
+            return refused(502, "unreachable", "The station does not answer.", remedy)
         access = self._parts.workspace.access
         token = access.token_of(session)
         answer = await self._parts.api.forward(request, session)

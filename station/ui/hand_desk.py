@@ -9,7 +9,7 @@ from station.ui.cartesian_model import (
     TargetPose,
     choose_cartesian,
 )
-from station.ui.joint_desk import SetPoint
+from station.ui.controller_desk import SetPoint
 from station.ui.operate_model import Operated
 from station.ui.station_view import StationView
 

@@ -1,79 +1,52 @@
-"""What one person asks of the joints: exact values, and buttons that are held.
-
-Values travel to the robot as a set-point of limited speed, so that a far value is no
-step. A held button moves its joint until it is released or its browser falls silent.
-"""
+"""What one person asks of the joints, whichever controllers command them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-from station.ui.cartesian_model import HELD_FOR
-from station.ui.operate_model import (
-    POSITION_UNITS,
-    Operated,
-    SetPointRamp,
-    choose_operated,
-)
+from station.ui.controller_desk import ControllerDesk, SetPoint
+from station.ui.operate_model import choose_all_operated
 from station.ui.station_view import StationView
 
 SLOWEST, FASTEST = 0.02, 1.5
 """Range of the speed of a joint that a person may choose [rad/s] or [m/s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class SetPoint:
-    """A set-point to send.
-
-    Attributes:
-        controller: Which controller takes it.
-        values: One number per element, in the units of the elements.
-        epoch: The epoch that it is meant for; None while that is not known.
-    """
-
-    controller: str
-    values: list[float]
-    epoch: int | None
-
-
 class JointDesk:
     """The joint commands of one browser.
 
     Attributes:
-        operated: The controller that is commanded, or why there is none.
         speed: Fastest change of a position [rad/s] or [m/s].
     """
 
     def __init__(self) -> None:
-        self.operated = Operated()
         self.speed = 0.5
-        self._ramp = SetPointRamp(())
-        self._epoch: int | None = None
-        self._held: dict[int, tuple[int, float]] = {}
+        self._desks = [ControllerDesk()]
+
+    @property
+    def controllers(self) -> list[str]:
+        """The controllers that are commanded; empty when there is none."""
+        return [desk.operated.name for desk in self._desks if desk.operated.name]
+
+    @property
+    def reason(self) -> str:
+        """Why nothing can be commanded; empty when something can."""
+        return self._desks[0].operated.reason
 
     @property
     def remaining(self) -> float:
         """Largest distance of a joint to its target [rad] or [m]; 0 at rest."""
-        return self._ramp.remaining
+        return max(desk.remaining for desk in self._desks)
 
     def refresh(self, view: StationView) -> None:
-        """Look which controller runs, and where it was told to be.
+        """Look which controllers run, and where they were told to be.
 
         After a stop, a reset or a recovery (a new epoch), and with another controller,
         the motion that was asked for before does not go on by itself.
         """
-        operated = choose_operated(view)
-        if operated.elements != self.operated.elements:
-            self._ramp = SetPointRamp(operated.elements)
-        is_other = operated.name != self.operated.name or view.epoch != self._epoch
-        if operated.reason or is_other:
-            self.let_go()
-        self.operated, self._epoch = operated, view.epoch
-        sample = view.samples.get(operated.name)
-        if sample is None or len(sample.desired) != len(operated.elements):
-            return
-        desired = [value for value in sample.desired if value is not None]
-        if len(desired) == len(sample.desired):
-            self._ramp.follow(desired)
+        known = {desk.operated.name: desk for desk in self._desks}
+        chosen = choose_all_operated(view)
+        self._desks = [known.get(one.name) or ControllerDesk() for one in chosen]
+        for desk, operated in zip(self._desks, chosen, strict=True):
+            desk.refresh(operated, view)
 
     def set_speed(self, speed: float) -> None:
         """Limit the speed of a position.
@@ -84,7 +57,7 @@ class JointDesk:
         self.speed = min(max(speed, SLOWEST), FASTEST)
 
     def go(self, targets: Mapping[str, float], now: float) -> str:
-        """Move elements of the set-point to exact values.
+        """Move elements of the set-points to exact values: all of them, or none.
 
         Args:
             targets: Wanted values by the name of the element, in its unit.
@@ -93,13 +66,14 @@ class JointDesk:
         Returns:
             Why nothing was moved; empty when it is on its way.
         """
-        refusal = self._refusal(targets)
-        if refusal:
-            return refusal
+        parts: dict[ControllerDesk, dict[str, float]] = {}
         for name, value in targets.items():
-            self._held.pop(self._index(name), None)
-            if not self._ramp.touch(self._index(name), value, now):
-                return "It is not known yet where the robot was told to be. Try again."
+            parts.setdefault(self._desk_of(name), {})[name] = value
+        refusals = [desk.refusal(part) for desk, part in parts.items()]
+        if any(refusals):
+            return next(filter(None, refusals))
+        for desk, part in parts.items():
+            desk.go(part, now)
         return ""
 
     def hold(self, name: str, sign: int, now: float) -> str:
@@ -113,66 +87,28 @@ class JointDesk:
         Returns:
             Why it does not move; empty when it does.
         """
-        if self.operated.reason or not self.operated.name:
-            return self.operated.reason or "No controller takes set-points."
-        index = self._index(name)
-        if index < 0:
-            return f"{self.operated.name} does not command {name}."
-        element = self.operated.elements[index]
-        if element.unit not in POSITION_UNITS:
-            return (
-                f"{self.operated.name} takes {element.unit}, not positions. Type a "
-                "value, or start a position controller to jog."
-            )
-        end = element.maximum if sign > 0 else element.minimum
-        if end is None:
-            return f"{name} has no limit in that direction. Type a value."
-        self._held[index] = (sign, now)
-        if not self._ramp.touch(index, end, now):
-            return "It is not known yet where the robot was told to be. Try again."
-        return ""
+        return self._desk_of(name).hold(name, sign, now)
 
     def release(self) -> None:
         """Stop the motion of all held buttons."""
-        if self._held:
-            self._held.clear()
-            self._ramp.halt()
+        for desk in self._desks:
+            desk.release()
 
     def let_go(self) -> None:
         """Forget every motion, and send no more for it."""
-        self._held.clear()
-        self._ramp.let_go()
+        for desk in self._desks:
+            desk.let_go()
 
-    def step(self, dt: float, now: float) -> SetPoint | None:
-        """Return the next set-point to send, or None when there is nothing to send.
+    def step(self, dt: float, now: float) -> list[SetPoint]:
+        """Return the next set-points to send, at most one for each controller.
 
         Args:
             dt: Time since the last step [s].
             now: Monotonic time [s].
         """
-        if any(now - heard_at > HELD_FOR for _, heard_at in self._held.values()):
-            self.release()
-        values = self._ramp.step(dt, self.speed)
-        if values is None:
-            return None
-        return SetPoint(self.operated.name, values, self._epoch)
+        steps = (desk.step(dt, self.speed, now) for desk in self._desks)
+        return [set_point for set_point in steps if set_point is not None]
 
-    def _refusal(self, targets: Mapping[str, float]) -> str:
-        if self.operated.reason or not self.operated.name:
-            return self.operated.reason or "No controller takes set-points."
-        for name, value in targets.items():
-            index = self._index(name)
-            if index < 0:
-                return f"{self.operated.name} does not command {name}."
-            element = self.operated.elements[index]
-            low, high = element.minimum, element.maximum
-            if (low is not None and value < low) or (high is not None and value > high):
-                return (
-                    f"{name} cannot go to {value:g} {element.unit}; allowed are "
-                    f"{low:g} to {high:g} {element.unit}."
-                )
-        return ""
-
-    def _index(self, name: str) -> int:
-        names = [element.name for element in self.operated.elements]
-        return names.index(name) if name in names else -1
+    def _desk_of(self, name: str) -> ControllerDesk:
+        """Return the desk of a joint's controller; else the first, to refuse it."""
+        return next((d for d in self._desks if d.commands(name)), self._desks[0])

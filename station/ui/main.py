@@ -178,7 +178,7 @@ async def _serve(
         sessions.move_to(access)
         url, token = (api.url, None) if access is None else (access.url, access.token)
         api.talk_to(url, token)
-        viser_loop.call_soon_threadsafe(shown.talk_to, url, token)
+        viser_loop.call_soon_threadsafe(dashboard.talk_to, url, token)
         if access is not None:
             button.move_to(access.token, access.watchdog_url)
             logged_in.move_to(access.url)

@@ -41,25 +41,43 @@ def is_of_joints(elements: Sequence[CommandElement]) -> bool:
 
 def choose_operated(view: StationView) -> Operated:
     """Return the running controller that takes set-points, or why there is none."""
-    for controller in view.controllers:
-        elements = view.elements.get(controller.name, ())
-        if controller.state == "running" and is_of_joints(elements):
-            return Operated(controller.name, tuple(elements), view.blocked())
+    return choose_all_operated(view)[0]
+
+
+def choose_all_operated(view: StationView) -> tuple[Operated, ...]:
+    """Return all running controllers that take set-points of joints.
+
+    Two arms may have a controller each. No two of them command the same joint.
+
+    Returns:
+        At least one; where there is none, an entry without name says why.
+    """
+    found = tuple(
+        Operated(controller.name, tuple(elements), view.blocked())
+        for controller in view.controllers
+        if controller.state == "running"
+        and is_of_joints(elements := view.elements.get(controller.name, ()))
+    )
+    return found or (Operated(reason=_why_none(view)),)
+
+
+def _why_none(view: StationView) -> str:
+    """Return why no controller takes set-points of joints."""
     if view.blocked():
-        return Operated(reason=view.blocked())
+        return view.blocked()
     trouble = choose_rescue(view).trouble
     if trouble:
-        return Operated(reason="An arm has stopped by itself. See above what to do.")
+        return "An arm has stopped by itself. See above what to do."
     running = [c.name for c in view.controllers if c.state == "running"]
     cartesian = [name for name in running if view.elements.get(name)]
     if cartesian:
-        return Operated(
-            reason=f"{cartesian[0]} moves the end effector, see below. To move single "
+        return (
+            f"{cartesian[0]} moves the end effector, see below. To move single "
             "joints, start a group controller in its place in the Controllers tab."
         )
     what = f"Only {', '.join(running)} runs" if running else "No controller runs"
-    return Operated(
-        reason=f"{what}, and nothing that runs takes set-points. Start a group "
+    return (
+        f"{what}, and nothing that runs takes set-points. Start a group "
         "controller in the Controllers tab."
     )
 
@@ -82,6 +100,11 @@ class SetPointRamp:
     def commanding(self) -> bool:
         """Whether the set-point has not reached the wanted values yet."""
         return self._target is not None
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the last set-point of the controller is known."""
+        return self._current is not None
 
     @property
     def remaining(self) -> float:

@@ -88,6 +88,7 @@ class StationLink:
         self._arm_followers: dict[str, asyncio.Task[None]] = {}
         self._arms: dict[str, ArmFacts] = {}
         self._base_follower: asyncio.Task[None] | None = None
+        self._woken = asyncio.Event()
 
     @property
     def positions(self) -> dict[str, float]:
@@ -149,6 +150,18 @@ class StationLink:
             self.watch(())
             self._follow_arms(())
             await asyncio.gather(*followers, return_exceptions=True)
+
+    def wake(self) -> None:
+        """Ask the station at once for what would be asked for a moment later."""
+        self._woken.set()
+        self._woken.clear()
+
+    async def _pause(self, seconds: float) -> None:
+        """Wait, at most until `wake` is called."""
+        # Not `wait_for`: before Python 3.12 it may swallow a cancellation.
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await self._woken.wait()
 
     def watch(self, names: Collection[str]) -> None:
         """Follow the samples of exactly these controllers."""
@@ -240,7 +253,7 @@ class StationLink:
                 await refresh()
             except ApiError as error:
                 self._failure = str(error)
-            await asyncio.sleep(period)
+            await self._pause(period)
 
     async def _follow_joints(self) -> None:
         async for frame in self._frames("joint_states", JOINT_RATE):
@@ -286,7 +299,7 @@ class StationLink:
                 )
                 async for frame in stream:
                     yield frame
-            await asyncio.sleep(_RETRY)
+            await self._pause(_RETRY)
 
 
 def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import httpx
 from starlette.responses import PlainTextResponse, Response
-from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
+from starlette.websockets import WebSocket
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
-from station.ui.socket_ends import until_first
+from station.ui.socket_ends import close_socket, send_frame, until_first
 from station.ui.viser_door import SECRET_HEADER, SESSION_HEADER
 from station.ui.viser_frames import may_pass
 
@@ -104,27 +104,16 @@ async def _relay(
     upwards = asyncio.create_task(_to_viser(browser, upstream, role))
     await until_first(downwards, upwards, ended)
     if not ended.cancelled():
-        await _close(browser, _SESSION_ENDED, "the session has ended")
+        await close_socket(browser, _SESSION_ENDED, "the session has ended")
 
 
 async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
     """Send Viser's frames on; forward its close code at the end."""
-    try:
+    with contextlib.suppress(ConnectionClosed):  # The code below tells the browser.
         async for frame in upstream:
-            if isinstance(frame, bytes):
-                await browser.send_bytes(frame)
-            else:
-                await browser.send_text(frame)
-    except (ConnectionClosed, WebSocketDisconnect):
-        pass  # Either end has gone; the code below tells the other.
-    await _close(browser, *_closing(upstream.close_code, upstream.close_reason))
-
-
-async def _close(browser: WebSocket, code: int, reason: str) -> None:
-    """Close the browser's side, unless it has gone first."""
-    if browser.application_state is WebSocketState.CONNECTED:
-        with contextlib.suppress(WebSocketDisconnect):
-            await browser.close(code, reason)
+            if not await send_frame(browser, frame):
+                return
+    await close_socket(browser, *_closing(upstream.close_code, upstream.close_reason))
 
 
 async def _to_viser(

@@ -1,11 +1,11 @@
 """What the docks of the page show besides the streams, as plain data."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
-from station.ui.controllers_model import claims_text, offer_for
+from station.ui.controllers_model import claims_text, offer_for, resources_of
 from station.ui.load_examples import example_parameters, suggested_name
-from station.ui.operate_model import choose_operated
+from station.ui.operate_model import choose_all_operated, choose_operated
 from station.ui.recovery_model import choose_rescue
 from station.ui.station_view import StationView
 from station.wire import ControllerState
@@ -23,6 +23,7 @@ class Enabling:
 
     Attributes:
         name: The controller to start; empty when there is nothing to enable.
+        also: Further controllers to start with it, for the joints of other arms.
         replaces: Running controllers that stop at the same time.
         type: The type to load it from first; empty when it is loaded.
         parameters: Parameters to load it with, in YAML.
@@ -30,6 +31,7 @@ class Enabling:
     """
 
     name: str = ""
+    also: tuple[str, ...] = ()
     replaces: tuple[str, ...] = ()
     type: str = ""
     parameters: str = ""
@@ -39,17 +41,25 @@ class Enabling:
 def enabling(view: StationView) -> Enabling:
     """Return what makes the joints take values, if nothing that runs does.
 
-    The first loaded group position controller is the default; a station without one
-    gets one over all its joints but the fingers.
+    The first loaded group position controller is the default, and with it those of
+    other joints, e.g. of a second arm; a station without one gets one over all its
+    joints but the fingers.
     """
     if choose_operated(view).name or view.status is None:
         return Enabling()
-    for controller in view.controllers:
-        if controller.type.endswith(_DEFAULT_KIND) and controller.state in _STARTABLE:
-            offer = offer_for(view, controller.name)
-            return Enabling(
-                controller.name, offer.replaces, reason=_trouble(view) or view.blocked()
-            )
+    default = _without_overlap(
+        controller
+        for controller in view.controllers
+        if controller.type.endswith(_DEFAULT_KIND) and controller.state in _STARTABLE
+    )
+    if default:
+        replaces = (r for c in default for r in offer_for(view, c.name).replaces)
+        return Enabling(
+            default[0].name,
+            tuple(controller.name for controller in default[1:]),
+            tuple(dict.fromkeys(replaces)),
+            reason=_trouble(view) or view.blocked(),
+        )
     if not any(known.type == _DEFAULT_TYPE for known in view.types):
         return Enabling()
     taken = (controller.name for controller in view.controllers)
@@ -63,7 +73,7 @@ def enabling(view: StationView) -> Enabling:
 
 def workspace_state(view: StationView) -> dict[str, object]:
     """Return what the docks show of `view`, ready for JSON."""
-    operated = choose_operated(view)
+    operated = choose_all_operated(view)
     status = view.status
     return {
         "link": view.link,
@@ -72,9 +82,9 @@ def workspace_state(view: StationView) -> dict[str, object]:
         "epoch": view.epoch,
         "blocked": view.blocked(),
         "operated": {
-            "name": operated.name,
-            "reason": operated.reason,
-            "elements": [element.model_dump() for element in operated.elements],
+            "names": [one.name for one in operated if one.name],
+            "reason": operated[0].reason,
+            "elements": [e.model_dump() for one in operated for e in one.elements],
         },
         "enabling": asdict(enabling(view)),
         "rescue": asdict(choose_rescue(view)),
@@ -90,6 +100,18 @@ def workspace_state(view: StationView) -> dict[str, object]:
         "sliding": sorted(view.sliding),
         "joints": [name for name in view.positions if "finger" not in name],
     }
+
+
+def _without_overlap(controllers: Iterable[ControllerState]) -> list[ControllerState]:
+    """Return those that can run beside each other; the first ones are preferred."""
+    chosen: list[ControllerState] = []
+    taken: set[str] = set()
+    for controller in controllers:
+        wanted = resources_of(controller)
+        if not wanted & taken:
+            chosen.append(controller)
+            taken |= wanted
+    return chosen
 
 
 def _trouble(view: StationView) -> str:
@@ -134,11 +156,7 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
             controller,
             [] if view.status is None else [a.arm_id for a in view.status.robots],
         ),
-        "resources": sorted({
-            resource
-            for claim in controller.claimed_resources
-            for resource in claim.resources
-        }),
+        "resources": sorted(resources_of(controller)),
         "takes_set_points": bool(view.elements.get(controller.name)),
         "update_p50": controller.time.p50,
         "update_p99": controller.time.p99,

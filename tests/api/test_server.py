@@ -48,8 +48,10 @@ def test_stopping_twice_or_before_the_start_is_fine(app):
     server = ApiServer(app, port=0)
     server.stop()
     server.start()
+    assert httpx.get(f"{server.url}/api/v1/health").status_code == 200
     server.stop()
     server.stop()
+    assert not any(thread.name == "api" for thread in threading.enumerate())
 
 
 def test_it_goes_quickly_with_open_streams_and_tells_them(app):

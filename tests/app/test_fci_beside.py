@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
 from station.app.composition import compose
 from station.app.fci_beside import FciBeside
 from station.app.fci_run import FciRobotError
+from station.client import StationClient
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.core.errors import ArmCommandError, SwitchRefusedError
@@ -20,6 +23,8 @@ from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.network import FciNetwork, FciNetworkError
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
+from station.wire import GripperMoveRequest
+from tests.api.conftest import AppTransport
 from tests.hw.franka.plain_model import PlainModel
 
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
@@ -41,6 +46,8 @@ controllers:
       panda_joint6, panda_joint7]
 start: []
 """
+LONGEST = 100_000
+"""Requests within which the fingers have arrived."""
 MOCK = "robot: {type: mock_hw/MockRobotHW, joints: [a]}\ncontrollers: {}\nstart: []\n"
 
 
@@ -107,18 +114,44 @@ def test_robot_without_this_interface_is_refused(tmp_path):
     assert "fci.enabled to false" in error.value.remedy
 
 
+def test_hand_of_one_station_is_the_real_hand_of_another(station, tmp_path):
+    other = station_of(
+        CONFIG.replace("  realism", f"  robot_ip: {HOST}\n  realism"), tmp_path
+    )
+    other.loop.start()
+    app = create_app(other, Authenticator("operator-token", "viewer-token"))
+    url = "http://127.0.0.1:8000"
+    with StationClient(url, "operator-token", transport=AppTransport(app)) as client:
+        gripper = client.robot("panda").gripper
+        begun = gripper.move(GripperMoveRequest(width=0.05, speed=0.2))
+        assert begun.activity == "moving"
+        for _ in range(LONGEST):
+            state = gripper.state()
+            if state.command is None:
+                break
+            other.loop.run_in_cycle(lambda: None)
+    other.loop.stop()
+    other.loop.hw.close()
+    assert (state.last.status, state.last.message) == ("succeeded", "")
+    there = station.loop.hw.simulated_hand.get_state()
+    assert there.width == pytest.approx(0.05, abs=2e-3)
+
+
 @pytest.mark.skipif(
     importlib.util.find_spec("panda_py") is None, reason="panda-python is not installed"
 )
 @pytest.mark.usefixtures("station")
-def test_panda_python_connects_beside_the_loop():
+def test_panda_python_connects_and_moves_the_hand_beside_the_loop():
     done = subprocess.run(
-        [sys.executable, str(CLIENT), HOST, "connect"],
+        [sys.executable, str(CLIENT), HOST, "connect", "gripper"],
         capture_output=True,
         text=True,
         timeout=60.0,
         check=True,
     )
-    seen = json.loads(done.stdout)["connect"]
-    assert seen["version"] == 5
-    assert seen["pose_of_model"] == pytest.approx(seen["pose"], abs=1e-9)
+    seen = json.loads(done.stdout)
+    arm, hand = seen["connect"], seen["gripper"]
+    assert arm["version"] == 5
+    assert arm["pose_of_model"] == pytest.approx(arm["pose"], abs=1e-9)
+    assert (hand["moved"], hand["grasped"], hand["stopped"]) == (True, False, True)
+    assert hand["width"] == pytest.approx(0.05, abs=1e-3)

@@ -181,6 +181,29 @@ def test_a_login_survives_an_orderly_restart_of_everything(place, log_in):
     assert page.url == f"{place.ui}/"
 
 
+def test_stop_is_answered_while_the_station_hangs_and_every_dock_looks_at_it(
+    place, log_in
+):
+    with place.client() as client:
+        workspace = log_in()
+        page = workspace.page
+        for dock in ("move", "tuning", "gripper", "timeline", "simulation"):
+            workspace.dock(dock)
+        page.wait_for_selector(_LIVE)
+        os.kill(place.station.pid, signal.SIGSTOP)
+        try:
+            page.wait_for_selector(_NOT_LIVE)
+            with page.expect_response("**/stop", timeout=4000) as answer:
+                page.locator("#stop").click()
+            assert answer.value.ok
+            page.locator("#motion").get_by_text("STOPPED").wait_for()
+        finally:
+            os.kill(place.station.pid, signal.SIGCONT)
+        page.wait_for_selector(_LIVE, timeout=40_000)
+        assert wait_until(lambda: client.status().stop_state == "stopped")
+        assert page.locator("#motion").inner_text() == "STOPPED"
+
+
 def test_two_people_type_into_forms_of_their_own(log_in):
     ada, grace = log_in(), log_in()
     for workspace, text in ((ada, "from ada"), (grace, "from grace")):

@@ -8,7 +8,7 @@ from station.cli.parser import Parser
 @pytest.fixture
 def parser():
     parser = Parser(prog="station")
-    verbs = parser.add_subparsers(metavar="VERB")
+    verbs = parser.add_subparsers(metavar="VERB", dest="verb")
     for name in ("list_controllers", "load_controller", "gains", "goto", "run"):
         verbs.add_parser(name)
     return parser
@@ -23,4 +23,4 @@ def test_an_unknown_verb_gets_the_nearest(parser, capsys):
 
 
 def test_a_known_verb_is_taken(parser):
-    parser.parse_args(["gains"])
+    assert parser.parse_args(["gains"]).verb == "gains"

@@ -162,6 +162,10 @@ def test_the_square_of_the_page_on_controllers_is_driven(url, monkeypatch):
     exec(example, names)
 
     with StationClient(url, OPERATOR) as client:
-        time.sleep(0.5)  # the end of the way
-        state = client.controller_state("cartesian_streaming_controller")
-    assert state.actual == pytest.approx(names["pose"], abs=2e-3)
+        wanted = pytest.approx(names["pose"], abs=2e-3)
+        deadline = time.monotonic() + 10.0
+        while time.monotonic() < deadline:  # the end of the way
+            state = client.controller_state("cartesian_streaming_controller")
+            if state.actual == wanted:
+                break
+    assert state.actual == wanted

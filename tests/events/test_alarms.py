@@ -2,16 +2,7 @@
 
 import pytest
 
-from station.core.control.switching import SwitchRequest
 from station.events import AlarmNotFoundError, Alarms, EventKind, EventLog, Origin
-from tests.api.spring import make_station
-
-
-@pytest.fixture
-def station():
-    station = make_station()
-    station.loop.step()
-    return station
 
 
 @pytest.fixture
@@ -95,16 +86,8 @@ def test_an_alarm_that_is_not_there_cannot_be_acknowledged(alarms):
         alarms.acknowledge(7)
 
 
-def test_a_faulty_controller_alarms_until_it_is_unloaded(station, alarms):
-    station.load_controller("spring", "test/Spring", {"joint": "j"})
-    controller = station.manager.get_controller("spring")
-
-    def fail(*_):
-        raise RuntimeError("a broken spring")
-
-    controller.update = fail
-    station.switch_controllers(SwitchRequest(start=("spring",)))
-    station.loop.step()
+def test_a_faulty_controller_alarms_until_it_is_unloaded(station, alarms, break_spring):
+    break_spring()
     (alarm,) = alarms.all()
     assert alarm.cause.subject == "controller spring"
     assert "a broken spring" in alarm.cause.text

@@ -3,17 +3,11 @@
 import pytest
 
 from station.core.control.switching import SwitchRequest
+from station.core.franka import RobotMode
+from station.core.franka.arms import ArmReport
 from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
 from station.events.state_watcher import QUIET, StateWatcher
-from tests.api.spring import make_station
-
-
-@pytest.fixture
-def station():
-    station = make_station()
-    station.loop.step()
-    return station
 
 
 @pytest.fixture
@@ -56,8 +50,10 @@ def test_a_stop_and_its_release_are_recorded(station, log, watcher):
     assert "Somebody is in the cell." in log.since(kinds=[EventKind.STOP])[0].text
 
 
-def test_controllers_are_followed_from_loading_to_unloading(station, log, watcher):
-    station.load_controller("spring", "test/Spring", {"joint": "j"})
+def test_controllers_are_followed_from_loading_to_unloading(
+    station, log, watcher, load_spring
+):
+    load_spring()
     watcher.look()
     station.switch_controllers(SwitchRequest(start=("spring",)))
     watcher.look()
@@ -72,16 +68,8 @@ def test_controllers_are_followed_from_loading_to_unloading(station, log, watche
     assert found[3] == ("spring", "unloaded")
 
 
-def test_a_fault_is_recorded_with_its_traceback(station, log, watcher):
-    station.load_controller("spring", "test/Spring", {"joint": "j"})
-    controller = station.manager.get_controller("spring")
-
-    def fail(*_):
-        raise RuntimeError("a broken spring")
-
-    controller.update = fail
-    station.switch_controllers(SwitchRequest(start=("spring",)))
-    station.loop.step()
+def test_a_fault_is_recorded_with_its_traceback(log, watcher, break_spring):
+    break_spring()
     watcher.look()
 
     (event,) = log.since(kinds=[EventKind.FAULT])
@@ -141,3 +129,20 @@ def test_the_thread_looks_and_ends(station, log):
     watcher.stop()
 
     assert told(log, EventKind.STOP) == [("", "stopped")]
+
+
+def test_mode_in_which_an_arm_cannot_move_is_an_error_with_its_remedy(
+    station, log, watcher, monkeypatch
+):
+    todo = "restore the connection, then recover"
+    report = ArmReport(
+        "left", RobotMode.OTHER, is_connected=True, errors=(), remedy=todo
+    )
+    monkeypatch.setattr(watcher._arms, "reports", lambda: [report])
+    monkeypatch.setattr(station.loop.hw, "mode", lambda: "other")
+    station.loop.step()
+    watcher.look()
+
+    event = log.since(kinds=[EventKind.ROBOT_MODE])[-1]
+    assert event.severity is Severity.ERROR
+    assert event.details["remedies"] == [f"left: {todo}"]

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from concurrent.futures import Executor
 from concurrent.futures.process import BrokenProcessPool
 
@@ -49,4 +50,27 @@ def test_process_that_was_killed_is_replaced():
         second = pool.submit(os.getpid).result()
 
         assert second not in {first, os.getpid()}
-        assert pool.submit(os.nice, 0).result() == os.nice(0) + NICENESS
+        assert pool.submit(os.nice, 0).result() == max(NICENESS, os.nice(0))
+
+
+@pytest.mark.slow
+def test_ctrl_c_does_not_reach_a_process_that_still_begins():
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    with make_pool(1) as pool:
+        blocked = pool.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result()
+
+    assert signal.SIGINT in blocked
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == before
+
+
+@pytest.mark.slow
+def test_processes_are_ended_while_they_work():
+    with make_pool(1) as pool:
+        assert pool.submit(os.getpid).result() != os.getpid()
+        endless = pool.submit(signal.pause)
+        deadline = time.monotonic() + 20.0
+        while not endless.running():
+            assert time.monotonic() < deadline
+        pool.abandon()
+
+        assert isinstance(endless.exception(20.0), BrokenProcessPool)

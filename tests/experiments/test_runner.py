@@ -95,6 +95,17 @@ def test_trial_of_a_worker_that_refuses_is_repeated_and_counted_once(results, tr
     assert len(results.rows()) == progress.ended == 3
 
 
+def test_generations_of_a_search_are_counted_together(results, trials):
+    runner = Runner(results, Losing(), sleep=lambda _: None)
+    runner.run([trials[0], trials[0].with_parameters({"weight": 1.0})], 2)
+
+    progress = runner.run(trials, 3)
+
+    assert (progress.repeated, progress.failed, progress.resumed) == (2, 1, 1)
+    assert progress.refused == ["Worker x has mujoco 1; not 4."]
+    assert progress.ended == 3
+
+
 def test_workers_that_refuse_for_ever_end_the_run(results, trials):
     losing = Losing()
     losing.losses = 100
@@ -199,9 +210,13 @@ class Interrupting(Executor):
 
 
 def test_ctrl_c_keeps_what_is_done(results, trials):
-    progress = Runner(results, Interrupting()).run(trials, 3)
+    told = []
+    runner = Runner(results, Interrupting(), lambda p: told.append(p.is_interrupted))
+
+    progress = runner.run(trials, 3)
 
     assert progress.is_interrupted
+    assert told[-1]
     assert [row.parameters["load"] for row in results.rows()] == LOADS[:1]
 
 

@@ -173,6 +173,19 @@ def test_trial_in_which_the_robot_gives_up_has_failed(world, step):
     assert world.run(step).state == "done"
 
 
+def test_controller_that_was_stopped_before_a_command_is_told_with_the_cause(world):
+    """Nobody has looked at the robot between its reflex and the next command."""
+    hard = Push(link="panda_link7", at=0.02, lasts=0.2, force=(0, 90, 0))
+    later = Step(joint=FIRST, amplitude=0.1, at=0.08)
+
+    result, trace = play(world, GROUP, hard, later, duration=0.5)
+
+    assert result.state == "failed"
+    assert "reflex" in result.reason
+    assert trace is not None
+    assert result.metrics["reflexes"] == 1.0
+
+
 def test_diverging_trial_is_told(world, step):
     result = world.run(step.with_parameters({f"gains/{GROUP}/{FIRST}/d": -3000.0}))
 

@@ -44,6 +44,8 @@ def test_search_improves_and_goes_on_after_it_was_killed(step, tmp_path):
     again, resumed = search(first, tmp_path / "parts.sqlite")
 
     assert tuned.best_cost < 0.9
+    assert (tuned.progress.ended, tuned.progress.total) == (len(hashes), 24)
+    assert tuned.stopped == "Another generation would exceed 24 trials."
     assert (
         tuned.best_result.metrics["rms_error"] < tuned.first_result.metrics["rms_error"]
     )

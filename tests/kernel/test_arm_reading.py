@@ -1,19 +1,22 @@
 """How often an arm is read in a cycle of the loop, and what follows."""
 
 import pytest
+from typing_extensions import override
 
 from station.kernel.arm_reading import ArmReading, CalledCycles
 from station.kernel.doubles import doubles
 from station.kernel.finite_check import FiniteCheck
+from station.kernel.flags import MotionFlags
 
 
-class Motion:
+class Motion(MotionFlags):
     """A motion that waits for its beginning."""
 
     def __init__(self):
-        self.is_waiting = False
+        super().__init__()
         self.waited = []
 
+    @override
     def advance(self, cycles):
         self.waited.append(cycles)
 

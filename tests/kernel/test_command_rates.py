@@ -48,7 +48,8 @@ def test_both_modes_give_the_same_bits(gain, limits, passes, state, commands):
             for method in (rates.filter_torques, rates.filter_velocities):
                 method()
                 found += rates.result
-            rates.filter_positions(passes)
+            rates.passes_next = passes
+            rates.filter_positions()
             found += rates.result
         return found
 

@@ -1,11 +1,21 @@
 """The commands of an arm: checked, limited, filtered and passed on, in that order."""
 
+from functools import partial
+
 from typing_extensions import override
 
-from station.kernel.command_sending import CommandSending, JointSend, Receiver
-from station.kernel.doubles import doubles
+from station.kernel.command_rates import CommandRates
+from station.kernel.command_sending import (
+    CommandSending,
+    PositionSend,
+    Receiver,
+    TorqueSend,
+    VelocitySend,
+)
+from station.kernel.doubles import doubles, put
 from station.kernel.enforced_limits import EnforcedLimits
 from station.kernel.finite_check import FiniteCheck
+from station.kernel.joint_memory import JointMemory
 
 
 class Limited:
@@ -16,6 +26,36 @@ class Limited:
 
     def enforce_limits(self, period):
         self.done.append(f"limit {period:g}")
+
+
+class Halved:
+    """A limit that halves commands."""
+
+    def __init__(self, commands):
+        self.commands = commands
+
+    def enforce_limits(self, period):
+        put(self.commands, [value / 2.0 for value in self.commands])
+
+
+def rates_of(commands):
+    """Return a filter that lets commands pass, of positions up to 10."""
+    large = [1e9] * len(commands)
+    return CommandRates(
+        JointMemory(len(commands)),
+        positions=commands,
+        velocities=commands,
+        efforts=commands,
+        velocity=large,
+        acceleration=large,
+        jerk=large,
+        torque_rate=large,
+        lower=[-10.0] * len(commands),
+        upper=[10.0] * len(commands),
+        braking_share=0.5,
+        approach_gain=50.0,
+        period=0.001,
+    )
 
 
 class Sending(CommandSending):
@@ -29,18 +69,14 @@ class Sending(CommandSending):
         limits = EnforcedLimits()
         limits.singles = [Limited(self.done)]
         self.limits = [limits]
+        self.rates = rates_of(self.commands)
         receiver = Receiver(lambda values: self.done.append([*values]))
-        self.sends = [
-            JointSend(lambda: self.done.append("filter"), receiver, self.commands)
-        ]
+        prepare = partial(self.done.append, "filter")
+        self.sends = [PositionSend(self.rates, receiver, prepare)]
 
     @override
     def refuse(self):
         self.done.append("refuse")
-
-    @override
-    def note_goals(self):
-        self.done.append("goals")
 
     @override
     def send_end_effector(self, is_new):
@@ -55,10 +91,23 @@ def test_commands_are_limited_filtered_and_passed_on():
 
 def test_goals_are_noted_before_the_limits_and_poses_come_last():
     sending = Sending()
-    sending.has_goals = sending.is_cartesian = True
+    sending.is_cartesian = True
+    sending.goals, sending.rates.is_limiting = sending.rates, True
+    sending.limits[0].singles = [Halved(sending.commands)]
     sending.send_limited(0.001)
-    assert sending.done[0] == "goals"
+    assert [*sending.commands] == [0.5, 1.0]
+    assert [*sending.rates.goals] == [1.0, 2.0]
     assert sending.done[-1] == "pose True"
+
+
+def test_positions_and_velocities_are_prepared_and_sent():
+    found = []
+    rates = rates_of(doubles([1.0, 2.0]))
+    receiver = Receiver(lambda values: found.append([*values]))
+    PositionSend(rates, receiver).send()
+    VelocitySend(rates, receiver, partial(found.append, "prepared")).send()
+    TorqueSend(rates, receiver).send()
+    assert found == [[1.0, 2.0], "prepared", [1.0, 2.0], [1.0, 2.0]]
 
 
 def test_no_time_has_no_limits():

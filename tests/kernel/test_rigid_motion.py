@@ -10,6 +10,7 @@ from station.kernel.doubles import doubles, zeros
 from station.kernel.rigid_motion import (
     compose,
     displace,
+    numbers_of,
     quaternion_of,
     rotation_between,
     twist_between,
@@ -107,3 +108,13 @@ def test_both_modes_agree_on_poses(first, second):
         return [*a, *b, *back, *turn]
 
     assert_same("rigid_motion", scenario)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_numbers_of_a_pose_have_the_quaternion_nearer_to_another(sign):
+    # A quarter of a turn about z, at 1 2 3.
+    pose = doubles([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1])
+    found = zeros(7)
+    numbers_of(pose, doubles([0.0, 0.0, 0.1, sign]), found)
+    half = sign * np.sqrt(0.5)
+    assert [*found] == pytest.approx([1.0, 2.0, 3.0, 0.0, 0.0, half, half])

@@ -3,6 +3,7 @@
 import ctypes
 import re
 import time
+from pathlib import Path
 
 from station.core.control.controller import Controller
 from station.core.hardware.interfaces import PositionJointInterface
@@ -66,9 +67,11 @@ class BacktrackingController(_HangingController):
 
 
 class NeverLoadedController(_HangingController):
-    """Does not return from `init`."""
+    """Does not return from `init`; makes the file `mark`, if that is given, before."""
 
     def init(self, interface, params):
         """Wait for ever."""
+        if params.has("mark"):
+            Path(params.get_str("mark")).touch()
         while True:
             time.sleep(1.0)

@@ -102,18 +102,24 @@ def test_stuck_dashboard_does_not_hold_it_up(start):
     assert not is_alive(dashboard)
 
 
-def test_request_that_never_comes_back_does_not_hold_the_end_up(start):
-    station = start("--no-ui")
+def test_request_that_never_comes_back_does_not_hold_the_end_up(start, tmp_path):
+    config, mark = tmp_path / "station.yaml", tmp_path / "loading"
+    module = hung_controllers.__name__
+    config.write_text(f"station: {{controller_modules: [{module}]}}")
+    station = start("--no-ui", str(config))
     access = station.access()
 
     def load():
         client = StationClient(access["url"], access["token"], timeout=60.0)
         with client, contextlib.suppress(ApiError):
-            client.load_controller("slow", SLOW, {})
+            client.load_controller("slow", SLOW, {"mark": str(mark)})
 
     thread = threading.Thread(target=load)
     thread.start()
-    time.sleep(1.0)
+    deadline = time.monotonic() + 20.0
+    while not mark.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
     duration = station.end(signal.SIGINT)
     thread.join(60.0)
 

@@ -49,7 +49,7 @@ def main(what):
             tell(end={"state": "cancelled", "reason": ""})
         return
     tell(progress={**told, "ended": 2})
-    tell(end={"state": "done", "reason": "no better trial in 15 generations"})
+    tell(end={"state": "done", "reason": "No trial was better in 15 generations."})
 
 
 if __name__ == "__main__":

@@ -78,7 +78,7 @@ def test_an_experiment_is_followed_to_its_end(make):
         ("done", 2),
     ]
     assert background.state == states[-1]
-    assert states[-1].reason == "no better trial in 15 generations"
+    assert states[-1].reason == "No trial was better in 15 generations."
 
 
 def test_what_the_process_refuses_is_refused_word_by_word(make):

@@ -64,7 +64,7 @@ def test_same_experiment_goes_on_and_another_is_refused(results, panda, step):
 
     with Results.create(results.path, "sweep", panda, {"seed": 1}) as again:
         assert again.count() == 1
-    with pytest.raises(ExperimentError, match="'one' exists, and is another one"):
+    with pytest.raises(ExperimentError, match="is another one; it differs in seed"):
         Results.create(results.path, "sweep", panda, {"seed": 2})
 
 

@@ -62,6 +62,7 @@ class _Station:
     def __init__(self):
         self.done = []
         self.failure = None
+        self.link = "live"
         self.slept = []
 
     async def sleep(self, delay):
@@ -92,7 +93,7 @@ def gateway():
             role_of=station.role_of,
             stop=station.stop,
             release=station.release,
-            bar=lambda: BarState("live", 0.1, mode="idle"),
+            bar=lambda: BarState(station.link, 0.1, mode="idle"),
             relay=_Relay(),
             api=_Api(),
             workspace=WorkspaceParts(StationView, ACCESS),
@@ -245,6 +246,16 @@ def test_the_api_is_asked_with_the_credential_of_the_session(browser):
         with pytest.raises(ConnectionClosed) as closed:
             socket.recv(timeout=5.0)
     assert closed.value.rcvd.code == 4401
+
+
+def test_looks_at_a_lost_station_are_answered_at_once(browser, station):
+    _log_in(browser)
+    station.link = "lost"
+    refused = browser.get("/api/v1/status")
+    assert (refused.status_code, refused.json()["code"]) == (502, "unreachable")
+    own = _own(browser)
+    assert browser.put("/api/v1/status", headers=own).text.startswith("PUT")
+    assert browser.post("/stop", headers=own).status_code == 200
 
 
 @pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])

@@ -1,90 +1,93 @@
-"""What a person asks of the joints, with an injected clock."""
+"""What a person asks of the joints of two arms, each with a controller of its own."""
 
 import pytest
 
-from station.ui.cartesian_model import HELD_FOR
 from station.ui.joint_desk import FASTEST, JointDesk
 from tests.ui.views import controller, element, sample, view
 
-NAMES = ("joint1", "joint2")
+ARMS = {"left": ("left_joint1", "left_joint2"), "right": ("right_joint1",)}
 
 
-def _view(**changes):
-    elements = tuple(element(name) for name in NAMES)
-    parts = {
-        "elements": {"arm": elements},
-        "samples": {"arm": sample(1.0, desired=0.1, names=NAMES)},
-        **changes,
-    }
-    return view(controller("arm", "running", NAMES), **parts)
+def _view(*running, **changes):
+    return view(
+        *(controller(name, "running", ARMS[name]) for name in running),
+        **{
+            "elements": {n: tuple(map(element, ARMS[n])) for n in running},
+            "samples": {n: sample(1.0, desired=0.1, names=ARMS[n]) for n in running},
+            **changes,
+        },
+    )
 
 
 @pytest.fixture
 def desk():
     made = JointDesk()
-    made.refresh(_view())
+    made.refresh(_view("left", "right"))
     return made
 
 
-def test_nothing_is_sent_unasked(desk):
-    assert desk.step(0.04, 0.0) is None
+def _sent(desk):
+    return {one.controller: one.values for one in desk.step(0.04, 0.04)}
 
 
-def test_a_typed_value_arrives_exactly_and_no_faster_than_allowed(desk):
-    desk.set_speed(1.0)
-    assert desk.go({"joint2": 0.3217}, now=0.0) == ""
-    first = desk.step(0.04, 0.04)
-    assert first.controller == "arm"
-    assert first.values == [0.1, pytest.approx(0.14)]
-    sent = [desk.step(0.04, 1.0) for _ in range(10)]
-    assert [s.values for s in sent if s is not None][-1] == [0.1, 0.3217]
-    assert sent[-1] is None
+def test_all_running_controllers_are_commanded(desk):
+    assert desk.controllers == ["left", "right"]
+    assert desk.reason == ""
+    assert _sent(desk) == {}
 
 
-def test_a_value_out_of_range_moves_nothing(desk):
-    said = desk.go({"joint1": 0.2, "joint2": 1.5}, now=0.0)
-    assert said == "joint2 cannot go to 1.5 rad; allowed are -1 to 1 rad."
-    assert desk.step(0.04, 0.0) is None
+def test_a_value_goes_to_the_controller_of_its_joint_alone(desk):
+    assert desk.go({"right_joint1": 0.11}, now=0.0) == ""
+    assert _sent(desk) == {"right": [0.11]}
+    assert desk.go({"left_joint2": 0.11}, now=0.0) == ""
+    assert _sent(desk) == {"left": [0.1, 0.11]}
 
 
-def test_an_unknown_joint_is_named(desk):
-    assert "does not command elbow" in desk.go({"elbow": 0.0}, now=0.0)
-    assert "does not command elbow" in desk.hold("elbow", 1, now=0.0)
+def test_a_pose_of_both_arms_moves_all_of_them_or_none(desk):
+    refused = desk.go({"left_joint1": 0.11, "right_joint1": 7.0}, now=0.0)
+    assert "right_joint1 cannot go to 7 rad" in refused
+    assert _sent(desk) == {}
+    assert desk.go({"left_joint1": 0.11, "right_joint1": 0.11}, now=0.0) == ""
+    assert _sent(desk) == {"left": [0.11, 0.1], "right": [0.11]}
 
 
-def test_a_held_button_moves_until_it_is_released(desk):
-    desk.set_speed(0.5)
-    desk.hold("joint1", -1, now=0.0)
-    moved = desk.step(0.04, 0.04)
-    assert moved.values[0] == pytest.approx(0.08)
-    desk.release()
-    assert desk.step(0.04, 0.08) is None
-
-
-def test_a_browser_that_falls_silent_releases_its_buttons(desk):
-    desk.hold("joint1", 1, now=0.0)
-    assert desk.step(0.04, HELD_FOR - 0.01) is not None
-    assert desk.step(0.04, HELD_FOR + 0.01) is None
-    assert desk.remaining == 0.0
-
-
-@pytest.mark.parametrize(
-    "change", [{"stop_state": "stopped"}, {"age": 5.0}, {"elements": {}}]
-)
-def test_no_motion_survives_a_stop_a_lost_link_or_another_controller(desk, change):
-    desk.go({"joint1": 0.9}, now=0.0)
-    desk.refresh(_view(**change))
-    assert desk.step(0.04, 0.04) is None
-    assert desk.go({"joint1": 0.9}, now=0.0) != ""
-
-
-def test_velocities_are_typed_and_not_jogged():
+def test_nothing_moves_while_it_is_not_known_where_one_arm_was_told_to_be():
     desk = JointDesk()
-    elements = {"arm": tuple(element(name, "rad/s") for name in NAMES)}
-    desk.refresh(_view(elements=elements))
-    assert "takes rad/s, not positions" in desk.hold("joint1", 1, now=0.0)
-    desk.go({"joint1": 0.4}, now=0.0)
-    assert desk.step(0.04, 0.04).values == [0.4, 0.1]
+    samples = {"left": sample(1.0, desired=0.1, names=ARMS["left"])}
+    desk.refresh(_view("left", "right", samples=samples))
+    refused = desk.go({"left_joint1": 0.11, "right_joint1": 0.11}, now=0.0)
+    assert "not known yet" in refused
+    assert _sent(desk) == {}
+
+
+def test_a_button_of_each_arm_moves_it_until_it_is_released(desk):
+    desk.set_speed(0.5)
+    assert desk.hold("right_joint1", -1, now=0.0) == ""
+    assert desk.hold("left_joint1", 1, now=0.0) == ""
+    assert _sent(desk) == {
+        "left": [pytest.approx(0.12), 0.1],
+        "right": [pytest.approx(0.08)],
+    }
+    desk.release()
+    assert _sent(desk) == {}
+
+
+def test_an_arm_goes_on_when_the_controller_of_the_other_stops(desk):
+    desk.go({"left_joint1": 0.5, "right_joint1": 0.5}, now=0.0)
+    desk.refresh(_view("right"))
+    assert list(_sent(desk)) == ["right"]
+    desk.refresh(_view("left", "right"))
+    assert list(_sent(desk)) == ["right"]  # What ended does not go on by itself.
+    desk.let_go()
+    assert _sent(desk) == {}
+
+
+def test_a_joint_that_nobody_commands_is_named(desk):
+    assert "does not command elbow" in desk.go({"elbow": 0.0}, now=0.0)
+    desk.refresh(_view())
+    assert desk.controllers == []
+    assert "nothing that runs takes set-points" in desk.reason
+    assert desk.hold("left_joint1", 1, now=0.0) == desk.reason
 
 
 def test_the_speed_stays_within_its_range(desk):

@@ -33,7 +33,12 @@ def test_fingers_slide_and_follow_each_other(scene):
 
 
 def test_names_the_robot_does_not_have_are_skipped(scene):
-    scene.show({"elbow_of_somebody_else": 1.0})
+    handle = _handle(scene, "panda_joint1")
+    before = tuple(handle.wxyz)
+
+    scene.show({"elbow_of_somebody_else": 1.0, "panda_joint1": 0.7})
+
+    assert tuple(handle.wxyz) != before
 
 
 def test_a_pose_shown_already_is_not_sent_again(scene, monkeypatch):

@@ -3,8 +3,9 @@
 import asyncio
 
 import pytest
+from starlette.websockets import WebSocketDisconnect, WebSocketState
 
-from station.ui.socket_ends import until_first
+from station.ui.socket_ends import close_socket, send_frame, until_first
 
 
 async def _fail():
@@ -37,3 +38,41 @@ def test_whoever_waits_may_be_cancelled():
         return inner.cancelled()
 
     assert asyncio.run(cancelled())
+
+
+class _Browser:
+    """Takes what is sent until it has gone."""
+
+    def __init__(self, failure=None, state=WebSocketState.CONNECTED):
+        self.failure, self.application_state, self.sent = failure, state, []
+
+    async def _take(self, *what):
+        if self.failure is not None:
+            raise self.failure
+        self.sent.append(what)
+
+    send_bytes = send_text = close = _take
+
+
+GONE = [WebSocketDisconnect(1006), RuntimeError("after sending 'websocket.close'")]
+
+
+@pytest.mark.parametrize("frame", [b"picture", "{}"])
+def test_frames_of_either_kind_are_sent(frame):
+    browser = _Browser()
+    assert asyncio.run(send_frame(browser, frame))
+    assert browser.sent == [(frame,)]
+
+
+@pytest.mark.parametrize("failure", GONE)
+def test_a_browser_that_has_gone_is_no_failure(failure):
+    assert not asyncio.run(send_frame(_Browser(failure), "{}"))
+    asyncio.run(close_socket(_Browser(failure), 4401, "over"))
+
+
+def test_a_socket_is_closed_once():
+    browser = _Browser()
+    asyncio.run(close_socket(browser, 4401, "over"))
+    browser.application_state = WebSocketState.DISCONNECTED
+    asyncio.run(close_socket(browser, 4401, "over"))
+    assert browser.sent == [(4401, "over")]

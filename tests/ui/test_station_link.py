@@ -3,6 +3,7 @@
 import asyncio
 
 from station.client import AsyncStationClient
+from station.ui import station_link
 from station.ui.station_link import StationLink
 from tests.ui.fake_answers import JOINTS
 from tests.ui.fake_station import OPERATOR, START
@@ -45,6 +46,17 @@ def test_joints_controllers_types_and_status_arrive(fake_station):
         assert view.types
         assert view.limits == dict.fromkeys(JOINTS, (-2.5, 2.5))
         assert view.link == "live"
+
+    _follow(fake_station.url, script)
+
+
+def test_a_link_that_is_woken_asks_at_once(fake_station, monkeypatch):
+    monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 60.0)
+
+    async def script(link):
+        await _until(lambda: link.view().status)
+        fake_station.load("arm", running=True)
+        await _until(lambda: link.wake() or link.view().controllers)
 
     _follow(fake_station.url, script)
 

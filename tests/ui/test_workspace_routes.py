@@ -127,7 +127,7 @@ def test_nothing_is_done_without_a_session(browser, bench):
 
 
 def test_the_state_names_what_takes_values(browser):
-    assert browser.get("/state").json()["operated"]["name"] == "arm"
+    assert browser.get("/state").json()["operated"]["names"] == ["arm"]
 
 
 def test_an_example_has_a_free_name_and_the_same_parameters_twice(browser):

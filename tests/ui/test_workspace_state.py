@@ -27,6 +27,15 @@ def test_the_first_group_position_controller_enables_the_sliders():
     assert (told.name, told.replaces, told.type) == ("one", (), "")
 
 
+def test_the_controllers_of_both_arms_enable_the_sliders_together():
+    left, right = ("left_1", "left_2"), ("right_1",)
+    holder = controller("trajectory", "running", ("right_1",))
+    loaded = (_group("left", joints=left), _group("right", joints=right))
+    told = enabling(view(holder, *loaded, _group("all", joints=left + right)))
+    assert (told.name, told.also) == ("left", ("right",))
+    assert told.replaces == ("trajectory",)
+
+
 def test_what_holds_the_joints_is_replaced():
     holder = controller("trajectory", "running", ("joint2",))
     assert enabling(view(holder, _group("one"))).replaces == ("trajectory",)

@@ -51,6 +51,16 @@ class Serving:
         self._server.should_exit = self._server.force_exit = True
         self._thread.join(5.0)
 
+    def wait_until_alone(self):
+        """Wait until the server has a connection no more, after it had one."""
+        connections = self._server.server_state.connections
+        deadline = time.monotonic() + 10.0
+        while not connections and time.monotonic() < deadline:
+            time.sleep(0.002)
+        while connections and time.monotonic() < deadline:
+            time.sleep(0.002)
+        assert not connections
+
     def connect(self, sent=b""):
         """Return a connection on which that was sent."""
         raw = socket.create_connection(self._listener.getsockname())
@@ -105,7 +115,7 @@ def test_a_request_that_arrives_drop_by_drop_is_given_up(beginning):
 def test_a_client_that_does_not_read_its_answer_is_given_up():
     request = b"GET /large HTTP/1.1\r\nHost: a\r\n\r\n"
     with Serving(8) as server, server.connect(request) as raw:
-        time.sleep(1.0)
+        server.wait_until_alone()
         assert len(answer(raw)) < LARGE
 
 

@@ -21,7 +21,7 @@ from station.experiments.experiment import (
     carry_out,
     prepare,
 )
-from station.experiments.pools import make_pool
+from station.experiments.pools import ProcessPool, make_pool
 from station.experiments.recordings import SUFFIX, recorded_script
 from station.experiments.runner import Progress, Watcher
 from station.experiments.tuning import Tuned
@@ -91,7 +91,7 @@ def _tell_tuned(
     say_table(["metric", "first", "best"], rows)
     say(
         f"{results.count()} trials in {seconds:.0f} s, cost {tuned.best_cost:.3f} of "
-        f"the first; it ended because {tuned.stopped}."
+        f"the first. {tuned.stopped}"
     )
     _say_refused(tuned.progress)
     name = results.path.stem
@@ -217,15 +217,33 @@ def _bound(word: str) -> ExperimentBound:
 def _running(
     options: Namespace, experiment: Experiment
 ) -> Iterator[tuple[Results, Progress]]:
-    """Run an experiment to its end; yields what it has found, and how far it came."""
+    """Run an experiment to its end; yields what it has found, and how far it came.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C came a second time, or before the first trial.
+    """
     # The executor first: without one there is no experiment, and no file of it.
     with (
         _executor(options, experiment.setup) as executor,
         _results(options, experiment) as results,
     ):
-        with _watching() as watch:
-            progress = carry_out(experiment, results, executor, watch)
+        try:
+            with _watching() as watch:
+                progress = carry_out(experiment, results, executor, watch)
+        except KeyboardInterrupt:
+            _say_how_to_go_on(results)
+            raise
         yield results, progress
+        if progress.is_interrupted:
+            _say_how_to_go_on(results)
+
+
+def _say_how_to_go_on(results: Results) -> None:
+    """Tell of an experiment that was interrupted; not among the JSON of its end."""
+    say_progress(
+        f"Interrupted: {results.count()} trials are kept. Repeat the command with "
+        f"--name {results.path.stem} to go on."
+    )
 
 
 def _results(options: Namespace, experiment: Experiment) -> Results:
@@ -247,6 +265,10 @@ def _executor(options: Namespace, setup: Setup) -> Iterator[Executor]:
         executor = ClusterExecutor(options.cluster, setup.text)
     try:
         yield executor
+    except KeyboardInterrupt:
+        if isinstance(executor, ProcessPool):
+            executor.abandon()
+        raise
     finally:
         executor.shutdown(wait=True, cancel_futures=True)
 
@@ -279,7 +301,10 @@ def _watching() -> Iterator[Watcher]:
 
         def watch(progress: Progress) -> None:
             bar.update(task, completed=progress.ended, total=progress.total)
-            for reason in progress.refused:
+            news = list(progress.refused)
+            if progress.is_interrupted:
+                news.append("The trials that run may end; Ctrl-C again ends them now.")
+            for reason in news:
                 if reason not in told:
                     told.add(reason)
                     say_progress(reason)
@@ -309,9 +334,6 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
     else:
         say_summary(results)
         _say_refused(progress)
-        if progress.is_interrupted:
-            say(f"{progress.ended} of {progress.total} trials are kept.")
-            say(f"Repeat the command with --name {results.path.stem} to go on.")
     if progress.is_interrupted:
         return INTERRUPTED
     return 0 if results.count("done") else 1

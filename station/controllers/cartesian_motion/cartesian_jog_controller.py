@@ -15,7 +15,6 @@ from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import InvalidGainError
 from station.core.franka import Frame
-from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_hw import RobotHW
 from station.core.numerics.rigid_motion import times, to_inner_axes, to_outer_axes
 from station.core.parameters import Parameters
@@ -76,16 +75,16 @@ class CartesianJogController(CartesianMotionController):
         self.generator.go_at(to_outer_axes(self.generator.pose, set_point))
 
     @override
-    def sample_of(self, time: float, state: RobotState) -> ControllerSample:
+    def keep_sample(self, time: float) -> None:
         desired = [*self.generator.twist]
         if self._frame == 0:
             jacobian = self.model.get_zero_jacobian(Frame.END_EFFECTOR)
         else:
             desired = to_inner_axes(self.generator.pose, desired)
             jacobian = self.model.get_body_jacobian(Frame.END_EFFECTOR)
-        actual = times(jacobian, state.dq)
+        actual = times(jacobian, self._state.dq)
         errors = [d - a for d, a in zip(desired, actual, strict=True)]
-        return ControllerSample(time, desired, actual, errors, desired)
+        self.sample = ControllerSample(time, desired, actual, errors, desired)
 
     def _set_frame(self, values: Mapping[str, float]) -> None:
         self._frame = int(values[_FRAME.name])

@@ -36,7 +36,7 @@ from station.controllers.franka_arm import (
     read_arm_joints,
     require,
 )
-from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.control.controller import MultiInterfaceController
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import (
@@ -45,7 +45,6 @@ from station.core.franka import (
     FrankaModelInterface,
     FrankaPoseCartesianInterface,
 )
-from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
@@ -142,12 +141,11 @@ class CartesianMotionController(MultiInterfaceController):
         """
         raise NotImplementedError
 
-    def sample_of(self, time: float, state: RobotState) -> ControllerSample:
-        """Return the sample of this cycle, in the coordinates of the set-point.
+    def keep_sample(self, time: float) -> None:
+        """Keep the sample of this cycle, in the coordinates of the set-point.
 
         Args:
             time: Station time [s].
-            state: The arm's live state.
         """
         raise NotImplementedError
 
@@ -165,9 +163,12 @@ class CartesianMotionController(MultiInterfaceController):
     def update(self, time: float, period: float) -> None:
         """Advance the motion if the joints can follow, else brake."""
         self.steer(self._watched.newest())
-        self._advance(time, period)
-        self.handle.set_command(self.generator.pose)
-        self.sample = self.sample_of(time, self._state)
+        if self.generator.is_still:
+            self._note(Obstacle.NONE, None, time)
+        else:
+            self._advance(time, period)
+            self.handle.set_command(self.generator.pose)
+        self.keep_sample(time)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

@@ -29,6 +29,7 @@ class CartesianMotionGenerator:
         limits: The limits.
 
     Attributes:
+        pose: Desired pose, 16 numbers, column-major; always the same memory.
         twist: Desired linear [m/s] and angular velocity [rad/s] in the axes of the
             base, shape (6,).
         accelerations: Desired linear [m/s^2] and angular [rad/s^2] acceleration in the
@@ -41,7 +42,7 @@ class CartesianMotionGenerator:
         axes = limits.of_axes()
         self._generator = MotionGenerator(axes)
         self._largest, self._jerk = doubles(axes.acceleration), doubles(axes.jerk)
-        self._pose, self._resting, self._target = zeros(16), zeros(16), zeros(16)
+        self.pose, self._resting, self._target = zeros(16), zeros(16), zeros(16)
         self._last = (self._generator.state(), [0.0] * 16)
         self._way = zeros(6)
         self._has_target = False
@@ -49,18 +50,13 @@ class CartesianMotionGenerator:
         self._acceleration = self.accelerations[:6]
         self._braking = self.accelerations[6:]
 
-    @property
-    def pose(self) -> list[float]:
-        """Desired pose, 16 numbers, column-major, a new list."""
-        return [*self._pose]
-
     def start(self, pose: Sequence[float]) -> None:
         """Start at rest at a pose.
 
         Args:
             pose: The pose, 16 numbers, column-major.
         """
-        put(self._pose, pose)
+        put(self.pose, pose)
         self._has_target = False
         self._generator.start(self._coordinates(), [0.0] * 6)
         self._take_rates()
@@ -84,20 +80,28 @@ class CartesianMotionGenerator:
         self._has_target = False
         self._generator.go_at(twist)
 
+    @property
+    def is_still(self) -> bool:
+        """Whether the pose rests, and nothing but rest is wanted."""
+        return self._generator.is_still and not self._has_target
+
     def brake(self) -> None:
         """Come to rest as soon as the limits allow."""
-        self.go_at([0.0] * 6)
+        if not self.is_still:
+            self.go_at([0.0] * 6)
 
     def is_at_rest(self) -> bool:
         """Return whether all velocities and accelerations are zero."""
         now = self._generator
+        if now.is_still:
+            return True
         return max(map(abs, (*now.velocities, *self._acceleration))) < _AT_REST
 
     def resting_pose(self) -> Doubles:
         """Return the pose at which the motion rests if it brakes now, 16 numbers."""
         way = self._way
         resting_ways(self.twist, self._acceleration, self._largest, self._jerk, way)
-        displace(self._pose, way, 1.0, self._resting)
+        displace(self.pose, way, 1.0, self._resting)
         return self._resting
 
     def stays_within_speed(self) -> bool:
@@ -117,9 +121,9 @@ class CartesianMotionGenerator:
         Raises:
             InvalidCommandError: There is no motion to the target.
         """
-        if period == 0.0:
+        if period == 0.0 or self.is_still:
             return
-        generator, pose, way = self._generator, self._pose, self._way
+        generator, pose, way = self._generator, self.pose, self._way
         self._last = (generator.state(), [*pose])
         if self._has_target:
             rotation_between(pose, self._target, way)
@@ -134,12 +138,12 @@ class CartesianMotionGenerator:
     def undo(self) -> None:
         """Return to the state before the last `advance`; the target stays."""
         state, pose = self._last
-        put(self._pose, pose)
+        put(self.pose, pose)
         self._generator.restore(state)
         self._take_rates()
 
     def _coordinates(self) -> list[float]:
-        return [*self._pose[12:15], 0.0, 0.0, 0.0]
+        return [*self.pose[12:15], 0.0, 0.0, 0.0]
 
     def _take_rates(self) -> None:
         generator, v, a = self._generator, self.twist, self._acceleration

@@ -1,7 +1,5 @@
 """Follow poses that arrive 10 to 100 times a second, e.g. from a policy."""
 
-from collections.abc import Sequence
-
 from typing_extensions import override
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
@@ -10,13 +8,15 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     CartesianMotionController,
 )
 from station.controllers.franka_arm import PosePort
-from station.core.control.controller import ControllerSample
 from station.core.franka import Frame
-from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.rigid_motion import pose_of, quaternion_of
+from station.core.numerics.rigid_motion import pose_of
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
+from station.kernel.doubles import doubles, zeros
+from station.kernel.joint_errors import JointErrors
+from station.kernel.rigid_motion import numbers_of
+from station.kernel.sample_columns import SampleColumns
 
 
 class CartesianStreamingController(CartesianMotionController):
@@ -35,7 +35,17 @@ class CartesianStreamingController(CartesianMotionController):
         self._followed: list[float] = []
         self._resting: list[float] = []
         self._target: list[float] = []
-        self._quaternion = [0.0, 0.0, 0.0, 1.0]
+        self._near = doubles([0.0, 0.0, 0.0, 1.0])
+        self._actual_pose = zeros(16)
+        self._desired, self._actual, self._errors = zeros(7), zeros(7), zeros(7)
+        self._quaternion = self._desired[3:]
+        self._compared = JointErrors(self._desired, self._actual, self._errors)
+        self.sampled = self._columns = SampleColumns((
+            self._desired,
+            self._actual,
+            self._errors,
+            self._desired,
+        ))
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -45,7 +55,9 @@ class CartesianStreamingController(CartesianMotionController):
 
     @override
     def rest(self) -> list[float]:
-        self._resting = _numbers(self.generator.resting_pose(), self._quaternion)
+        resting = zeros(7)
+        numbers_of(self.generator.resting_pose(), self._near, resting)
+        self._resting = [*resting]
         return self._resting
 
     @override
@@ -59,24 +71,11 @@ class CartesianStreamingController(CartesianMotionController):
         self.generator.go_to(self._target)
 
     @override
-    def sample_of(self, time: float, state: RobotState) -> ControllerSample:
-        desired = _numbers(self.generator.pose, self._quaternion)
-        self._quaternion = desired[3:]
-        actual = _numbers(self.model.get_pose(Frame.END_EFFECTOR), self._quaternion)
-        errors = [d - a for d, a in zip(desired, actual, strict=True)]
-        return ControllerSample(time, desired, actual, errors, desired)
-
-
-def _numbers(pose: Sequence[float], near: list[float]) -> list[float]:
-    """Return a pose in the form of a set-point, 7 numbers.
-
-    Args:
-        pose: The pose, 16 numbers, column-major.
-        near: Of the two quaternions of the orientation, the one nearer to this
-            quaternion is returned, so that samples do not jump.
-    """
-    x, y, z, w = quaternion_of(pose)
-    a, b, c, d = near
-    if x * a + y * b + z * c + w * d < 0.0:
-        x, y, z, w = -x, -y, -z, -w
-    return [*pose[12:15], x, y, z, w]
+    def keep_sample(self, time: float) -> None:
+        near, desired = self._near, self._desired
+        numbers_of(self.generator.pose, near, desired)
+        near[:] = self._quaternion
+        self.model.write_pose(Frame.END_EFFECTOR, self._actual_pose)
+        numbers_of(self._actual_pose, near, self._actual)
+        self._compared.compare()
+        self._columns.keep(time)

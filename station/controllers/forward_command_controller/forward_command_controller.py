@@ -12,9 +12,9 @@ from station.controllers.forward_command_controller.joint_set_point_controller i
     CommandInterfaceT,
     JointSetPointController,
 )
-from station.core.control.controller import PackedSample
 from station.core.parameters import Parameters
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.command_laws import ComparingLaw
+from station.kernel.doubles import zeros
 from station.kernel.joint_errors import JointErrors
 
 
@@ -29,28 +29,15 @@ class ForwardJointGroupCommandController(JointSetPointController[CommandInterfac
         the robot description is refused.
     """
 
-    _errors: JointErrors
-    _columns: tuple[Doubles, ...]
-
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
         super().init(interface, params)
         desired, actual = self._watched.desired, self.quantity.measured(self.memory)
         errors = zeros(self.memory.size)
-        self._errors = JointErrors(desired, actual, errors)
-        self._columns = (desired, actual, errors, desired)
-
-    @override
-    def update(self, time: float, period: float) -> None:
-        watched, memory = self._watched, self.memory
-        watched.newest()
-        if memory.is_copy:
-            memory.read()
-        memory.commands[:] = watched.desired
-        if memory.is_copy:
-            memory.write()
-        self._errors.compare()
-        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
+        law = ComparingLaw(
+            desired, self.memory.commands, JointErrors(desired, actual, errors)
+        )
+        self.follow_by(law, (desired, actual, errors, desired))
 
 
 class ForwardCommandController(ForwardJointGroupCommandController[CommandInterfaceT]):

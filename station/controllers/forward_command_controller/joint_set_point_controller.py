@@ -31,6 +31,11 @@ from station.core.description.robot_description import (
 from station.core.hardware.interfaces import JointCommandInterface, JointGroup
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.kernel.command_laws import CommandLaw
+from station.kernel.doubles import Doubles
+from station.kernel.sample_columns import SampleColumns
+from station.kernel.set_points import SetPointUpdate
+from station.kernel.usual_update import UsualUpdate
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 
@@ -38,10 +43,10 @@ CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 class JointSetPointController(Controller[CommandInterfaceT]):
     """Claims joints and keeps the set-point in force for each of them.
 
-    A subclass declares the class attributes and implements `update`, which calls
-    `newest_set_point` exactly once per cycle. When the controller starts, the set-point
-    is rest: the present position, or zero for velocities and efforts. Set-points that
-    were posted before the start are void.
+    A subclass declares the class attributes. In `init` it calls `follow_by`, or else it
+    overrides `update`, which calls `newest_set_point` exactly once per cycle. When the
+    controller starts, the set-point is rest: the present position, or zero for
+    velocities and efforts. Set-points that were posted before the start are void.
 
     Parameters: `joints` or `joint`, see `is_group`; `command_timeout` and
     `command_timeout_action`, see `TimeoutAction`. Ranges and units of the set-points
@@ -70,6 +75,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     memory: ControlledJoints
     joints: list[JointDescription]
     _watched: WatchedSetPoint
+    _following: SetPointUpdate
 
     @classmethod
     @override
@@ -130,6 +136,29 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         In the unit of the set-point per second.
         """
         return self._watched.rates
+
+    def follow_by(self, law: CommandLaw, columns: tuple[Doubles, ...]) -> None:
+        """Let a law of the kernel follow the set-point.
+
+        Args:
+            law: Computes the commands from `memory` and the set-point in force.
+            columns: The columns of the sample, shape (n,) each.
+        """
+        self.sampled = SampleColumns(columns)
+        self._following = SetPointUpdate(self._watched, law, self.sampled)
+
+    @override
+    def usual_update(self) -> UsualUpdate | None:
+        return None if self.memory.is_copy else self._following
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._watched.newest()
+        if self.memory.is_copy:
+            self.memory.read()
+        self._following.follow(time, period)
+        if self.memory.is_copy:
+            self.memory.write()
 
     @override
     def starting(self, time: float) -> None:

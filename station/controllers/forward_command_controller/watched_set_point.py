@@ -5,10 +5,11 @@ from collections.abc import Callable
 from station.controllers.forward_command_controller.command_timeout import TimeoutAction
 from station.core.errors import CommandTimeoutError
 from station.core.ports.set_point import SetPointPort
-from station.kernel.doubles import put, zeros
+from station.kernel.doubles import put
+from station.kernel.set_points import SetPointInForce
 
 
-class WatchedSetPoint:
+class WatchedSetPoint(SetPointInForce):
     """Takes set-points from a port, and replaces expired ones by rest. Control thread.
 
     Args:
@@ -20,8 +21,6 @@ class WatchedSetPoint:
     Attributes:
         values: The set-point in force, shape (n,); never changed, only replaced.
         rates: Rates at which the set-point changes, shape (n,); empty when unknown.
-        desired: The values as doubles; always the same memory.
-        desired_rates: The rates as doubles; always the same memory.
     """
 
     def __init__(
@@ -31,14 +30,13 @@ class WatchedSetPoint:
         subject: str,
         rest: Callable[[], list[float]],
     ) -> None:
+        super().__init__(port.news, len(port.elements))
         self._port = port
         self._action = action
         self._subject = subject
         self._rest = rest
         self.values: list[float] = []
         self.rates: list[float] = []
-        self.desired = zeros(len(port.elements))
-        self.desired_rates = zeros(len(port.elements))
 
     def begin(self) -> None:
         """Make rest the set-point; called when the controller starts."""
@@ -53,7 +51,7 @@ class WatchedSetPoint:
         Raises:
             CommandTimeoutError: The set-point has expired and the action is `stop`.
         """
-        if self._port.has_news():
+        if self.news.is_possible() and self._port.has_news():
             self._take_news()
         return self.values
 
@@ -77,6 +75,7 @@ class WatchedSetPoint:
         put(self.desired, values)
         if rates:
             put(self.desired_rates, rates)
+        self.has_rates = bool(rates)
         self.values, self.rates = values, rates
 
     def _end(self) -> None:

@@ -324,7 +324,7 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
         pids = self._pids
         pids.errors[0] = target.position - handle.get_position()
         pids.rates[0] = -handle.get_velocity()
-        pids.compute_with_rates(period)
+        pids.group.compute_with_rates(period)
         wanted = pids.commands[0]
         effort = max(-target.max_effort, min(target.max_effort, wanted))
         handle.set_command(effort)

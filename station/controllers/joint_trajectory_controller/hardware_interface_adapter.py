@@ -4,7 +4,6 @@ Source: ros_controllers@678b92a joint_trajectory_controller/
 hardware_interface_adapter.h.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable  # noqa: TC003 - a native attribute
 from dataclasses import replace
 
@@ -35,8 +34,8 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.parameters import Parameters
+from station.kernel.command_laws import CommandLaw, DirectLaw, PidLaw
 from station.kernel.doubles import doubles
-from station.kernel.pid import add_feed_forward
 
 _VELOCITY_FF = DeclaredParameter(
     name=f"velocity_ff/{EACH_JOINT}",
@@ -47,7 +46,7 @@ _VELOCITY_FF = DeclaredParameter(
 )
 
 
-class HardwareInterfaceAdapter(ABC):
+class HardwareInterfaceAdapter:
     """Reads joints and commands them towards desired states. Control thread only.
 
     The controller reads and writes `tracking.memory` before and after the command.
@@ -66,17 +65,24 @@ class HardwareInterfaceAdapter(ABC):
         self.tracking = JointTracking(joints, group)
         self.output = self.tracking.memory.commands
         self.tunables = Tunables()
+        self._law: CommandLaw | None = None
 
-    def starting(self) -> None:  # noqa: B027 - most adapters have nothing to forget
+    def starting(self) -> None:
         """Forget earlier commands; called when the controller starts."""
 
-    @abstractmethod
     def update_command(self, period: float) -> None:
         """Command the joints towards the desired states.
 
         Args:
             period: Time since the last cycle [s], >= 0.
         """
+        if self._law is None:
+            raise NotImplementedError
+        self._law.command(period)
+
+    def command_law(self) -> CommandLaw | None:
+        """Return what does the same as `update_command`; None for nothing."""
+        return self._law
 
 
 class PositionAdapter(HardwareInterfaceAdapter):
@@ -92,10 +98,7 @@ class PositionAdapter(HardwareInterfaceAdapter):
     ) -> None:
         handles = [interface.get_handle(joint.name) for joint in joints]
         super().__init__(joints, JointGroup(handles))
-
-    @override
-    def update_command(self, period: float) -> None:
-        self.output[:] = self.tracking.positions
+        self._law = DirectLaw(self.tracking.positions, self.output)
 
 
 class ClosedLoopAdapter(HardwareInterfaceAdapter):
@@ -136,22 +139,15 @@ class ClosedLoopAdapter(HardwareInterfaceAdapter):
             errors=self.tracking.errors,
             rates=self.tracking.rate_errors,
         )
-        self._velocity_ff = doubles(
+        shares = doubles(
             _VELOCITY_FF.of(joint.name).read_float(params) for joint in joints
         )
-        self._feeds_forward = any(self._velocity_ff)
+        self._law = PidLaw(self._pids.group, self.tracking.velocities, shares)
         self.tunables = self._pids.tunables
 
     @override
     def starting(self) -> None:
         self._pids.reset()
-
-    @override
-    def update_command(self, period: float) -> None:
-        self._pids.compute_with_rates(period)
-        if self._feeds_forward:
-            desired = self.tracking.velocities
-            add_feed_forward(self.output, desired, self._velocity_ff)
 
 
 class DesiredStateAdapter(HardwareInterfaceAdapter):

@@ -47,12 +47,14 @@ from station.core.hardware.interfaces import (
 )
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
+from station.core.quick_way import is_in_force
 from station.core.trajectory import (
     TOLERANCE_PARAMETERS,
     PosVelAccState,
     read_tolerances,
 )
-from station.kernel.doubles import Doubles
+from station.kernel.sample_columns import SampleColumns
+from station.kernel.usual_update import UsualUpdate
 
 InterfaceT = TypeVar("InterfaceT")
 
@@ -113,7 +115,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
     joints: list[JointDescription]
     execution: TrajectoryExecution
     _adapter: HardwareInterfaceAdapter
-    _columns: tuple[Doubles, ...]
+    _columns: SampleColumns
+    _usual: UsualUpdate | None
 
     @classmethod
     @override
@@ -143,7 +146,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
             allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
             speed=speed,
         )
-        self._columns = (
+        columns = (
             tracking.positions,
             tracking.memory.positions,
             tracking.errors,
@@ -154,6 +157,12 @@ class JointTrajectoryController(Controller[InterfaceT]):
             tracking.rate_errors,
             self.execution.times_from_start,
         )
+        self.sampled = self._columns = SampleColumns(columns)
+        self._usual = None
+        if is_in_force(self._adapter, "command_law", "update_command"):
+            law = self._adapter.command_law()
+            if law is not None and not tracking.memory.is_copy:
+                self._usual = self.execution.update_by(law, self._columns)
         self.goals = FollowJointTrajectoryPort(
             self.execution,
             read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names),
@@ -194,6 +203,10 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.execution.end_goals(GoalStatus.ABORTED, "The controller failed.")
 
     @override
+    def usual_update(self) -> UsualUpdate | None:
+        return self._usual
+
+    @override
     def update(self, time: float, period: float) -> None:
         memory = self._adapter.tracking.memory
         if memory.is_copy:
@@ -202,7 +215,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self._adapter.update_command(period)
         if memory.is_copy:
             memory.write()
-        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
+        self._columns.keep(time)
 
     @property
     def trajectory_state(self) -> JointTrajectoryState | None:

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
+from typing_extensions import override
+
 from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
     StateErrors,
@@ -42,9 +44,11 @@ from station.core.trajectory import (
     sample_segments,
     stop_trajectory,
 )
-from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
+from station.kernel.command_laws import CommandLaw
 from station.kernel.doubles import zeros
-from station.kernel.splines import EXCEEDS, IS_OVER
+from station.kernel.ros_time import to_nanoseconds, to_seconds
+from station.kernel.sample_columns import SampleColumns
+from station.kernel.trajectory_update import TrajectoryTime, TrajectoryUpdate
 
 _STANDSTILL = 1e-6
 """Speed scaling below which a trajectory counts as paused."""
@@ -67,7 +71,7 @@ class _Request:
     receipt: Receipt | None = None
 
 
-class TrajectoryExecution:
+class TrajectoryExecution(TrajectoryTime):
     """The trajectory that is executed, from the request to the desired states.
 
     `plan`, `hold` and `query` may be called from any thread; all other methods belong
@@ -85,10 +89,7 @@ class TrajectoryExecution:
         speed: Speed scaling of the trajectory; full speed when None.
 
     Attributes:
-        speed: Speed scaling of the trajectory.
         tracking: As given.
-        times_from_start: Start of the first joint's segment, and the present time, both
-            from the start of the trajectory [s], shape (2,); always the same memory.
 
     Source:
         JointTrajectoryController; differs: after a violated tolerance the joints are
@@ -111,27 +112,13 @@ class TrajectoryExecution:
         self._wraps = [joint.type is JointType.CONTINUOUS for joint in joints]
         self._stop_duration = stop_duration
         self._allow_partial = allow_partial_joints_goal
-        self.speed = SpeedScaling() if speed is None else speed
+        super().__init__(SpeedScaling() if speed is None else speed, tracking.splines)
         self.tracking = tracking
-        self.times_from_start = zeros(2)
-        # The trajectory time that passes per cycle [s, ns].
-        self._passed, self._passed_ns = 0.0, 0
-        self._splines = tracking.splines
         self._errors = StateErrors(tracking.errors, tracking.rate_errors)
-        # What is loaded: the active segment of each joint, when the next one follows,
-        # and when the first of them ends.
+        # The active segment of each joint.
         self._active: list[JointTrajectorySegment] = []
-        self._load_time = -inf
-        self._path_end = -inf
-        self._begin = 0.0
-        self._rests = False
-        self._sampled = 0.0
         self._trajectory: SegmentTrajectory = []
         self._retired: deque[SegmentTrajectory] = deque(maxlen=_KEPT)
-        # Station time [s], time since the previous cycle [s], and trajectory time [ns]:
-        # the integral of the speed scaling over real time. One object, replaced as a
-        # whole, so that any thread may read it.
-        self._moment = (0.0, 0.0, 0)
         self._supervision = GoalSupervision(joints)
         self._requests: deque[_Request] = deque()
         self._planning = threading.Lock()
@@ -144,13 +131,13 @@ class TrajectoryExecution:
         """
         tracking, memory = self.tracking, self.tracking.memory
         self.end_goals(GoalStatus.PREEMPTED, "The controller was restarted.")
-        self._moment = (time, 0.0, 0)
+        self.set_moment(time, 0.0, 0)
         tracking.positions[:] = memory.positions
         tracking.velocities[:] = memory.velocities
         tracking.accelerations[:] = zeros(len(self._joints))
-        self._sampled = 0.0
+        self.sampled = 0.0
         self._trajectory = self._resting()
-        self._load_time = -inf
+        self.load_time = -inf
 
     def end_goals(self, status: GoalStatus, reason: str) -> None:
         """End the active goal and every waiting goal for good.
@@ -217,12 +204,7 @@ class TrajectoryExecution:
             time: Station time [s].
             period: Time since the last cycle [s], >= 0.
         """
-        passed = self.speed.advance(period)
-        if passed != self._passed:
-            self._passed, self._passed_ns = passed, to_nanoseconds(passed)
-        uptime = self._moment[2] + self._passed_ns
-        self._moment = (time, period, uptime)
-        now = to_seconds(uptime)
+        now = self.pass_time(time, period)
         while self._requests:
             # A request stays queued until it is followed, so that a thread that plans
             # in between continues from it (see `_latest_trajectory`).
@@ -233,13 +215,22 @@ class TrajectoryExecution:
             self._supervision.end(GoalStatus.PREEMPTED, goal.cancel_reason)
             self._follow(self._resting())
             goal = None
-        is_within = not self._sample(now)
+        is_within = not self.sample(now)
         if goal is None:
             return
-        if is_within and now < self._path_end:
+        if is_within and now < self.path_end:
             self._supervision.follow_progress(goal, now)
         elif self._supervision.check(self._active, self._trajectory, self._errors, now):
             self._follow(self._resting())
+
+    def update_by(self, law: CommandLaw, sampled: SampleColumns) -> TrajectoryUpdate:
+        """Return an update that follows the trajectory while it ends no goal.
+
+        Args:
+            law: Commands the joints.
+            sampled: Keeps what was done.
+        """
+        return TrajectoryUpdate(self, self._requests, self._supervision, law, sampled)
 
     def query(self, time: float) -> PosVelAccState:
         """Return the desired state at a past or future time. Any thread.
@@ -252,7 +243,7 @@ class TrajectoryExecution:
         Raises:
             InvalidTrajectoryError: `time` is before the trajectory being executed.
         """
-        (present, _, uptime), trajectory = self._moment, self._trajectory
+        (present, _, uptime), trajectory = self.moment, self._trajectory
         factor = self.speed.factor
         when = to_seconds(uptime) + factor * (time - present)
         states = []
@@ -276,7 +267,7 @@ class TrajectoryExecution:
         tolerances: Mapping[str, JointTolerances] | None,
         receipt: Receipt | None,
     ) -> SegmentTrajectory:
-        time, period, uptime = self._moment
+        time, period, uptime = self.moment
         if receipt is not None:
             receipt.planned_at = time
         check_duration(request, time)
@@ -306,7 +297,7 @@ class TrajectoryExecution:
         except IndexError:
             return self._trajectory
         if latest is None:  # After a stop nothing of the present trajectory goes on.
-            return hold_trajectory(self._sampled, [*self.tracking.positions])
+            return hold_trajectory(self.sampled, [*self.tracking.positions])
         return latest
 
     def _check_velocities(
@@ -340,7 +331,7 @@ class TrajectoryExecution:
         # To free a long trajectory takes milliseconds, which no cycle has.
         self._retired.append(self._trajectory)
         self._trajectory = trajectory
-        self._load_time = -inf
+        self.load_time = -inf
 
     def _resting(self, goal: Goal | None = None) -> SegmentTrajectory:
         """Return a trajectory that ends the motion, from the present cycle on.
@@ -348,11 +339,11 @@ class TrajectoryExecution:
         A stop ramp begins at the last desired state, so that the motion is continuous
         in this cycle.
         """
-        now = to_seconds(self._moment[2])
+        now = to_seconds(self.moment[2])
         tracking = self.tracking
         if self._stop_duration == 0.0:
             return hold_trajectory(now, tracking.memory.positions, goal)
-        now = self._sampled
+        now = self.sampled
         factor = self.speed.factor
         if factor < _STANDSTILL:
             return hold_trajectory(now, tracking.positions, goal)
@@ -361,40 +352,26 @@ class TrajectoryExecution:
         moving = [(position, velocity / factor) for position, velocity in states]
         return stop_trajectory(now, self._stop_duration * factor, moving, goal)
 
-    def _sample(self, now: float) -> bool:
-        """Compute desired states and errors; return whether one may be too large."""
-        if now >= self._load_time:
-            self._load(now)
-        times = self.times_from_start
-        times[1] = now - self._begin + times[0]
-        self._sampled = now
-        if self._rests:
-            self._splines.compare()
-            return True
-        found = self._splines.follow(now, self.speed.factor, self.speed.rate)
-        if found & IS_OVER:
-            self._rests = self._load_time == inf
-        return found >= EXCEEDS
-
-    def _load(self, now: float) -> None:
+    @override
+    def load(self, now: float) -> None:
         """Load the segments that are active until the next segment of a joint."""
         self._active = active = []
-        self._load_time = self._path_end = inf
-        self._rests = False
+        self.load_time = self.path_end = inf
+        self.rests = False
         for index, segments in enumerate(self._trajectory):
             position = find_segment(segments, now) or 0
             segment = segments[position]
             active.append(segment)
-            self._splines.load(index, segment.spline.splines)
+            self.splines.load(index, segment.spline.splines)
             is_watched = segment.goal is not None
             self.tracking.set_bounds(
                 index, segment.tolerances.path if is_watched else None
             )
-            self._path_end = min(self._path_end, segment.end_time)
+            self.path_end = min(self.path_end, segment.end_time)
             if position + 1 < len(segments):
                 following = segments[position + 1].start_time
-                self._load_time = min(self._load_time, following)
-        self._begin = active[0].start_time
+                self.load_time = min(self.load_time, following)
+        self.begin = active[0].start_time
         self.times_from_start[0] = active[0].spline.time_from_start
 
 

@@ -20,14 +20,13 @@ from station.controllers.pid_command_controller.joint_pid_group import (
     pid_parameters,
     read_pid_gains,
 )
-from station.core.control.controller import PackedSample
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement
-from station.kernel.doubles import Doubles
 from station.kernel.joint_errors import BOUNDED, CONTINUOUS, PLAIN, JointErrors
+from station.kernel.set_points import SetPointPidLaw
 
 
 class JointPidController(JointSetPointController[CommandInterfaceT]):
@@ -53,10 +52,6 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
     command_quantity: ClassVar[JointQuantity]
     _pids: JointPidGroup
-    _errors: JointErrors
-    _rate_errors: JointErrors
-    _columns: tuple[Doubles, ...]
-    _period: float
 
     @classmethod
     @override
@@ -77,14 +72,16 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
             commands=self.memory.commands,
         )
         desired, actual = self._watched.desired, self.quantity.measured(self.memory)
-        self._errors = JointErrors(desired, actual, self._pids.errors)
-        self._rate_errors = JointErrors(
+        errors = JointErrors(desired, actual, self._pids.errors)
+        rate_errors = JointErrors(
             self._watched.desired_rates, self.memory.velocities, self._pids.rates
         )
         if self.quantity is JointQuantity.POSITION:
-            set_ways(self._errors, self.joints)
-        self._columns = (desired, actual, self._pids.errors, self.memory.commands)
-        self._period = 0.0
+            set_ways(errors, self.joints)
+        self.follow_by(
+            SetPointPidLaw(self._watched, errors, rate_errors, self._pids.group),
+            (desired, actual, self._pids.errors, self.memory.commands),
+        )
         self.tunables = self._pids.tunables
         if self.quantity is JointQuantity.POSITION and self.set_points is not None:
             velocity = JointQuantity.VELOCITY
@@ -97,23 +94,6 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
     def starting(self, time: float) -> None:
         super().starting(time)
         self._pids.reset()
-
-    @override
-    def update(self, time: float, period: float) -> None:
-        watched, memory, pids = self._watched, self.memory, self._pids
-        watched.newest()
-        if memory.is_copy:
-            memory.read()
-        self._errors.compare()
-        if watched.rates:
-            self._rate_errors.compare()
-            pids.compute_with_rates(period)
-        else:
-            pids.compute(period)
-        if memory.is_copy:
-            memory.write()
-        self._period = period
-        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
@@ -133,7 +113,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
             "command": sample.output,
             **self._pids.columns(),
         }
-        common = {"stamp": sample.stamp, "time_step": self._period}
+        common = {"stamp": sample.stamp, "time_step": self._following.period}
         if self.is_group:
             return {"state": {**common, "joint_names": self.joint_names, **columns}}
         return {"state": {**common, **{key: each[0] for key, each in columns.items()}}}

@@ -1,6 +1,6 @@
 """One PID per joint, and its gains as run-time parameters."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from station.controllers.forward_command_controller import JointQuantity
@@ -47,8 +47,7 @@ class JointPidGroup:
         rates: Rates of the errors, in the unit of the error per second, shape (n,);
             written by the controller where they are known.
         commands: The commands, shape (n,).
-        compute: `PidGroup.compute`.
-        compute_with_rates: `PidGroup.compute_with_rates`.
+        group: The PIDs.
         tunables: The gains as run-time parameters, named `<joint>/p`, `/i`, `/d`,
             `/i_clamp_max` and `/i_clamp_min`. A change keeps errors and integrals.
     """
@@ -69,9 +68,7 @@ class JointPidGroup:
         self.errors = zeros(size) if errors is None else errors
         self.rates = zeros(size) if rates is None else rates
         self.commands = zeros(size) if commands is None else commands
-        self._group = PidGroup(self.errors, self.rates, self.commands)
-        self.compute: Callable[[float], int] = self._group.compute
-        self.compute_with_rates: Callable[[float], int] = self._group.compute_with_rates
+        self.group = PidGroup(self.errors, self.rates, self.commands)
         self._gains: list[PidGains] = []
         self._use(gains)
         schema: dict[str, Tunable] = {}
@@ -87,7 +84,7 @@ class JointPidGroup:
 
     def reset(self) -> None:
         """Forget all errors and integrals."""
-        self._group.reset()
+        self.group.reset()
 
     def columns(self) -> dict[str, list[float] | list[bool]]:
         """Return the gains in force by their name in JointControllerState, (n,) each.
@@ -130,7 +127,7 @@ class JointPidGroup:
 
     def _use(self, gains: list[PidGains]) -> None:
         for index, each in enumerate(gains):
-            apply_gains(self._group, index, each)
+            apply_gains(self.group, index, each)
         self._gains = gains
 
 

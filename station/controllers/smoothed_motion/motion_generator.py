@@ -33,12 +33,15 @@ class MotionGenerator:
         positions: Desired positions [rad or m], shape (n,), a new list each cycle.
         velocities: Desired velocities [rad/s or m/s], shape (n,), a new list each
             cycle.
+        is_still: Whether the axes rest, and nothing but rest is wanted: `advance` does
+            nothing.
     """
 
     def __init__(self, limits: AxisLimits) -> None:
         size = len(limits.velocity)
         self.positions = [0.0] * size
         self.velocities = [0.0] * size
+        self.is_still = False
         self._size = size
         # The target velocities; empty while the target is a position.
         self._held: list[float] = []
@@ -65,6 +68,7 @@ class MotionGenerator:
             velocities: Present velocities [rad/s or m/s], shape (n,).
         """
         self.positions, self.velocities = list(positions), list(velocities)
+        self.is_still = False
         self._ruckig.reset()
         self._input.current_position = positions
         self._input.current_velocity = velocities
@@ -78,6 +82,7 @@ class MotionGenerator:
 
     def restore(self, state: tuple[list[float], list[float], list[float]]) -> None:
         """Return to a result of `state`. Set the target again afterwards."""
+        self.is_still = False
         self.positions, self.velocities, accelerations = state
         self._input.current_position = self.positions
         self._input.current_velocity = self.velocities
@@ -106,7 +111,7 @@ class MotionGenerator:
         Args:
             positions: Target positions [rad or m], shape (n,).
         """
-        self._held = []
+        self.is_still, self._held = False, []
         self._input.control_interface = ControlInterface.Position
         self._input.synchronization = Synchronization.Time
         self._input.target_position = positions
@@ -121,7 +126,7 @@ class MotionGenerator:
         """
         if velocities is self._held or velocities == self._held:
             return
-        self._held = velocities
+        self.is_still, self._held = False, velocities
         self._input.control_interface = ControlInterface.Velocity
         self._input.synchronization = Synchronization.No
         self._input.target_velocity = velocities
@@ -154,7 +159,7 @@ class MotionGenerator:
             InvalidCommandError: There is no motion to the target.
             RuckigError: There is no motion to the target.
         """
-        if period == 0.0:
+        if period == 0.0 or self.is_still:
             return
         if period != self._period:
             self._period = self._ruckig.delta_time = period
@@ -169,6 +174,11 @@ class MotionGenerator:
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity
+        self.is_still = not (any(self.velocities) or self._is_driven())
+
+    def _is_driven(self) -> bool:
+        """Return whether motion is wanted, or an axis accelerates."""
+        return not self._held or any(self._held) or any(self.accelerations)
 
 
 def _check(result: Result) -> None:

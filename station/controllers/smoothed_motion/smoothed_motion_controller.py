@@ -24,12 +24,12 @@ from station.controllers.smoothed_motion.axis_limits import (
     read_max_lead,
 )
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.core.control.controller import PackedSample
 from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters
 from station.kernel.doubles import Doubles, put, zeros
 from station.kernel.joint_errors import JointErrors
+from station.kernel.sample_columns import SampleColumns
 
 LONGEST_TIMEOUT = 1.0
 """Longest validity of a set-point [s], so that set-points must be repeated."""
@@ -69,7 +69,8 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     _desired_rates: Doubles
     _errors: JointErrors
     _rate_errors: JointErrors
-    _columns: tuple[Doubles, ...]
+    _error_column: Doubles
+    _columns: SampleColumns
     _max_lead: list[float]
 
     @classmethod
@@ -118,7 +119,9 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         self._rate_errors = JointErrors(
             self._desired_rates, memory.velocities, rate_errors
         )
-        self._columns = (self._desired, memory.positions, errors, memory.commands)
+        self._error_column = errors
+        columns = (self._desired, memory.positions, errors, memory.commands)
+        self.sampled = self._columns = SampleColumns(columns)
 
     def steer(self, set_point: list[float], period: float) -> None:
         """Set the target of the generator in this cycle.
@@ -168,10 +171,10 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         else:
             put(self._desired_rates, generator.velocities)
             self._rate_errors.compare()
-            pids.compute_with_rates(period)
+            pids.group.compute_with_rates(period)
         if memory.is_copy:
             memory.write()
-        self.sample = PackedSample(time, b"".join(self._columns), memory.size)
+        self._columns.keep(time)
 
     def _runs_away(self, set_point: list[float]) -> bool:
         """Return whether a joint is too far behind and would fall behind further."""
@@ -179,7 +182,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         if not self._errors.exceeds():
             return False
         behind = zip(
-            self._columns[2], self.heading(set_point), self._max_lead, strict=True
+            self._error_column, self.heading(set_point), self._max_lead, strict=True
         )
         return any(
             abs(error) > bound and error * direction > 0.0

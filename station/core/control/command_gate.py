@@ -31,6 +31,7 @@ from station.core.control.loaded_controller import LoadedController
 from station.core.hardware.robot_hw import RobotHW
 from station.kernel.command_pieces import CommandPieces
 from station.kernel.doubles import Storage
+from station.kernel.flags import OwnerFlags
 
 _RUNNING = ControllerState.RUNNING
 
@@ -44,7 +45,7 @@ Remembered = list[tuple[Storage, int, float]]
 """Commands as (storage, index, value)."""
 
 
-class CommandGate:
+class CommandGate(OwnerFlags):
     """Keeps the commands of a robot with their owners. Control thread only.
 
     Args:
@@ -62,9 +63,8 @@ class CommandGate:
     """
 
     def __init__(self, hw: RobotHW) -> None:
-        self.is_stale = True
+        super().__init__()
         self.running: tuple[LoadedController, ...] = ()
-        self.traced_cycles = 0
         self.violations = 0
         self.last_violation: str | None = None
         self._guards = all_guards(hw)

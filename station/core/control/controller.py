@@ -24,6 +24,8 @@ from station.core.ports.set_point import SetPointPort  # noqa: TC001 - a native 
 from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native attribute
     TrajectoryPort,
 )
+from station.kernel.sample_columns import PackedColumns, SampleColumns
+from station.kernel.usual_update import UsualUpdate
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""
@@ -153,6 +155,11 @@ class PackedSample(ControllerSample):
         return [*memoryview(self.packed).cast("d")[first:]]
 
 
+def unpack_sample(sample: ControllerSample | PackedColumns) -> ControllerSample:
+    """Return what `SampleColumns` has packed as a sample; others as they are."""
+    return PackedSample(*sample) if isinstance(sample, tuple) else sample
+
+
 class ControllerBase:
     """A controller as the manager sees it.
 
@@ -173,8 +180,8 @@ class ControllerBase:
             takes none.
         tunables: The run-time parameters; empty unless `init` replaces the object.
         joint_names: Names of the elements of the lists in `sample`.
-        sample: The sample of the last cycle, a new object each time; None before the
-            first.
+        sampled: Keeps the sample of each cycle; None for a controller that sets
+            `sample` itself.
     """
 
     def __init__(self) -> None:
@@ -184,7 +191,24 @@ class ControllerBase:
         self.trajectories: TrajectoryPort | None = None
         self.tunables = Tunables()
         self.joint_names: list[str] = []
-        self.sample: ControllerSample | None = None
+        self.sampled: SampleColumns | None = None
+        self._sample: ControllerSample | None = None
+
+    @property
+    def sample(self) -> ControllerSample | None:
+        """The sample of the last cycle, a new object each time; None before the first.
+
+        A controller sets it in every update, or has its columns kept in `sampled`,
+        which takes less time.
+        """
+        if self.sampled is None:
+            return self._sample
+        newest = self.sampled.newest
+        return None if newest is None else unpack_sample(newest)
+
+    @sample.setter
+    def sample(self, sample: ControllerSample) -> None:
+        self._sample = sample
 
     @classmethod
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
@@ -195,6 +219,13 @@ class ControllerBase:
         without an instance, outside of the control thread.
         """
         return ()
+
+    def usual_update(self) -> UsualUpdate | None:
+        """Return what does the same as `update` in a usual cycle; None for nothing.
+
+        A subclass that overrides `update` alone gets its `update` called.
+        """
+        return None
 
     def starting(self, time: float) -> None:
         """Prepare to run; command the robot to rest where it is."""

@@ -7,6 +7,7 @@ jump; what a controller writes while it does not own its resources is put back.
 """
 
 from collections.abc import Callable, Sequence
+from math import inf
 
 from station.core.control.command_gate import CommandGate
 from station.core.control.controller import ControllerState
@@ -80,6 +81,7 @@ class ControllerLifecycle:
         # The robot has just entered the mode of this controller.
         one.is_unreleased = False
         one.late_updates = 0
+        one.stalled_at = -inf
         one.watch_first_update()
         self.gate.is_stale = True
         return None

@@ -14,7 +14,11 @@ import threading
 from collections.abc import Callable, Sequence
 
 from station.core.clock import Clock
-from station.core.control.controller import ControllerBase, ControllerSample
+from station.core.control.controller import (
+    ControllerBase,
+    ControllerSample,
+    unpack_sample,
+)
 from station.core.control.controller_factory import ControllerFactory
 from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_runner import ControllerRunner
@@ -181,7 +185,8 @@ class ControllerManager:
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""
-        return self._runner.samples()
+        samples = self._runner.samples().items()
+        return {name: unpack_sample(each) for name, each in samples}
 
     def running_names(self) -> list[str]:
         """Return the names of the running controllers; takes no lock."""

@@ -28,7 +28,11 @@ LATE_UPDATES = 100
 """After so many updates in a row over the budget a controller is stopped. A single one
 may be the machine's doing: another process had the processor."""
 LONGEST_UPDATE = 0.25
-"""After a single update as long as this a controller is stopped [s]."""
+"""After two updates as long as this, the second within `STALL_MEMORY` of the first, a
+controller is stopped [s]. A single one may be the machine's doing as well: the thread
+that has the interpreter lock may be kept off the processor for so long."""
+STALL_MEMORY = 10.0
+"""How long the first of these counts [s station time]."""
 
 
 class ControllerRunner(ControllerRound):
@@ -48,9 +52,7 @@ class ControllerRunner(ControllerRound):
 
     def __init__(self, hw: RobotHW) -> None:
         self.lifecycle = ControllerLifecycle(hw)
-        super().__init__(
-            self.lifecycle.gate, watch_of(hw), get_ident, _RUNNING, CONTAINED
-        )
+        super().__init__(self.lifecycle.gate, watch_of(hw), _RUNNING, CONTAINED)
         self.interrupted: tuple[str, ...] = ()
         self._hw = hw
         self._transaction: SwitchTransaction | None = None
@@ -90,7 +92,7 @@ class ControllerRunner(ControllerRound):
     @override
     def look_closely(self, time: float, period: float) -> None:
         """Do a cycle with a switch, an interruption, a trace or a restart in it."""
-        gate, loaded = self.gate, self.lifecycle.loaded
+        gate, loaded = self.lifecycle.gate, self.lifecycle.loaded
         if gate.traced_cycles:
             gate.restore()
         if self._hw.is_interrupted():
@@ -119,7 +121,7 @@ class ControllerRunner(ControllerRound):
 
     def _close(self, time: float, period: float) -> None:
         """Carry on with a pending switch, and note who owns which commands."""
-        gate = self.gate
+        gate = self.lifecycle.gate
         if self.pending is not None:
             gate.restore()
             self._carry_on(self.pending, time, period)
@@ -127,8 +129,8 @@ class ControllerRunner(ControllerRound):
         self._note_running()
 
     def _note_running(self) -> None:
-        self.kept = self.gate.kept
-        self.turns = [one.turn() for one in self.gate.running]
+        self.kept = self.lifecycle.gate.kept
+        self.turns = [one.turn() for one in self.lifecycle.gate.running]
 
     def _update_after(
         self,
@@ -160,7 +162,7 @@ class ControllerRunner(ControllerRound):
         self.time = time
         try:
             self._carry_on(pending, time, 0.0)
-            self.gate.close(self.lifecycle.loaded)
+            self.lifecycle.gate.close(self.lifecycle.loaded)
             self._note_running()
         finally:
             self.updating = False
@@ -170,8 +172,8 @@ class ControllerRunner(ControllerRound):
         self, one: LoadedController, time: float, period: float
     ) -> None:
         self.update_one(one.turn(), time, period)
-        if self.gate.traced_cycles:
-            intrusion = self.gate.find_intrusion(one, self.lifecycle.loaded)
+        if self.lifecycle.gate.traced_cycles:
+            intrusion = self.lifecycle.gate.find_intrusion(one, self.lifecycle.loaded)
             if intrusion is not None:
                 problem = f"update wrote {intrusion}, which it has not claimed"
                 self._fail(one, time, problem, None)
@@ -207,13 +209,20 @@ class ControllerRunner(ControllerRound):
             one.late_updates = 0
             return
         one.late_updates += 1
-        if one.late_updates < LATE_UPDATES and duration < LONGEST_UPDATE:
+        is_stalled_again = False
+        if duration >= LONGEST_UPDATE:
+            is_stalled_again = time - one.stalled_at <= STALL_MEMORY
+            one.stalled_at = time
+        if one.late_updates >= LATE_UPDATES:
+            times = f"{LATE_UPDATES} in a row"
+        elif is_stalled_again:
+            times = f"and one within {STALL_MEMORY:g} s before it as long"
+        else:
             return
-        times = "" if one.late_updates < LATE_UPDATES else f", {LATE_UPDATES} in a row"
         self._fail(
             one,
             time,
-            f"update took {1000.0 * duration:.3g} ms{times}; an update may take at "
+            f"update took {1000.0 * duration:.3g} ms, {times}; an update may take at "
             f"most {1000.0 * self.update_budget:.3g} ms",
             None,
         )

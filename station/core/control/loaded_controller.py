@@ -1,6 +1,7 @@
 """A loaded controller: its claims, the commands it may write, its faults and times."""
 
 import threading
+from math import inf
 from typing import TYPE_CHECKING
 
 from station.core.control.command_guard import CommandGuard
@@ -14,6 +15,7 @@ from station.core.control.controller_status import (
 from station.core.hardware.robot_hw import ControllerInfo
 from station.core.numerics.statistics import DurationRing
 from station.core.ports.goal import Goal
+from station.core.quick_way import is_in_force
 from station.kernel.controller_round import ControllerTurn
 
 if TYPE_CHECKING:
@@ -38,6 +40,8 @@ class LoadedController:
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
         late_updates: Updates in a row that took longer than the budget.
+        stalled_at: Station time of its last update that took very long [s]; minus
+            infinity since its start.
     """
 
     def __init__(
@@ -66,12 +70,19 @@ class LoadedController:
         self._overruns_before = 0
         self.last_overrun = 0.0
         self.late_updates = 0
+        self.stalled_at = -inf
 
     def turn(self) -> ControllerTurn:
         """Return what a round of updates looks at; only the round keeps it."""
         pieces: list[Piece] = [*self.commands.pieces]
         name = self.info.name
-        return ControllerTurn(self, self.controller, name, self.durations, pieces)
+        controller = self.controller
+        usual = None
+        if is_in_force(controller, "usual_update", "update"):
+            usual = controller.usual_update()
+        return ControllerTurn(
+            self, controller, name, self.durations, pieces, usual, controller.sampled
+        )
 
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""

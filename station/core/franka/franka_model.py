@@ -17,6 +17,7 @@ from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
 )
+from station.kernel.doubles import Doubles, put
 
 GRAVITY_EARTH = (0.0, 0.0, -9.81)
 """Acceleration of gravity in the base frame of an upright arm [m/s^2]."""
@@ -38,6 +39,10 @@ class Frame(Enum):
     FLANGE = 7
     END_EFFECTOR = 8
     STIFFNESS = 9
+
+    def __init__(self, index: int) -> None:
+        # Read in every cycle: `value` takes four times as long.
+        self.index = index
 
 
 class FrankaModel(ABC):
@@ -112,6 +117,17 @@ class FrankaModel(ABC):
             F_T_EE: End effector in the flange frame, 16 numbers.
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
+
+    def write_pose(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+        result: Doubles,
+    ) -> None:
+        """Write the pose of a frame, see `pose`, to `result`, 16 numbers."""
+        put(result, self.pose(frame, q, F_T_EE, EE_T_K))
 
     @abstractmethod
     def zero_jacobian(
@@ -210,6 +226,10 @@ class FrankaModelHandle(ResourceHandle):
     def get_pose(self, frame: Frame) -> list[float]:
         """Return the pose of a frame in the base frame, 16 numbers."""
         return self.model.pose(frame, self._q, *self._frames)
+
+    def write_pose(self, frame: Frame, result: Doubles) -> None:
+        """Write the pose of a frame in the base frame to `result`, 16 numbers."""
+        self.model.write_pose(frame, self._q, *self._frames, result)
 
     def get_zero_jacobian(self, frame: Frame) -> list[float]:
         """Return the Jacobian of a frame in the axes of the base, 42 numbers."""

@@ -2,9 +2,10 @@
 
 from typing import NamedTuple
 
-from station.core.control.controller import ControllerSample
+from station.core.control.controller import ControllerSample, unpack_sample
 from station.core.hardware.interfaces.joint_group import Packed, unpack
 from station.kernel.control_cycle import Records
+from station.kernel.sample_columns import PackedColumns
 
 
 class Snapshot(NamedTuple):
@@ -33,8 +34,9 @@ class Snapshot(NamedTuple):
     samples: dict[str, ControllerSample]
 
 
-Record = tuple[int, int, float, float, str, Packed, dict[str, ControllerSample]]
-"""A cycle as the control thread leaves it; the joint states are still packed."""
+Samples = dict[str, ControllerSample | PackedColumns]
+Record = tuple[int, int, float, float, str, Packed, Samples]
+"""A cycle as the control thread leaves it; what is packed still is."""
 
 
 class SnapshotRing(Records):
@@ -88,6 +90,7 @@ class SnapshotRing(Records):
 def _unpack(record: Record) -> Snapshot:
     cycle, epoch, stamp, period, mode, packed, samples = record
     position, velocity, effort = unpack(packed)
+    found = {name: unpack_sample(each) for name, each in samples.items()}
     return Snapshot(
-        cycle, epoch, stamp, period, mode, position, velocity, effort, samples
+        cycle, epoch, stamp, period, mode, position, velocity, effort, found
     )

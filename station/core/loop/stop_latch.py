@@ -3,6 +3,7 @@
 from enum import Enum
 
 from station.core.errors import StoppedError
+from station.kernel.flags import StopFlag
 
 
 class StopState(Enum):
@@ -16,7 +17,7 @@ class StopState(Enum):
     """The cause is gone; motion must still be armed."""
 
 
-class StopLatch:
+class StopLatch(StopFlag):
     """The software stop of the station. Not a safety device.
 
     `engage` only sets a flag, so it cannot fail or wait; the control loop sees the
@@ -29,8 +30,8 @@ class StopLatch:
     """
 
     def __init__(self) -> None:
+        super().__init__()
         self.state = StopState.ARMED
-        self.pending = False
         self.reason = ""
         self.cycle = 0
         self._engagements = 0

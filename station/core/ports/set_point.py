@@ -7,6 +7,7 @@ from math import inf
 from station.core.clock import Clock, SystemClock
 from station.core.errors import InvalidCommandError
 from station.core.ports.receipt import Receipt
+from station.kernel.set_points import SetPointNews
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,7 @@ class SetPointPort:
         feed_forward: The rates of change that may follow the numbers of a set-point.
             Empty if the controller does not use any.
         generation: How often the set-points were made void.
+        news: What is looked at in every cycle.
         last: The last set-point picked up, with its rates; None if there was none since
             the controller started.
     """
@@ -79,10 +81,9 @@ class SetPointPort:
         self._slot: deque[tuple[list[float] | None, float, int, Receipt | None]] = (
             deque(maxlen=1)
         )
+        self.news = SetPointNews(self._slot)
         self.generation = 0
-        self._deadline = inf
         self._in_force: Receipt | None = None
-        self._is_void = False
 
     def check(
         self,
@@ -154,9 +155,9 @@ class SetPointPort:
         While there is no news, none of the other methods has anything to tell. Control
         thread only.
         """
-        if self._slot or self._is_void:
-            return True
-        return self._deadline != inf and self.clock.now() > self._deadline
+        if not self.news.is_possible():
+            return False
+        return bool(self._slot) or self.news.is_void or self._has_expired()
 
     def take(self) -> list[float] | None:
         """Empty the slot and return its set-point, or None. Control thread only."""
@@ -167,9 +168,9 @@ class SetPointPort:
             return None
         if values is None:
             if self.last is not None:
-                self._deadline = deadline
+                self.news.deadline = deadline
             return None
-        self.last, self._deadline, self._in_force = values, deadline, receipt
+        self.last, self.news.deadline, self._in_force = values, deadline, receipt
         if receipt is not None:
             receipt.pick_up()
         return self.last
@@ -180,9 +181,9 @@ class SetPointPort:
         True once for each set-point. Called after `take` in every cycle, in the control
         thread only.
         """
-        if self._deadline == inf or self.clock.now() <= self._deadline:
+        if not self._has_expired():
             return False
-        self._deadline = inf
+        self.news.deadline = inf
         if self._in_force is not None:
             self._in_force.end()
         return True
@@ -191,15 +192,19 @@ class SetPointPort:
         """Make every set-point void, picked up or not. Control thread only."""
         self._slot.clear()
         self.last = None
-        self._deadline = inf
-        self._is_void = True
+        self.news.deadline = inf
+        self.news.is_void = True
         self.generation += 1
 
     def take_void(self) -> bool:
         """Return whether set-points became void since the last call. Control thread."""
-        was_void = self._is_void
-        self._is_void = False
+        was_void = self.news.is_void
+        self.news.is_void = False
         return was_void
+
+    def _has_expired(self) -> bool:
+        deadline = self.news.deadline
+        return deadline != inf and self.clock.now() > deadline
 
 
 def _check_values(elements: list[SetPointElement], values: list[float]) -> None:

@@ -113,7 +113,9 @@ class FrankaCombinedHW(CombinedRobotHW):
                 raise ParameterError(
                     f"The arm '{name}' has robot_ip {one.robot_ip}; the arms of "
                     "FrankaCombinedHW are simulated.",
-                    remedy="Leave robot_ip out, or drive one real arm with FrankaHW.",
+                    remedy="Run a station of its own for each real arm, with "
+                    "franka_hw/FrankaHW and other ports (api.port, ui.port), or leave "
+                    "robot_ip out to simulate the arms.",
                 )
         placements = [placement_of(one) for one in parameters]
         if not root_params.has(ROBOT_DESCRIPTION):

@@ -23,11 +23,12 @@ from typing import TYPE_CHECKING
 from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
+from station.core.description.urdf import Urdf
 from station.core.errors import (
     ParameterError,
     SwitchRefusedError,
 )
-from station.core.franka import FrankaServicesInterface
+from station.core.franka import FrankaServicesInterface, GripperServicesInterface
 from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
 from station.core.hardware.robot_hw import (
     ControllerInfo,
@@ -76,7 +77,9 @@ from station.kernel.stages import RobotWatch, Stage
 
 if TYPE_CHECKING:
     from station.hw.franka.fci.driver.fci_arm import FciArm
+    from station.hw.franka.fci.driver.real_hand import RealHand
     from station.hw.franka.fci.server.fci_guest import FciGuest
+    from station.hw.franka.hand.hand_services import HandServices
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
@@ -90,8 +93,9 @@ class FrankaHW(RobotHW):
     VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`;
     FrankaState, FrankaPoseCartesian and FrankaVelocityCartesian under `<arm_id>_robot`;
     FrankaModel under `<arm_id>_model` and, as the public documentation has it, also
-    under `<arm_id>_robot`; FrankaServices under `<arm_id>`. A simulated
-    hand has GripperServices there, its fingers are in EffortJoint and PositionJoint.
+    under `<arm_id>_robot`; FrankaServices under `<arm_id>`. A hand in the URDF has
+    GripperServices there; the fingers of a simulated hand are in EffortJoint and
+    PositionJoint.
 
     Parameters are those of `franka_parameters`. `init` stores the URDF, with the names
     of this arm, as `robot_description` in the root namespace if there is none yet.
@@ -112,6 +116,7 @@ class FrankaHW(RobotHW):
         self._world: FrankaWorld | None = None
         self._arm = arm
         self._real_arm: FciArm | None = None
+        self._real_hand: RealHand | None = None
         self.guest: FciGuest | None = None
         self._fingers: FingerJoints | None = None
 
@@ -159,7 +164,7 @@ class FrankaHW(RobotHW):
             catch_up=self._catch_up,
             end_motion=self.arm.stop_motion,
         )
-        self._add_fingers(arm_id)
+        self._add_fingers([f"{arm_id}_finger_joint{number}" for number in (1, 2)], urdf)
         for interface in self.command_interfaces():
             self.register_interface(interface)
         models, services = model_interface(self.arm, arm_id), FrankaServicesInterface()
@@ -230,6 +235,11 @@ class FrankaHW(RobotHW):
     def robot_state(self) -> RobotState:
         """The arm's live state; control thread only."""
         return self.arm.state
+
+    @property
+    def simulated_hand(self) -> "HandServices | None":
+        """The simulated hand; None without one."""
+        return None if self._fingers is None else self._fingers.hand
 
     @property
     def is_commanded(self) -> bool:
@@ -404,6 +414,8 @@ class FrankaHW(RobotHW):
 
     @override
     def close(self) -> None:
+        if self._real_hand is not None:
+            self._real_hand.close()
         if self._real_arm is not None:
             self._real_arm.close()
 
@@ -422,17 +434,26 @@ class FrankaHW(RobotHW):
         share = self._parameters.joint_limit_warning_threshold
         return joint_limit_warnings(self._joints, self.robot_state.q, share)
 
-    def _add_fingers(self, arm_id: str) -> None:
-        """Add the finger joints of a simulated hand to the arm's interfaces."""
-        grippers = self._world.grippers if self._world is not None else {}
-        if arm_id in grippers:
-            names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
-            self._fingers = FingerJoints(grippers[arm_id], names, arm_id)
-            interfaces, told = self.commands.interfaces(), self._parameters
-            self._fingers.register(interfaces, in_states=told.publishes_fingers)
+    def _add_fingers(self, names: Sequence[str], urdf: Urdf) -> None:
+        """Add the hand of the URDF, if it has one, and its finger joints."""
+        if not all(name in urdf.joints for name in names):
+            return
+        arm_id, in_states = self._parameters.arm_id, self._parameters.publishes_fingers
+        if self._world is not None:
+            self._fingers = FingerJoints(self._world.grippers[arm_id], names, arm_id)
+            self._fingers.register(self.commands.interfaces(), in_states=in_states)
             self._reading.fingers = self._fingers.sensor
-            self._writing.fingers = self._fingers
+            self._writing.add_fingers(self._fingers)
             self.register_interface(self._fingers.services)
+        elif self._real_arm is not None:
+            from station.hw.franka.fci.driver.connection import connect_hand
+
+            self._real_hand = connect_hand(self._parameters)
+            if in_states:
+                self._real_hand.register(self.commands.interfaces(), names)
+            services = GripperServicesInterface()
+            services.register_handle(self._real_hand)
+            self.register_interface(services)
 
     def _mode_after(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]

@@ -3,6 +3,7 @@
 "use strict";
 
 const POLL_MS = 300;
+const POLL_LOST_MS = 100; // the station may be back at any moment
 const PATIENCE_MS = 2000;
 const MOTION = {
   armed: "allowed",
@@ -34,7 +35,8 @@ async function post(path) {
 }
 
 // What the station has answered to a stop or a release is newer than what the dashboard
-// polled before: it is shown until a poll says the same, or for this long.
+// polled before: it is shown until a poll says the same, or for this long while the link
+// is live. A station that hangs tells the dashboard nothing, and its watchdog answers.
 const ANSWER_HOLDS_MS = 1500;
 let answered = { state: "", until: 0 };
 let latest = null;
@@ -45,8 +47,9 @@ function showAnswer(told) {
 }
 
 function newest(state) {
-  if (state.stop_state === answered.state) answered.until = 0;
-  if (Date.now() > answered.until) return state;
+  if (state.stop_state === answered.state) answered.state = "";
+  if (state.link === "live" && Date.now() > answered.until) answered.state = "";
+  if (!answered.state) return state;
   return { ...state, stop_state: answered.state };
 }
 
@@ -126,7 +129,7 @@ async function refresh() {
 async function poll() {
   listenEverywhere();
   await refresh();
-  setTimeout(poll, POLL_MS);
+  setTimeout(poll, element("bar").dataset.link === "live" ? POLL_MS : POLL_LOST_MS);
 }
 
 const TEXT_INPUTS = new Set(["text", "search", "password", "number", ""]);

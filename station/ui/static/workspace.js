@@ -206,7 +206,7 @@ function showEnable() {
   button.hidden = !wanted;
   button.disabled = Boolean(enabling?.reason);
   const stops = enabling?.replaces?.length ? ` ${enabling.replaces.join(", ")} stops.` : "";
-  button.title = enabling?.reason || `Starts ${enabling?.name}, so that the joints take values.${stops}`;
+  button.title = enabling?.reason || `Starts ${[enabling?.name, ...(enabling?.also ?? [])].join(" and ")}, so that the joints take values.${stops}`;
 }
 
 function showAge() {

@@ -67,7 +67,7 @@ def searched():
             done = TrialResult(trial.hash, "done", None, metrics, 0.1, "w")
             results.add(trial, done)
             results.keep_recording(trial.hash, trace)
-        results.set_outcome("done", "no better trial in 15 generations")
+        results.set_outcome("done", "No trial was better in 15 generations.")
     return first, better
 
 

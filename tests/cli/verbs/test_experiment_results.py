@@ -203,7 +203,7 @@ class FakeExperiments:
             name=name, ended=50, trials=100, cost=0.5, left=12.0, state="done"
         )
         watch(found)
-        found.reason = "no better trial in 15 generations"
+        found.reason = "No trial was better in 15 generations."
         return found
 
     def cancel(self, name):
@@ -217,7 +217,7 @@ def test_an_experiment_of_the_station_is_watched_to_its_end(capsys, use):
     assert main(["experiments", "watch", "one"]) == 0
 
     out, err = capsys.readouterr()
-    assert "one: done. no better trial" in out
+    assert "one: done. No trial was better" in out
     assert "50 of at most 100 trials, best cost 0.500 of the first, 12 s left" in err
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from station.app.in_process import InProcessStation
 from station.cli.main import main
+from station.experiments.pools import InThisProcess
 from station.trials.results import Results, file_of
 
 GROUP = "effort_group_position_controller"
@@ -144,6 +145,39 @@ def test_tune_begins_with_the_gains_of_its_start(run):
     assert first.parameters[f"gains/{GROUP}/panda_joint1/p"] == pytest.approx(40.0)
     assert found["cost"] <= 1.0
     assert set(found["gains"]) == set(first.parameters)
+
+
+class Interrupted(InThisProcess):
+    """Is interrupted by Ctrl-C at one of its trials.
+
+    Args:
+        trial: The number of the trial.
+    """
+
+    def __init__(self, trial):
+        self.trial = trial
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.trial -= 1
+        if self.trial == 0:
+            raise KeyboardInterrupt
+        return super().submit(fn, *args, **kwargs)
+
+
+@pytest.mark.parametrize(("verb", "trial"), [("tune", 1), ("tune", 5), ("sweep", 2)])
+def test_ctrl_c_says_how_to_go_on(monkeypatch, script, capsys, verb, trial):
+    monkeypatch.setattr(
+        "station.cli.verbs.experiments.make_pool", lambda _: Interrupted(trial)
+    )
+    words = [] if verb == "tune" else ["load=0:1"]
+
+    code = main([verb, GROUP, *words, "--trials", "20", "--script", script, "--name=x"])
+
+    assert code == 130
+    told = capsys.readouterr().err
+    assert f"{trial - 1} trials are kept. Repeat the command with --name x" in told
+    with Results.open(file_of("x")) as results:
+        assert (results.count(), results.outcome()[0]) == (trial - 1, "cancelled")
 
 
 class FakeStation:

@@ -22,7 +22,7 @@ from station.hw.franka.arm.franka_kinematics import (
     zero_jacobian,
 )
 from station.hw.franka.arm.self_collision import clearance
-from station.kernel.doubles import zeros
+from station.kernel.doubles import put, zeros
 from tests.conformance.benches import JOINTS, POSE, panda
 from tests.hw.franka.cartesian_motions import PERIOD, Generator
 
@@ -35,6 +35,10 @@ class Kinematics:
     pose = staticmethod(frame_pose)
     zero_jacobian = staticmethod(zero_jacobian)
     body_jacobian = staticmethod(body_jacobian)
+
+    @staticmethod
+    def write_pose(frame, q, end_effector, stiffness, result):
+        put(result, frame_pose(frame, q, end_effector, stiffness))
 
     @staticmethod
     def clearance(q):

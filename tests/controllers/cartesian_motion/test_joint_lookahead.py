@@ -34,7 +34,7 @@ def test_in_the_middle_everything_is_allowed(arm):
 def test_a_joint_near_its_limit_is_named_and_may_go_back(make_arm):
     controller, lookahead = lookahead_of(make_arm(NEAR_LIMIT), joint_limit_margin=0.1)
     motion = controller.generator
-    start = motion.pose
+    start = [*motion.pose]
     found = set()
     for sign in (1.0, -1.0):
         for axis in range(3, 6):

@@ -40,10 +40,10 @@ def test_commands_are_computed_joint_by_joint():
     )
     put(pids.errors, [0.5, 0.1])
     for step in range(1, 3):
-        pids.compute(0.1)
+        pids.group.compute(0.1)
         assert list(pids.commands) == pytest.approx([1.0, 0.03 * step])
     pids.reset()
-    pids.compute(0.1)
+    pids.group.compute(0.1)
     assert list(pids.commands) == pytest.approx([1.0, 0.03])
 
 
@@ -54,7 +54,7 @@ def test_commands_are_written_where_the_robot_reads_them():
     )
     put(pids.errors, [0.5])
     put(pids.rates, [3.0])
-    pids.compute_with_rates(0.1)
+    pids.group.compute_with_rates(0.1)
     assert list(commands) == [6.0]
 
 
@@ -71,7 +71,7 @@ def test_gains_go_in_and_come_out_by_name():
     assert pids.tunables.values == wanted
     assert pids.columns()["i_clamp"] == [4.0]
     put(pids.errors, [0.5])
-    pids.compute(0.1)
+    pids.group.compute(0.1)
     assert list(pids.commands) == pytest.approx([0.5 + 2.0 * 0.05 + 3.0 * 5.0])
 
 

@@ -119,3 +119,25 @@ def test_positions_can_be_counted_anew_and_a_step_taken_back(generator):
     assert generator.velocities[0] > before[1][0]
     assert generator.accelerations[0] == pytest.approx(2.0)
     assert generator.positions[0] == pytest.approx(5.0 + before[1][0] * 1e-3, abs=1e-5)
+
+
+def test_a_motion_that_has_braked_is_still_until_something_is_wanted(generator):
+    generator.go_at([0.3, -0.2])
+    run(generator, 500)
+    assert not generator.is_still
+    generator.brake()
+    run(generator, 1_000)
+    assert generator.is_still
+    rest = generator.positions
+
+    run(generator, 10)
+    assert generator.positions is rest  # nothing was computed
+    generator.go_at([0.3, -0.2])
+    run(generator, 10)
+    assert generator.positions[0] > rest[0]
+
+
+def test_a_target_is_not_rest_even_where_the_axes_are(generator):
+    generator.go_to([0.0, 0.5])
+    run(generator, 10)
+    assert not generator.is_still

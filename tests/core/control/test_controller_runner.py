@@ -266,15 +266,41 @@ def test_a_controller_that_is_late_now_and_then_goes_on(bench, stopwatch):
     assert bench.state("arm") == "running"
 
 
-def test_one_update_of_a_quarter_of_a_second_is_enough(bench, stopwatch):
+def _stall(bench, stopwatch):
+    """Let one update take a quarter of a second, and the next one no time."""
+    stopwatch.duration = 0.25
+    bench.step()
+    stopwatch.duration = 0.0
+    bench.step()
+
+
+def test_two_updates_of_a_quarter_of_a_second_are_enough(bench, stopwatch):
     bench.load("arm", "j1")
     bench.switch(["arm"])
     bench.manager.update_budget = 0.001
-    stopwatch.duration = 0.25
 
-    bench.step()
+    _stall(bench, stopwatch)
+    assert bench.state("arm") == "running"
+    _stall(bench, stopwatch)
 
     assert bench.state("arm") == "aborted"
+    assert "took 250 ms, and one within 10 s before it as long" in bench.fault("arm")
+
+
+def test_a_machine_that_stalls_now_and_then_stops_no_controller(bench, stopwatch):
+    bench.load("arm", "j1")
+    bench.switch(["arm"])
+    bench.manager.update_budget = 0.001
+    for _ in range(3):
+        _stall(bench, stopwatch)
+        bench.step(11_000)
+    assert bench.state("arm") == "running"
+
+    _stall(bench, stopwatch)
+    bench.switch(stop=["arm"])
+    bench.switch(["arm"])
+    _stall(bench, stopwatch)
+    assert bench.state("arm") == "running"
 
 
 def test_stepped_cycles_have_all_the_time_they_want(bench, stopwatch):

@@ -159,8 +159,14 @@ def test_every_robot_sees_its_part_of_the_lists(combined):
     assert seen_by["right"][0].claimed_resources[0].resources == ("r1",)
 
 
-def test_unknown_resources_do_not_keep_a_switch_from_being_prepared(combined):
+def test_a_controller_of_unknown_resources_is_shown_to_no_robot(combined):
+    asked = []
+    for robot in combined.robots.values():
+        robot.prepare_switch = lambda *lists: asked.append(lists)
+
     combined.prepare_switch([info("elsewhere", "x9")], [])
+
+    assert asked == [([], [])] * len(combined.robots)
 
 
 def test_the_first_robot_that_refuses_ends_the_asking(combined):

@@ -12,6 +12,7 @@ from station.core.franka.franka_errors import error_names
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.arm_modes import LONGEST_SETTLING
 from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
@@ -235,6 +236,8 @@ def test_motion_is_refused_until_recovery(arm: SimulatedArm) -> None:
     with pytest.raises(ArmCommandError, match=r"mode reflex; remove the cause"):
         arm.start_motion(IMPEDANCE, POSITION)
     arm.automatic_error_recovery()
+    for _ in range(LONGEST_SETTLING):
+        arm.read_once()
     arm.start_motion(IMPEDANCE, POSITION)
     assert error_names(arm.state.last_motion_errors) == []
 
@@ -306,7 +309,8 @@ def test_table_stops_the_hand_at_once_a_hundred_times() -> None:
             arm.read_once()
         assert max(map(abs, arm.state.dq)) < 0.01
         arm.automatic_error_recovery()
-        arm.read_once()
+        while arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            arm.read_once()
         assert arm.state.robot_mode is RobotMode.IDLE
         arm.start_motion(IMPEDANCE, TWIST)
         for cycle in range(300):  # away again

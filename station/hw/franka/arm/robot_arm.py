@@ -10,6 +10,7 @@ callbacks, because the cycle belongs to the station's loop.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from enum import Enum
+from typing import NamedTuple
 
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
@@ -24,7 +25,9 @@ from station.kernel.doubles import Storage
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""
-
+MEASURED_REST = 0.02
+"""Joints that are measured slower than this are at rest [rad/s]: the noise of a real
+arm's velocities is 3 mrad/s (see `Realism`)."""
 
 MOST_LOST_PACKETS = 20
 """Commands lost in a row that end a motion."""
@@ -46,6 +49,20 @@ class MotionGeneratorMode(Enum):
     JOINT_VELOCITY = "joint_velocity"
     CARTESIAN_POSITION = "cartesian_position"
     CARTESIAN_VELOCITY = "cartesian_velocity"
+
+
+class Receivers(NamedTuple):
+    """What takes the commands of an arm's joints, shape (7,).
+
+    Attributes:
+        positions: Takes positions [rad].
+        velocities: Takes velocities [rad/s].
+        torques: Takes torques [Nm].
+    """
+
+    positions: Receiver
+    velocities: Receiver
+    torques: Receiver
 
 
 class RobotArm(ABC):
@@ -78,9 +95,9 @@ class RobotArm(ABC):
     def read_once(self) -> RobotState:
         """Wait for the arm's next state and return `state`."""
 
-    def torque_receiver(self) -> Receiver:
-        """Return what does the same as `command_joint_torques`; see `cycles`."""
-        return Receiver(self.command_joint_torques)
+    def receivers(self) -> Receivers:
+        """Return what does the same as the commands of joints; see `cycles`."""
+        return _plain_receivers(self)
 
     def cycles(self) -> Cycles:
         """Return what does the same as `read_once`; an arm may have a quicker way."""
@@ -278,6 +295,13 @@ class RobotArm(ABC):
             ArmCommandError: A motion runs.
         """
 
+    def is_lost(self) -> bool:
+        """Return whether there is no connection to the arm.
+
+        A recovery connects again. A simulated arm is never lost.
+        """
+        return False
+
     @abstractmethod
     def check_recovery(self) -> None:
         """Refuse when the arm cannot recover itself now. An arm without errors can.
@@ -324,7 +348,21 @@ def cycles_of(arm: RobotArm) -> Cycles:
     return arm.cycles() if is_quick else CalledCycles(arm.read_once)
 
 
-def torque_receiver_of(arm: RobotArm) -> Receiver:
-    """Return what takes an arm's torques; see `cycles_of`."""
-    is_quick = is_in_force(arm, "torque_receiver", "command_joint_torques")
-    return arm.torque_receiver() if is_quick else Receiver(arm.command_joint_torques)
+def receivers_of(arm: RobotArm) -> Receivers:
+    """Return what takes the commands of an arm's joints; see `cycles_of`."""
+    is_quick = is_in_force(
+        arm,
+        "receivers",
+        "command_joint_positions",
+        "command_joint_velocities",
+        "command_joint_torques",
+    )
+    return arm.receivers() if is_quick else _plain_receivers(arm)
+
+
+def _plain_receivers(arm: RobotArm) -> Receivers:
+    return Receivers(
+        Receiver(arm.command_joint_positions),
+        Receiver(arm.command_joint_velocities),
+        Receiver(arm.command_joint_torques),
+    )

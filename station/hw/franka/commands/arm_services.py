@@ -179,12 +179,15 @@ class ArmServices(FrankaServices):
     def error_recovery(self) -> bool:
         self.check_recovery()
         arm = self._arm
-        had_error = arm.state.robot_mode is RobotMode.REFLEX
+        had_error = arm.state.robot_mode is RobotMode.REFLEX or arm.is_lost()
         arm.automatic_error_recovery()
         return had_error
 
     @override
     def connect(self) -> None:
+        if self._is_connected and self._arm.is_lost():
+            self._arm.automatic_error_recovery()
+            return
         if self._is_connected:
             raise ArmCommandError(
                 f"Arm '{self.name}' is connected already.", remedy="Use it."

@@ -27,7 +27,7 @@ from station.hw.franka.commands.rate_limiter import (
     with_margins,
 )
 from station.kernel.command_rates import filtered
-from station.kernel.doubles import Block, doubles, put
+from station.kernel.doubles import Block, Doubles, doubles, put
 from station.kernel.finite_check import FiniteCheck
 from station.kernel.pose_rates import PoseRates
 
@@ -73,6 +73,7 @@ class CartesianCommands:
         self._elbow = RateLimits(elbow.velocity, elbow.acceleration, elbow.jerk, 1.0)
         self._filters_first_pose = limits.filters_first_pose
         self._is_first = False
+        self._settings: CommandSettings | None = None
         name, refresh = f"{arm_id}_robot", arm.refresh_state
         self._pose_interface = FrankaPoseCartesianInterface()
         self._pose_interface.register_handle(
@@ -122,8 +123,10 @@ class CartesianCommands:
             InvalidCommandError: The elbow's sign is not +1 or -1.
         """
         arm, rates = self._arm, self._rates
-        rates.gain = low_pass_gain(settings.cutoff_frequency)
-        rates.is_limiting = settings.rate_limiting
+        if settings is not self._settings:
+            self._settings = settings
+            rates.gain = low_pass_gain(settings.cutoff_frequency)
+            rates.is_limiting = settings.rate_limiting
         if self.has_pose:
             passes = self._is_first and not self._filters_first_pose
             self._is_first = False
@@ -133,7 +136,7 @@ class CartesianCommands:
                 if is_new
                 else bridge.bridge()
             )
-            rates.filter_pose(doubles(pose), passes)
+            rates.filter_pose(_as_doubles(pose), passes)
             elbow = self._limited_elbow(bent, passes=passes)
             arm.command_cartesian_pose(rates.sent_pose, elbow)
         if self.has_twist:
@@ -155,3 +158,7 @@ class CartesianCommands:
                 angle, last, state.delbow_c[0], state.ddelbow_c[0], self._elbow
             )
         return [angle, elbow[1]]
+
+
+def _as_doubles(pose: Sequence[float]) -> Doubles:
+    return pose if isinstance(pose, memoryview) else doubles(pose)

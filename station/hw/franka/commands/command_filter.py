@@ -1,6 +1,6 @@
 """Filter and limit joint commands between FrankaHW and the arm."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
@@ -13,9 +13,6 @@ from station.hw.franka.commands.rate_limiter import (
 )
 from station.kernel.command_rates import CommandRates
 from station.kernel.joint_memory import JointMemory
-
-if TYPE_CHECKING:
-    from station.kernel.doubles import Doubles
 
 # A joint approaches its goal with half of the acceleration limit, and near the goal
 # with a velocity in proportion to the distance [1/s]. Where the two meet, the
@@ -42,8 +39,7 @@ class CommandFilter:
         commands: The commands after the joint limits.
 
     Attributes:
-        result: What was filtered last, shape (7,); always the same memory.
-        rates: The arithmetic; it filters the torques to send [Nm].
+        rates: The arithmetic.
     """
 
     def __init__(
@@ -51,7 +47,6 @@ class CommandFilter:
     ) -> None:
         self._arm_limits = limits
         self._state = state
-        self._is_first = False
         rates = rate_limits_of(limits)
         lower, upper = commands.range()
         names = ("tau_J_d", "q_d", "dq_d", "ddq_d")
@@ -70,7 +65,6 @@ class CommandFilter:
             approach_gain=_APPROACH_GAIN,
             period=PERIOD,
         )
-        self.result: Doubles = self.rates.result
 
     def begin(self, *, cutoff_frequency: float, rate_limiting: bool) -> None:
         """Forget all previous commands; called when a motion starts.
@@ -82,29 +76,12 @@ class CommandFilter:
         self.rates.gain = low_pass_gain(cutoff_frequency)
         self.rates.is_limiting = rate_limiting
         self.rates.has_goals = False
-        self._is_first = True
+        self.rates.passes_next = not self._arm_limits.filters_first_pose
 
-    def note_goals(self) -> None:
-        """Note the commanded positions as goals; before the joint limits act on them.
-
-        With rate limits the arm approaches a goal so that it can stop there.
-        """
-        if self.rates.is_limiting:
-            self.rates.note_goals()
-
-    def velocities(self) -> None:
-        """Filter the velocities to send [rad/s]."""
-        if self._arm_limits.curves:
-            self._note_ranges()
-        self.rates.filter_velocities()
-
-    def positions(self) -> None:
-        """Filter the positions to send [rad]."""
-        passes = self._is_first and not self._arm_limits.filters_first_pose
-        self._is_first = False
-        if self._arm_limits.curves:
-            self._note_ranges()
-        self.rates.filter_positions(passes)
+    @property
+    def prepare(self) -> Callable[[], None] | None:
+        """What has to be done before positions or velocities are filtered."""
+        return self._note_ranges if self._arm_limits.curves else None
 
     def _note_ranges(self) -> None:
         """Note the velocities that the present positions allow."""

@@ -5,7 +5,7 @@ from typing_extensions import override
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.robot_arm import RobotArm, torque_receiver_of
+from station.hw.franka.arm.robot_arm import RobotArm, receivers_of
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_settings import CommandSettings
@@ -14,8 +14,9 @@ from station.kernel.arm_codes import MOVE
 from station.kernel.command_sending import (
     CommandSending,
     JointSend,
-    Receiver,
+    PositionSend,
     TorqueSend,
+    VelocitySend,
 )
 
 
@@ -63,22 +64,18 @@ class CommandSender(CommandSending):
         self.checks = [*commands.checks(), *cartesian.checks()]
         self.limits = [limits.enforced for limits in commands.limits()]
         self.sends = self._sends_of_joints()
-        self.has_goals = commands.has_positions
+        self.goals = self._filter.rates if commands.has_positions else None
         self.is_cartesian = cartesian.has_pose or cartesian.has_twist
         self._filter.begin(
             cutoff_frequency=settings.cutoff_frequency,
             rate_limiting=settings.rate_limiting,
         )
-        self._filter.note_goals()
+        self._filter.rates.note_goals()
 
     @override
     def refuse(self) -> None:
         self.refusal = "a command is not finite"
         self._arm.stop_motion()
-
-    @override
-    def note_goals(self) -> None:
-        self._filter.note_goals()
 
     @property
     def bridges_gaps(self) -> bool:
@@ -117,15 +114,13 @@ class CommandSender(CommandSending):
             self._arm.stop_motion()
 
     def _sends_of_joints(self) -> list[JointSend]:
-        arm, taken, filtered = self._arm, self._commands, self._filter
+        taken, rates, prepare = self._commands, self._filter.rates, self._filter.prepare
+        receivers = receivers_of(self._arm)
         sends: list[JointSend] = []
-        kinds = (
-            (taken.has_positions, filtered.positions, arm.command_joint_positions),
-            (taken.has_velocities, filtered.velocities, arm.command_joint_velocities),
-        )
-        for is_taken, filtering, command in kinds:
-            if is_taken:
-                sends.append(JointSend(filtering, Receiver(command), filtered.result))
+        if taken.has_positions:
+            sends.append(PositionSend(rates, receivers.positions, prepare))
+        if taken.has_velocities:
+            sends.append(VelocitySend(rates, receivers.velocities, prepare))
         if taken.has_efforts:
-            sends.append(TorqueSend(filtered.rates, torque_receiver_of(arm)))
+            sends.append(TorqueSend(rates, receivers.torques))
         return sends

@@ -9,12 +9,15 @@ that the torque controller starts from the pose that the arm keeps, without brak
 torques.
 """
 
+from typing_extensions import override
+
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.robot_arm import REST_VELOCITY, RobotArm
+from station.hw.franka.arm.robot_arm import MEASURED_REST, REST_VELOCITY, RobotArm
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
+from station.kernel.flags import MotionFlags
 
 LONGEST_WAIT = 500
 """Cycles of the arm after which a motion begins although the arm still trembles."""
@@ -22,7 +25,7 @@ _CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
 _FROM_REST = _CARTESIAN | ControlMode.JOINT_TORQUE
 
 
-class MotionStart:
+class MotionStart(MotionFlags):
     """Ends the arm's motion and begins the next one. Control thread only.
 
     Args:
@@ -37,13 +40,12 @@ class MotionStart:
     """
 
     def __init__(self, arm: RobotArm, sender: CommandSender) -> None:
+        super().__init__()
         self._arm = arm
         self._sender = sender
         self._settings: CommandSettings | None = None
         self._waited = 0
         self.mode = ControlMode.NONE
-        self.is_active = False
-        self.is_waiting = False
         self.has_failed = False
 
     def refusal(
@@ -58,8 +60,12 @@ class MotionStart:
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
         reason = arm.refusal(*settings.arm_modes(mode))
-        velocities = (*arm.state.dq, *arm.state.dq_d)
-        moves = any(abs(velocity) > REST_VELOCITY for velocity in velocities)
+        state = arm.state
+        # A rule of the station, not of the arm, which has no error for it: the arm ends
+        # the motion that runs, and checks the first command of the next one alone.
+        moves = any(abs(dq) > REST_VELOCITY for dq in state.dq_d) or any(
+            abs(dq) > MEASURED_REST for dq in state.dq
+        )
         if reason is None and motion and mode & _FROM_REST and moves:
             reason = (
                 f"that would interrupt its motion by {motion.describe()}; let it come "
@@ -87,6 +93,7 @@ class MotionStart:
         self._waited = 0
         self.advance(0)
 
+    @override
     def advance(self, cycles: int) -> None:
         """Begin the motion if the arm is ready for it.
 

@@ -1,8 +1,8 @@
 """Predict poses for the arm cycles in which a slow or late loop commands no pose."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import sqrt
+from typing import NamedTuple
 
 from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.commands.rate_limiter import PERIOD
@@ -19,8 +19,7 @@ _FROM_OFFSET, _FROM_RATE = 0.23, 0.80
 _NEGLIGIBLE = 1e-12
 
 
-@dataclass(frozen=True, slots=True)
-class _Command:
+class _Command(NamedTuple):
     """A pose and an elbow, and the arm cycle in which they were commanded."""
 
     pose: list[float]
@@ -73,8 +72,10 @@ class PoseBridge:
 
     def pass_on(
         self, pose: Sequence[float], elbow: Sequence[float]
-    ) -> tuple[list[float], list[float]]:
+    ) -> tuple[Sequence[float], Sequence[float]]:
         """Return the pose and the elbow to send for a new command.
+
+        In the usual case they are the arguments.
 
         Args:
             pose: The commanded pose, 16 numbers.
@@ -91,7 +92,7 @@ class PoseBridge:
             step, bend = self._step, self._bend
             self._estimate()
             self._leap(command.way_to(expected), step, bend)
-        return self._sent(command)
+        return (pose, elbow) if self._is_on_commands else self._sent(command)
 
     def bridge(self) -> tuple[list[float], list[float]]:
         """Return the pose and the elbow to send in an arm cycle without a command."""

@@ -19,7 +19,8 @@ from station.core.hardware.interfaces import (
     PositionJointInterface,
 )
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
-from station.hw.franka.hand.hand_services import FASTEST, HandMotor, HandServices
+from station.hw.franka.hand.hand_limits import FASTEST
+from station.hw.franka.hand.hand_services import HandMotor, HandServices
 from station.kernel.doubles import Block, put, zeros
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)

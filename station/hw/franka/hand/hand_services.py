@@ -1,12 +1,11 @@
 """The services of a simulated hand: its commands, their checks, and their results."""
 
-from dataclasses import replace
-from math import isfinite
+from dataclasses import asdict, replace
 from typing import Protocol
 
 from typing_extensions import override
 
-from station.core.errors import GripperCommandError, InvalidCommandError
+from station.core.errors import GripperCommandError
 from station.core.franka import (
     DEFAULT_SPEED,
     GraspRequest,
@@ -18,15 +17,10 @@ from station.core.franka import (
 )
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.hand.gripper_motion import GripperMotion, GripperMotor
+from station.hw.franka.hand.hand_limits import check_grasp, check_move
 from station.kernel.doubles import Doubles
 from station.kernel.finger_motor import FingerSensor
 
-FASTEST = 0.4
-"""Largest speed of the width [m/s]: twice that of a finger in panda.urdf."""
-WEAKEST = 0.1
-"""Smallest force of a grasp [N]; below it the fingers hardly move."""
-MAX_FORCE = 140.0
-"""Largest force of each finger [N]. Source: datasheet of the Franka Hand."""
 ROOM_TEMPERATURE = 20.0
 """Temperature of a simulated hand [degree Celsius]."""
 
@@ -101,30 +95,15 @@ class HandServices(GripperServices):
     @override
     def move(self, width: float, speed: float = DEFAULT_SPEED) -> None:
         self._check_free()
-        self._check("width", width, 0.0 <= width <= self._open_width)
-        self._check("speed", speed, 0.0 < speed <= FASTEST)
+        check_move(self.name, width, speed, self._open_width)
         self._begin(GripperAction.MOVE, {"width": width, "speed": speed})
         self._motion.move(width, speed)
 
     @override
     def grasp(self, request: GraspRequest) -> None:
         self._check_free()
-        inner, outer = request.epsilon_inner, request.epsilon_outer
-        self._check("width", request.width, 0.0 <= request.width < self._open_width)
-        self._check("force", request.force, WEAKEST <= request.force <= MAX_FORCE)
-        self._check("speed", request.speed, 0.0 < request.speed <= FASTEST)
-        self._check("epsilon_inner", inner, inner >= 0.0 and isfinite(inner))
-        self._check("epsilon_outer", outer, outer >= 0.0 and isfinite(outer))
-        self._begin(
-            GripperAction.GRASP,
-            {
-                "width": request.width,
-                "force": request.force,
-                "speed": request.speed,
-                "epsilon_inner": inner,
-                "epsilon_outer": outer,
-            },
-        )
+        check_grasp(self.name, request, self._open_width)
+        self._begin(GripperAction.GRASP, asdict(request))
         self._motion.grasp(request)
 
     @override
@@ -197,23 +176,3 @@ class HandServices(GripperServices):
                 remedy=f"Stop '{self.owner}' first, or give it the goals.",
                 details={"arm_id": self.name, "controller": self.owner},
             )
-
-    def _check(self, name: str, value: float, is_allowed: bool) -> None:  # noqa: FBT001 - of the value just named
-        if is_allowed:
-            return
-        allowed = {
-            "width": f"0 to {self._open_width:g} m, for a grasp less",
-            "speed": f"above 0, at most {FASTEST:g} m/s",
-            "force": f"{WEAKEST:g} to {MAX_FORCE:g} N",
-        }.get(name, "0 m or more")
-        error = {
-            "field": f"body/{name.replace('epsilon_', 'epsilon/')}",
-            "message": f"must be {allowed}",
-            "value": f"{value}",
-        }
-        raise InvalidCommandError(
-            f"The gripper of arm '{self.name}' was given '{name}' {value}; allowed is "
-            f"{allowed}.",
-            remedy="Give a number in this range.",
-            details={"errors": [error]},
-        )

@@ -1,17 +1,10 @@
 """Set the motors of a simulated arm before every step of its world."""
 
-from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.hw.franka.arm.robot_arm import REST_VELOCITY, ControllerMode
-from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.hw.franka.simulated.arm_load import ArmLoad
-from station.hw.franka.simulated.arm_modes import ArmModes
-from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.motion_follower import MotionFollower
-from station.hw.franka.simulated.sensor_faults import SensorFaults
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.arm.robot_arm import ControllerMode
+from station.hw.franka.simulated.arm_modes import LONGEST_SETTLING, ArmModes
+from station.hw.franka.simulated.arm_parts import ArmParts
 
-# Torque control begins when the arm is at rest, or at the latest this time after the
-# end of the desired motion [s]: an arm that trembles in a contact never rests.
-_LONGEST_SETTLING = 0.5
 # Joint damping while a person guides the arm [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
 
@@ -20,47 +13,29 @@ class ArmDrive:
     """Advances the desired motion of one arm and sets its motors. Control thread only.
 
     Args:
-        state: The arm's state.
+        parts: The parts of the arm.
         modes: The modes of the arm.
-        cycle: The arithmetic of the arm's cycle.
-        follower: Follows the client's commands.
-        motors: The motors and the internal controllers.
-        load: The configured load.
-        faults: The faults of the arm.
-        period: Duration of a step [s], > 0.
     """
 
-    def __init__(
-        self,
-        state: RobotState,
-        *,
-        modes: ArmModes,
-        cycle: ArmCycle,
-        follower: MotionFollower,
-        motors: ArmMotors,
-        load: ArmLoad,
-        faults: SensorFaults,
-        period: float,
-    ) -> None:
-        self._state = state
+    def __init__(self, parts: ArmParts, modes: ArmModes) -> None:
+        self._state = parts.state
         self._modes = modes
-        self._motion = cycle.motion
-        self._positions = cycle.memory.positions
-        self._step = cycle.step
-        self._follower = follower
-        self._motors = motors
-        self._load = load
-        self._faults = faults
-        self._period = period
-        self._settling_time = 0.0
+        self._motion = parts.cycle.motion
+        self._positions = parts.cycle.memory.positions
+        self._step = parts.cycle.step
+        self._follower = parts.follower
+        self._motors = parts.motors
+        self._load = parts.load
+        self._faults = parts.faults
+        self._settling = 0
 
     def is_at_rest(self) -> bool:
         """Return whether neither the arm nor its desired motion moves."""
-        return self._motion.is_at_rest() and self._speed() < REST_VELOCITY
+        return self._motion.is_at_rest() and self._modes.is_still()
 
     def begin_motion(self) -> None:
         """Wait for the arm to settle before torques act."""
-        self._settling_time = 0.0
+        self._settling = 0
 
     def attend(self) -> None:
         """Do what `ArmStep.before` does in a cycle that is not a usual one."""
@@ -101,9 +76,6 @@ class ArmDrive:
             self._motion.hold()
 
     def _let_torques_act_when_settled(self) -> None:
-        self._settling_time += self._period
-        if self._speed() < REST_VELOCITY or self._settling_time > _LONGEST_SETTLING:
+        self._settling += 1
+        if self._modes.is_still() or self._settling > LONGEST_SETTLING:
             self._motors.engage_torques()
-
-    def _speed(self) -> float:
-        return max(map(abs, self._state.dtheta))

@@ -6,12 +6,16 @@ from typing_extensions import override
 
 from station.core.description.robot_files import RobotFiles
 from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
-from station.hw.franka.arm.franka_kinematics import place_frame, place_jacobian
+from station.hw.franka.arm.franka_kinematics import (
+    place_frame,
+    place_jacobian,
+    write_frame,
+)
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.kernel.arm_chain import turn_to_inner_axes
-from station.kernel.doubles import doubles
+from station.kernel.doubles import Doubles, doubles
 
 
 class ArmModel(FrankaModel):
@@ -75,6 +79,17 @@ class ArmModel(FrankaModel):
         EE_T_K: Sequence[float],
     ) -> list[float]:
         return [*place_frame(frame, self._dynamics.move_to(q), F_T_EE, EE_T_K)]
+
+    @override
+    def write_pose(
+        self,
+        frame: Frame,
+        q: Sequence[float],
+        F_T_EE: Sequence[float],
+        EE_T_K: Sequence[float],
+        result: Doubles,
+    ) -> None:
+        write_frame(frame, self._dynamics.move_to(q), F_T_EE, EE_T_K, result)
 
     @override
     def zero_jacobian(

@@ -10,6 +10,11 @@
     Idle        -- guiding buttons held -> Guiding; released: Idle
     any         -- simulation diverged  -> Other; reset: Idle
 
+A recovery ends when the arm itself is at rest, not only its desired motion: a hand that
+bounces off a table would go on moving in Idle, and torques of a client that began a
+motion then would not act before the arm has settled. An arm that trembles in a contact
+never rests; its recovery ends after `LONGEST_SETTLING`.
+
 An arm that still touches something when it recovers goes to Idle and holds its pose.
 The contact becomes an error again when the contact ends and another one begins, or when
 its force grows by the threshold. Any other value that is still out of its range becomes
@@ -24,17 +29,14 @@ from collections.abc import Sequence
 
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_errors import ArmError
-from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.hw.franka.simulated.arm_frames import ArmFrames
-from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.franka.simulated.contact_estimate import ContactEstimate
-from station.hw.franka.simulated.motion_follower import (
-    CARTESIAN_GENERATORS,
-    MotionFollower,
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.arm.robot_arm import (
+    REST_VELOCITY,
+    ControllerMode,
+    MotionGeneratorMode,
 )
+from station.hw.franka.simulated.arm_parts import ArmParts
+from station.hw.franka.simulated.motion_follower import CARTESIAN_GENERATORS
 from station.hw.mujoco.world import World
 
 HALTED = (
@@ -52,6 +54,8 @@ _REMEDIES = {
     RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
 }
 
+LONGEST_SETTLING = 500
+"""Cycles of the arm after which it counts as settled although it still trembles."""
 INTERNAL_CONTROLLERS = (
     ControllerMode.JOINT_IMPEDANCE,
     ControllerMode.CARTESIAN_IMPEDANCE,
@@ -64,43 +68,28 @@ class ArmModes:
 
     Args:
         world: The world of the arm.
-        state: The arm's state; `robot_mode` and the success rate are written.
-        cycle: The arithmetic of the arm's cycle.
-        follower: Follows the client's commands.
-        motors: The motors and the internal controllers.
-        frames: Frames and derived state.
-        supervisor: Finds and keeps the errors.
-        contact: External torques and the thresholds for them.
+        parts: The parts of the arm; `robot_mode` and the success rate of its state are
+            written.
 
     Attributes:
         controller: The controller mode of the running motion; None without a motion.
         generator: The motion generator of the running motion.
     """
 
-    def __init__(
-        self,
-        world: World,
-        state: RobotState,
-        *,
-        cycle: ArmCycle,
-        follower: MotionFollower,
-        motors: ArmMotors,
-        frames: ArmFrames,
-        supervisor: ArmSupervisor,
-        contact: ContactEstimate,
-    ) -> None:
+    def __init__(self, world: World, parts: ArmParts) -> None:
         self._world = world
-        self._state = state
-        self._motion = cycle.motion
-        self._positions = cycle.memory.positions
-        self._step = cycle.step
-        self._follower = follower
-        self._motors = motors
-        self._frames = frames
-        self._supervisor = supervisor
-        self._contact = contact
+        self._state = parts.state
+        self._motion = parts.cycle.motion
+        self._positions = parts.cycle.memory.positions
+        self._step = parts.cycle.step
+        self._follower = parts.follower
+        self._motors = parts.motors
+        self._frames = parts.frames
+        self._supervisor = parts.supervisor
+        self._contact = parts.contact
         self.controller: ControllerMode | None = None
         self.generator = MotionGeneratorMode.NONE
+        self._settling = 0
 
     def remedy(self) -> str | None:
         """Return what to do before the arm can move; None when the arm can move."""
@@ -209,13 +198,21 @@ class ArmModes:
         """Forget the errors, and go to Idle as soon as the arm is at rest."""
         self._supervisor.recover()
         self._contact.recover()
+        self._settling = 0
         self._state.robot_mode = RobotMode.AUTOMATIC_ERROR_RECOVERY
         self.finish_recovery()
 
     def finish_recovery(self) -> None:
         """Go from AutomaticErrorRecovery to Idle if the arm is at rest."""
-        if self._motion.is_at_rest():
+        if not self._motion.is_at_rest():
+            return
+        self._settling += 1
+        if self.is_still() or self._settling > LONGEST_SETTLING:
             self._state.robot_mode = RobotMode.IDLE
+
+    def is_still(self) -> bool:
+        """Return whether no joint moves, whatever is desired."""
+        return max(map(abs, self._state.dtheta)) < REST_VELOCITY
 
     def set_user_stop(self, *, pressed: bool) -> None:
         """Press or release the user stop; releasing it clears the errors."""

@@ -20,6 +20,7 @@ from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.kernel.cycle_log import CycleLog
 from station.kernel.doubles import Doubles
+from station.kernel.flags import AlertFlag
 from station.kernel.joint_watch import JointWatch
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
@@ -28,7 +29,7 @@ _WORSE = 0.005
 _WORSE_SHARE = 0.1
 
 
-class ArmSupervisor:
+class ArmSupervisor(AlertFlag):
     """Finds errors in the measured state, and keeps those of the arm.
 
     A value that is still out of its range when the arm recovers, such as a joint beyond
@@ -65,6 +66,7 @@ class ArmSupervisor:
         cycle_log: CycleLog,
         positions: Doubles,
     ) -> None:
+        super().__init__()
         self._state = state
         self._positions = positions
         self._limits = limits
@@ -79,7 +81,6 @@ class ArmSupervisor:
         self._speed = limits.translation.velocity * thresholds.velocity_factor
         self._bad_cycles = 0
         self._known: dict[tuple[str, str], float] = {}
-        self.is_alert = False
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []

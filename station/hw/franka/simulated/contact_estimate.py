@@ -10,6 +10,7 @@ those of the simulation, so nothing is estimated but the load.
 
 from collections.abc import Callable, Sequence
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +23,10 @@ from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
 from station.kernel.doubles import put
+from station.kernel.flags import ContactFlag
+
+if TYPE_CHECKING:
+    from station.kernel.imperfections import Imperfections
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
@@ -37,7 +42,7 @@ _ZEROS = [0.0] * 7
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
-class ContactEstimate:
+class ContactEstimate(ContactFlag):
     """Keeps the external torques and the contact levels of one arm up to date.
 
     Little is computed while nothing touches the arm. Control thread only.
@@ -53,6 +58,8 @@ class ContactEstimate:
     Attributes:
         behavior: The thresholds.
         is_quiet: Whether nothing touches the arm.
+        imperfections: What disturbs the readings in every cycle; None when nothing
+            does.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
     """
@@ -64,7 +71,9 @@ class ContactEstimate:
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
     ) -> None:
+        super().__init__()
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
+        self.imperfections: Imperfections | None = None
         self._joints = joints
         self._state = state
         self._gain = joints.timestep / (
@@ -72,7 +81,6 @@ class ContactEstimate:
         )
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
-        self.is_quiet = True
         self.release = 1.0
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.
@@ -118,6 +126,21 @@ class ContactEstimate:
 
     def renew(self) -> None:
         """Take new frames over; nothing is kept that depends on them."""
+
+    def expect_load(self) -> None:
+        """Take over the torques for the configured load; `update` asks for them."""
+
+    def attend(self, found: int) -> bool:
+        """Do what an unusual cycle of the imperfections asks for; there are none.
+
+        Args:
+            found: What `Imperfections.sense` has returned, not 0.
+
+        Returns:
+            Whether the next command is to be lost on its way.
+        """
+        del found
+        return False
 
     def _update_wrench(self) -> None:
         state = self._state

@@ -14,6 +14,8 @@ from station.hw.franka.arm.arm_names import find_prefix, joint_names
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.hand.hand_limits import OPEN_WIDTH
+from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.end_effector import (
     as_transform,
     end_effector_of,
@@ -21,7 +23,7 @@ from station.hw.franka.simulated.end_effector import (
 )
 from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.franka.simulated.simulated_gripper import OPEN_WIDTH, SimulatedGripper
+from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 from station.hw.mujoco.model_builder import (
     RobotOptions,
     add_robot,
@@ -170,17 +172,16 @@ def _make_arm(
         for column in (0, 4, 8)
     ]
     hand = f"{prefix}hand"
-    arm = SimulatedArm(
+    parts = ArmParts(
         world,
         joint_names(placement.arm_id),
-        description=placement.description,
         limits=placement.limits,
         thresholds=placement.thresholds,
-        service_limits=placement.service_limits,
         hand=hand if hand in urdf.links else f"{prefix}link7",
         gravity=local,
         realism=placement.realism,
     )
+    arm = SimulatedArm(world, parts, placement.description, placement.service_limits)
     arm.frames.set_end_effector(
         end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
     )

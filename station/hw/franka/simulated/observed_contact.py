@@ -59,7 +59,8 @@ class ObservedContact(ContactEstimate):
         cycle: ArmCycle,
         simulator: SimulatorMemory,
     ) -> None:
-        self.imperfections = Imperfections(
+        super().__init__(joints, state, limits, load_torques)
+        self.imperfections: Imperfections = Imperfections(
             cycle.memory,
             simulator,
             noise=_random_numbers(realism.seed),
@@ -80,7 +81,6 @@ class ObservedContact(ContactEstimate):
             3.0 / (2.0 * pi * realism.observer_frequency * joints.timestep)
         )
         self._settling = 0
-        super().__init__(joints, state, limits, load_torques)
         self.set_behavior(self.behavior)
         self.release = _RELEASE
 
@@ -97,15 +97,8 @@ class ObservedContact(ContactEstimate):
         )
         put(self.imperfections.lower, map(min, nominal, accelerating))
 
+    @override
     def attend(self, found: int) -> bool:
-        """Do what an unusual cycle asks for.
-
-        Args:
-            found: What `Imperfections.sense` has returned, not 0.
-
-        Returns:
-            Whether the next command is to be lost on its way.
-        """
         if found & MOVED:
             self.renew()
         if found & TOUCHED:
@@ -129,8 +122,8 @@ class ObservedContact(ContactEstimate):
         )
         return found
 
+    @override
     def expect_load(self) -> None:
-        """Take over the torques for the configured load."""
         put(self.imperfections.expected, self._load_torques() or [0.0] * 7)
 
     @override

@@ -7,37 +7,26 @@ from typing_extensions import override
 from station.core.description.robot_files import RobotFiles
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
-from station.core.franka.franka_model import GRAVITY_EARTH, FrankaModel
+from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
+    Receivers,
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.arm_drive import ArmDrive
-from station.hw.franka.simulated.arm_frames import ArmFrames
-from station.hw.franka.simulated.arm_load import ArmLoad
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
-from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.arm_sensors import ArmSensors
-from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.franka.simulated.contact_estimate import ContactEstimate
-from station.hw.franka.simulated.motion_follower import MotionFollower
-from station.hw.franka.simulated.observed_contact import ObservedContact
-from station.hw.franka.simulated.realism import Realism
-from station.hw.franka.simulated.sensor_faults import SensorFaults
+from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.mujoco.world import World
-from station.kernel.arm_codes import UNUSUAL
+from station.kernel.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
 from station.kernel.arm_reading import Cycles, SimulatedCycles
-from station.kernel.command_sending import Receiver, TorqueReceiver
+from station.kernel.command_sending import JointReceiver, TorqueReceiver
 from station.kernel.doubles import Storage
 
 _ZEROS = [0.0] * 7
@@ -59,121 +48,59 @@ class SimulatedArm(RobotArm):
 
     Args:
         world: The world, with gravity compensation for this arm.
-        joint_names: The arm's 7 joints in that world, from base to flange.
+        parts: What the arm is made of.
         description: The URDF of the arm.
-        limits: Limits of this kind of arm.
-        thresholds: Thresholds that Franka does not publish.
-        hand: Body that a simulated collision hits.
-        gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
         service_limits: The largest pushes.
-        realism: What disturbs the arm; None for an ideal arm.
 
     Attributes:
+        limits: Limits of this kind of arm.
         frames: Frames and derived state.
+        motors: The motors and the internal controllers.
+        load: The configured load.
+        contact: External torques and the thresholds for them.
         supervisor: Finds and keeps the errors.
         preparation: Takes the commands, advances the desired motion, and sets the
             motors' controls in a usual cycle; `attend` does in any other.
     """
 
-    def __init__(  # noqa: PLR0913 - what an arm can be made with
+    def __init__(
         self,
         world: World,
-        joint_names: Sequence[str],
-        *,
+        parts: ArmParts,
         description: RobotFiles,
-        limits: ArmLimits = PANDA_LIMITS,
-        thresholds: SupervisorLimits | None = None,
-        hand: str = "",
-        gravity: Sequence[float] = GRAVITY_EARTH,
-        service_limits: ServiceLimits | None = None,
-        realism: Realism | None = None,
+        service_limits: ServiceLimits,
     ) -> None:
+        self._world, self._description = world, description
         self.cycle_time = world.timestep
-        state = self.state = RobotState()
-        state.O_ddP_O = gravity
-        self.limits = limits
-        self._world = world
-        joints = world.joints(joint_names)
-        thresholds = thresholds or SupervisorLimits()
-        simulator = joints.simulator_memory()
-        cycle = ArmCycle(
-            state,
-            limits,
-            thresholds,
-            simulator,
-            world.timestep,
-            is_rigid=realism is None,
-        )
-        self._positions = cycle.memory.positions
-        self._motion, self._step = cycle.motion, cycle.step
-        self._follower = MotionFollower(state, cycle, limits, world.timestep)
-        self.motors = ArmMotors(joints, state, cycle)
-        self.load = ArmLoad(gravity)
-        self._description, self.frames = description, ArmFrames(state)
-        self.supervisor = ArmSupervisor(
-            state, limits, thresholds, cycle.watch, cycle.log, self._positions
-        )
-        self.supervisor.has_hand = hand.endswith("_hand")
-        self._faults = SensorFaults(world, joints, hand)
-        self._sensors = ArmSensors(
-            joints,
-            state,
-            positions=self._positions,
-            step=cycle.step,
-            load=self.load,
-            faults=self._faults,
-            period=world.timestep,
-        )
-        seen = (joints, state, limits, self._sensors.load_torques)
-        self._observed: ObservedContact | None = None
-        if realism is not None:
-            self._observed = ObservedContact(*seen, realism, cycle, simulator)
-            world.add_preparation(self._observed.imperfections)
-            cycle.motors.is_late = realism.commands_are_late
-        self.contact = self._observed or ContactEstimate(*seen)
-        self._modes = ArmModes(
-            world,
-            state,
-            cycle=cycle,
-            follower=self._follower,
-            motors=self.motors,
-            frames=self.frames,
-            supervisor=self.supervisor,
-            contact=self.contact,
-        )
-        self._drive = ArmDrive(
-            state,
-            modes=self._modes,
-            cycle=cycle,
-            follower=self._follower,
-            motors=self.motors,
-            load=self.load,
-            faults=self._faults,
-            period=world.timestep,
-        )
+        self.state, self.limits = parts.state, parts.limits
+        self.frames, self.load = parts.frames, parts.load
+        self.motors, self.contact = parts.motors, parts.contact
+        self.supervisor = parts.supervisor
+        self._faults, self._sensors = parts.faults, parts.sensors
+        self._follower = parts.follower
+        self._motion, self._step = parts.cycle.motion, parts.cycle.step
+        self._positions = parts.cycle.memory.positions
+        self._modes = ArmModes(world, parts)
+        self._drive = ArmDrive(parts, self._modes)
         self.preparation, self.attend = self._step, self._drive.attend
-        self._controls = SimulatedArmControls(
-            world,
-            self._modes,
-            self._faults,
-            cycle.step,
-            service_limits or ServiceLimits(),
-            joint_names,
-        )
+        self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
             world.stepping,
-            state=state,
+            state=self.state,
             period=world.timestep,
             contact=self.contact,
             supervisor=self.supervisor,
             read_closely=self._sensors.read,
-            imperfections=self._observed.imperfections if self._observed else None,
-            expect_load=self._expect_load,
+            imperfections=self.contact.imperfections,
+            expect_load=self.contact.expect_load,
             attend=self._attend_to_contact,
             supervise=self._supervise,
         )
         self.after_reset()
+        # Preparations run in the order of their adding: friction acts before the arm.
+        if self.contact.imperfections is not None:
+            world.add_preparation(self.contact.imperfections)
         world.add_actor(self)
 
     @override
@@ -182,8 +109,13 @@ class SimulatedArm(RobotArm):
         return self.state
 
     @override
-    def torque_receiver(self) -> Receiver:
-        return TorqueReceiver(self.command_joint_torques, self._step)
+    def receivers(self) -> Receivers:
+        step = self._step
+        return Receivers(
+            JointReceiver(self.command_joint_positions, step, POSITIONS),
+            JointReceiver(self.command_joint_velocities, step, VELOCITIES),
+            TorqueReceiver(self.command_joint_torques, step),
+        )
 
     @override
     def cycles(self) -> Cycles:
@@ -286,7 +218,7 @@ class SimulatedArm(RobotArm):
         self.frames.set_load(load)
         self.load.load = load
         self._step.has_load = bool(load.mass)
-        self._expect_load()
+        self.contact.expect_load()
         self.motors.carry(_ZEROS)
 
     @override
@@ -337,21 +269,15 @@ class SimulatedArm(RobotArm):
         self.supervisor.look_again()
         self._follower.begin(self._modes.generator)
         self._sensors.read(self._cycles.seen * self.cycle_time)
-        if self._observed is not None:
-            self._observed.imperfections.wind_up()
+        if self.contact.imperfections is not None:
+            self.contact.imperfections.wind_up()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _expect_load(self) -> None:
-        if self._observed is not None:
-            self._observed.expect_load()
-
     def _attend_to_contact(self, found: int) -> None:
         """Look closer at a contact; now and then a command is lost."""
-        if self._observed is None or not self._observed.attend(found):
-            return
-        if self.state.robot_mode is RobotMode.MOVE:
+        if self.contact.attend(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 

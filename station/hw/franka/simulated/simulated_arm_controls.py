@@ -14,10 +14,9 @@ from station.hw.franka.arm.service_limits import (
     field_error,
 )
 from station.hw.franka.simulated.arm_modes import ArmModes
-from station.hw.franka.simulated.sensor_faults import SensorFaults
+from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.mujoco.push import WORLD, as_push
 from station.hw.mujoco.world import World
-from station.kernel.arm_step import ArmStep
 
 
 class SimulatedArmControls(ArmSimulation):
@@ -25,28 +24,20 @@ class SimulatedArmControls(ArmSimulation):
 
     Args:
         world: The world of the arm.
+        parts: The parts of the arm.
         modes: The modes of the arm.
-        faults: The faults of the arm.
-        step: The arm's cycle, which is told that faults are active.
         limits: The largest pushes.
-        joint_names: The arm's joints in the world.
     """
 
     def __init__(
-        self,
-        world: World,
-        modes: ArmModes,
-        faults: SensorFaults,
-        step: ArmStep,
-        limits: ServiceLimits,
-        joint_names: Sequence[str],
+        self, world: World, parts: ArmParts, modes: ArmModes, limits: ServiceLimits
     ) -> None:
-        self._joint_names = tuple(joint_names)
-        self._step = step
+        self._joint_names = parts.joint_names
+        self._step = parts.cycle.step
         self._world = world
         self._limits = limits
         self._modes = modes
-        self._faults = faults
+        self._faults = parts.faults
 
     @override
     def set_user_stop(self, *, pressed: bool) -> None:

@@ -2,14 +2,11 @@
 
 from math import sqrt
 
-from station.hw.franka.hand.hand_services import MAX_FORCE
+from station.hw.franka.hand.hand_limits import MAX_FORCE, OPEN_WIDTH
 from station.hw.mujoco.world import World
 from station.kernel.doubles import Doubles
 from station.kernel.finger_motor import FingerMotor, FingerSensor
 
-OPEN_WIDTH = 0.08
-"""Distance between the fingers when the hand is open [m]. Source: the limits of the
-finger joints in panda.urdf, 0.04 m each."""
 _STIFFNESS = 5000.0
 _SPEED = 0.2
 """Largest velocity of each finger [m/s]. Source: the velocity limit of the

@@ -3,6 +3,51 @@ import { refusals } from "./refusals.js";
 
 const API = "/api/v1";
 const AGAIN_MS = 700;
+const LONGEST_LOOK_MS = 20000;
+
+// A browser keeps six connections to the dashboard, for all its tabs, and a station that
+// hangs would keep them all. So what has to go on to the station takes turns, a few looks
+// and a few actions at a time, and looks at a station that is lost are given up: there is
+// a connection left for STOP and for the strip.
+class Turns {
+  constructor(most) {
+    this.free = most;
+    this.waiting = [];
+  }
+
+  async take() {
+    if (this.free > 0) this.free -= 1;
+    else await new Promise((go) => this.waiting.push(go));
+  }
+
+  give() {
+    const next = this.waiting.shift();
+    if (next) next();
+    else this.free += 1;
+  }
+}
+
+const looks = new Turns(2);
+const actions = new Turns(2);
+let lost = new AbortController();
+window.addEventListener("station-bar", ({ detail }) => {
+  if (detail.link !== "lost") return;
+  lost.abort();
+  lost = new AbortController();
+});
+
+async function fetched(method, path, options) {
+  const isForStation = path.startsWith(API) || path.startsWith("/workspace/control");
+  if (!isForStation) return fetch(path, options);
+  const turns = method === "GET" ? looks : actions;
+  await turns.take();
+  try {
+    const signal = method === "GET" ? AbortSignal.any([lost.signal, AbortSignal.timeout(LONGEST_LOOK_MS)]) : undefined;
+    return await fetch(path, { ...options, signal });
+  } finally {
+    turns.give();
+  }
+}
 
 /** A refusal of the station, in its own words. */
 export class Refusal extends Error {
@@ -21,7 +66,7 @@ export class Refusal extends Error {
 export async function send(method, path, body, headers = {}) {
   let answer;
   try {
-    answer = await fetch(path, {
+    answer = await fetched(method, path, {
       method,
       headers: body === undefined ? headers : { "Content-Type": "application/json", ...headers },
       body: body === undefined ? undefined : typeof body === "string" ? body : JSON.stringify(body),
@@ -55,6 +100,13 @@ function address(path) {
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
 }
 
+const broken = new Set(); // sockets that wait to be opened again
+let link = "";
+window.addEventListener("station-bar", ({ detail }) => {
+  if (detail.link === "live" && link !== "live") for (const socket of [...broken]) socket.open();
+  link = detail.link;
+});
+
 /** A socket that opens again after the station or the dashboard has restarted. */
 class Socket {
   constructor(path, onMessage) {
@@ -65,10 +117,15 @@ class Socket {
   }
 
   open() {
+    clearTimeout(this.timer);
+    broken.delete(this);
     if (!this.wanted) return;
     this.socket = new WebSocket(address(this.path));
     this.socket.onmessage = (event) => this.onMessage(JSON.parse(event.data));
-    this.socket.onclose = () => setTimeout(() => this.open(), AGAIN_MS);
+    this.socket.onclose = () => {
+      this.timer = setTimeout(() => this.open(), AGAIN_MS);
+      broken.add(this);
+    };
   }
 
   say(message) {
@@ -79,6 +136,7 @@ class Socket {
 
   close() {
     this.wanted = false;
+    broken.delete(this);
     this.socket.onclose = null;
     this.socket.close();
   }

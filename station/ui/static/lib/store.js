@@ -117,6 +117,6 @@ export async function enableSliders() {
     });
     if (!loaded) return;
   }
-  await act("POST", "/controllers/switch", { start: [wanted.name], stop: wanted.replaces });
+  await act("POST", "/controllers/switch", { start: [wanted.name, ...wanted.also], stop: wanted.replaces });
   await store.refresh();
 }

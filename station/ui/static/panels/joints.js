@@ -13,7 +13,8 @@ class Joints extends Panel {
   build() {
     this.unit = kept.get("angle", "deg");
     this.rows = new Map();
-    this.desired = [];
+    this.desired = new Map(); // what each joint is told, by its controller
+    this.endsOfSamples = [];
     const choose = (unit) => {
       const button = h("button", { class: "s", type: "button" }, unit);
       button.addEventListener("click", () => this.setUnit(unit));
@@ -112,17 +113,15 @@ class Joints extends Panel {
     const names = docks.joints;
     if (names.join() !== [...this.rows.keys()].join()) this.buildRows(names);
     const operated = docks.operated;
-    if (operated.name !== this.operatedName) {
-      this.operatedName = operated.name;
-      this.endOfSample?.();
-      this.desired = [];
-      if (operated.name)
-        this.endOfSample = follow(`controller_state/${operated.name}`, "rate=12&fields=name,desired", (frame) => {
-          this.desired = frame.data.desired;
-          this.desiredNames = frame.data.name;
-        });
+    if (operated.names.join() !== this.operatedNames) {
+      this.operatedNames = operated.names.join();
+      for (const end of this.endsOfSamples) end();
+      this.desired.clear();
+      this.endsOfSamples = operated.names.map((name) =>
+        follow(`controller_state/${name}`, "rate=12&fields=name,desired", ({ data }) => data.name.forEach((joint, i) => this.desired.set(joint, data.desired[i]))),
+      );
     }
-    const may = Boolean(operated.name) && !operated.reason && store.isOperator;
+    const may = operated.names.length > 0 && !operated.reason && store.isOperator;
     for (const [joint, row] of this.rows) {
       const element = operated.elements.find((e) => e.name === joint);
       const usable = may && Boolean(element);
@@ -143,7 +142,7 @@ class Joints extends Panel {
         : operated.reason
       : going > 1e-6
         ? `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`
-        : `${operated.name} takes values: type one and press Enter, or hold − and +.`;
+        : `${operated.names.join(" and ")} ${operated.names.length > 1 ? "take" : "takes"} values: type one and press Enter, or hold − and +.`;
     show(this.state, text);
     this.state.classList.toggle("warn", Boolean(operated.reason));
   }
@@ -239,7 +238,7 @@ class Joints extends Panel {
   }
 
   drawCommand(joint, row, digits) {
-    const value = this.desired[this.desiredNames?.indexOf(joint) ?? -1];
+    const value = this.desired.get(joint);
     row.told.hidden = value == null || row.element?.unit !== "rad";
     if (value == null) {
       if (document.activeElement !== row.input) row.input.value = "";

@@ -54,7 +54,7 @@ class Plots extends Panel {
 
   listChannels() {
     const { joints, arms, operated } = store.docks;
-    const key = [joints, arms.map((a) => a.arm_id), operated.name].join("|");
+    const key = [joints, arms.map((a) => a.arm_id), operated.names].join("|");
     if (key === this.listed) return;
     this.listed = key;
     this.streamed.want(this.wanted ?? []);
@@ -70,14 +70,11 @@ class Plots extends Panel {
       ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_T_EE/${12 + i}`, { label: `${prefixed}hand ${axis}`, unit: "m", group: arm }));
       ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_F_ext_hat_K/${i}`, { label: `${prefixed}force ${axis}`, unit: "N", group: arm }));
     }
-    if (operated.name)
-      for (const field of Object.keys(SAMPLE_UNITS))
-        for (const [i, element] of operated.elements.entries())
-          this.channels.set(`sample/${field}/${i}`, { label: `${field} ${element.name.slice(prefix.length)}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit, group: operated.name });
-    this.endOfSample?.();
-    this.endOfSample = operated.name
-      ? follow(`controller_state/${operated.name}`, "rate=30", (frame) => this.hearSample(frame))
-      : null;
+    for (const field of Object.keys(SAMPLE_UNITS))
+      for (const element of operated.elements)
+        this.channels.set(`sample/${field}/${element.name}`, { label: `${field} ${element.name.slice(prefix.length)}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit });
+    for (const end of this.endsOfSamples ?? []) end();
+    this.endsOfSamples = operated.names.map((name) => follow(`controller_state/${name}`, "rate=30", (frame) => this.hearSample(frame)));
     if (before !== [...this.channels.keys()].join()) for (const entry of this.plots) this.apply(entry);
   }
 
@@ -105,8 +102,9 @@ class Plots extends Panel {
 
   hearSample(frame) {
     for (const key of this.wanted ?? []) {
-      const [first, field, index] = key.split("/");
-      if (first === "sample") this.history(key).add(frame.stamp, frame.data[field]?.[Number(index)]);
+      const [first, field, joint] = key.split("/");
+      const i = first === "sample" ? frame.data.name.indexOf(joint) : -1;
+      if (i >= 0) this.history(key).add(frame.stamp, frame.data[field]?.[i]);
     }
   }
 

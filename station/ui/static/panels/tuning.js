@@ -65,7 +65,7 @@ class Tuning extends Panel {
 
   /** Show the controller that has just been started. */
   follow() {
-    const running = store.docks.operated.name;
+    const running = store.docks.operated.names[0];
     if (!running || running === this.followed) return;
     this.followed = running;
     if (this.choice.value === running) return;

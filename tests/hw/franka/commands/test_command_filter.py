@@ -34,20 +34,27 @@ class Filter:
 
     def positions(self, q, state, *, goals) -> list[float]:
         put(self.commands.positions, goals)
-        self.filter.note_goals()
+        rates = self.filter.rates
+        rates.note_goals()
         put(self.commands.positions, q)
-        self.filter.positions()
-        return [*self.filter.result]
+        self._prepare()
+        rates.filter_positions()
+        return [*rates.result]
 
     def velocities(self, dq, state) -> list[float]:
         put(self.commands.velocities, dq)
-        self.filter.velocities()
-        return [*self.filter.result]
+        self._prepare()
+        self.filter.rates.filter_velocities()
+        return [*self.filter.rates.result]
 
     def torques(self, tau, state) -> list[float]:
         put(self.commands.efforts, tau)
         self.filter.rates.filter_torques()
-        return [*self.filter.result]
+        return [*self.filter.rates.result]
+
+    def _prepare(self) -> None:
+        if self.filter.prepare is not None:
+            self.filter.prepare()
 
 
 def follow(state: RobotState, q: list[float]) -> None:

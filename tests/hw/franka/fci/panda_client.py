@@ -124,7 +124,6 @@ def collision(panda, _host):
     except RuntimeError as error:
         said = str(error)
     after = robot.read_once()
-    time.sleep(0.3)  # the hand bounces off the table
     panda.recover()
     recovered = robot.read_once()
     return {

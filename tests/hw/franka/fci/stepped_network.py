@@ -17,7 +17,7 @@ class SteppedNetwork:
 
     def __init__(self, arm, protocol=PANDA):
         self.arm = arm
-        self.session = RobotSession(arm, protocol=protocol)
+        self.session = RobotSession(arm, protocols=[protocol])
         self.udp_port = 4711
         self.messages = 0
         self.is_silent = self.is_closed = False

@@ -136,7 +136,7 @@ from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from tests.hw.franka.scripted_arm import ScriptedArm
 
-settings = FciSettings(sys.argv[1], protocol=dataclasses.replace(PANDA, version=6))
+settings = FciSettings(sys.argv[1], protocols=[dataclasses.replace(PANDA, version=6)])
 server = FciServer(ScriptedArm(), None, settings, lambda _a, _s: None)
 print("ready", flush=True)
 server.run(lambda: False)

@@ -7,10 +7,14 @@ from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import error_names
-from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.arm.robot_arm import (
+    REST_VELOCITY,
+    ControllerMode,
+    MotionGeneratorMode,
+)
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
-from station.hw.franka.simulated.arm_modes import HALTED
+from station.hw.franka.simulated.arm_modes import HALTED, LONGEST_SETTLING
 from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
@@ -76,7 +80,7 @@ def test_motion_is_refused_while_the_arm_recovers(arm):
     assert arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY
     with pytest.raises(ArmCommandError, match="wait until the arm is at rest"):
         arm.start_motion(IMPEDANCE, VELOCITY)
-    run(arm, 200)
+    run(arm, LONGEST_SETTLING)
     arm.start_motion(IMPEDANCE, VELOCITY)
 
 
@@ -90,10 +94,33 @@ def test_recovery_without_an_error_changes_nothing(arm):
 
 def test_recovering_twice_is_recovering_once(arm):
     hit(arm)
-    run(arm, 200)
+    run(arm, LONGEST_SETTLING)
     arm.automatic_error_recovery()
     arm.automatic_error_recovery()
     assert arm.state.robot_mode is RobotMode.IDLE
+
+
+def test_recovery_ends_when_the_arm_itself_is_at_rest(arm):
+    hit(arm)
+    arm.automatic_error_recovery()
+    cycles = 0
+    while arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+        arm.read_once()
+        cycles += 1
+    assert 10 < cycles < LONGEST_SETTLING
+    assert arm.state.robot_mode is RobotMode.IDLE
+    assert max(map(abs, arm.state.dtheta)) < REST_VELOCITY
+
+
+def test_recovery_of_an_arm_that_trembles_ends_all_the_same(arm):
+    hit(arm)
+    arm.automatic_error_recovery()
+    for cycle in range(LONGEST_SETTLING + 50):
+        push = 5.0 if cycle % 20 < 10 else -5.0
+        arm.simulation().apply_force("panda_link7", [0.0, 0.0, push], NONE, 0.001)
+        arm.read_once()
+    assert arm.state.robot_mode is RobotMode.IDLE
+    assert max(map(abs, arm.state.dtheta)) > REST_VELOCITY
 
 
 @pytest.mark.parametrize("press_in", ["idle", "move", "reflex", "recovery", "guiding"])

@@ -7,14 +7,15 @@ from typing import Any
 
 from station.core.errors import ArmCommandError, InvalidCommandError, StationError
 from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.fci.driver.fci_client import RobotAnswer, robot_client
 from station.hw.franka.fci.driver.network import (
     SLICE,
     UDP_TIMEOUT,
     FciNetworkError,
     Network,
 )
+from station.hw.franka.fci.driver.reconnection import Reconnection
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
-from station.hw.franka.fci.driver.robot_client import RobotAnswer, RobotClient
 from station.hw.franka.fci.driver.state_reader import StateReader
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
@@ -31,16 +32,20 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 class ArmLink:
     """Receives states and asks for things, until the arm is lost. Control thread.
 
+    A lost arm is connected to again when somebody asks for it, by another thread.
+
     Args:
         network: The connection to the arm.
         protocol: The version that is spoken.
         state: The state to keep up to date.
         on_state: Called after every state that was read.
         on_loss: Called when the arm is lost.
+        reopen: Opens a new connection to the arm; None for an arm that stays lost.
 
     Attributes:
         reader: The newest state's number and modes.
         loss: Why the arm is lost; None while it is there.
+        is_returning: Whether a new connection to a lost arm is being made.
 
     Raises:
         FciNetworkError: The arm does not answer.
@@ -55,12 +60,15 @@ class ArmLink:
         *,
         on_state: Callable[[], None],
         on_loss: Callable[[], None],
+        reopen: Callable[[], Network] | None = None,
     ) -> None:
         self._network = network
         self._on_state, self._on_loss = on_state, on_loss
-        self._client = RobotClient(network, protocol)
+        self._client = robot_client(network, protocol)
         self.reader = StateReader(state, protocol, CYCLE_TIME)
         self.loss: str | None = None
+        self.is_returning = False
+        self._reconnection = reopen and Reconnection(reopen, protocol)
         self._silence = 0.0
         self._counted = 0  # message_id up to which `count` has told
 
@@ -84,6 +92,38 @@ class ArmLink:
             self._network.close()
             raise
         self._counted = self.reader.message_id
+
+    def begin_return(self, settings: list[tuple[Command, Mapping[str, Any]]]) -> None:
+        """Let a lost arm be connected to again; `receive_return` finds the connection.
+
+        Args:
+            settings: Requests that follow the connection.
+
+        Raises:
+            ArmCommandError: This arm stays lost.
+        """
+        if self._reconnection is None:
+            raise self._told()
+        if not self.is_returning:
+            self.is_returning = True
+            self._reconnection.ask(settings)
+
+    def receive_return(self) -> bool:
+        """Take a new connection over if it is there; return whether it is.
+
+        When none could be made, `loss` is why.
+        """
+        found = self._reconnection and self._reconnection.take()
+        if not found or not self.is_returning:
+            return False
+        self.is_returning = False
+        if isinstance(found, str):
+            self.loss = found
+            return False
+        self._network, self._client = found.network, found.client
+        self.reader.begin_anew(found.message_id)
+        self._counted, self._silence, self.loss = found.message_id, 0.0, None
+        return True
 
     def receive(self) -> bool:
         """Wait for a newer state, `SLICE` at most; return whether one has come.
@@ -188,6 +228,8 @@ class ArmLink:
 
     def close(self) -> None:
         """Hang up."""
+        if self._reconnection is not None:
+            self._reconnection.close()
         self._network.close()
 
     def _read(self) -> None:
@@ -212,11 +254,13 @@ class ArmLink:
     def _lose(self, error: StationError) -> ArmCommandError:
         """Give the arm up; return what a caller is told."""
         self.loss = error.message
+        # The arm takes one client: it must see that this one has gone.
+        self._network.close()
         self._on_loss()
         return self._told()
 
     def _told(self) -> ArmCommandError:
         return ArmCommandError(
             f"The arm is lost: {self.loss}.",
-            remedy="Restore the connection and restart the station.",
+            remedy="Restore the connection, then recover the arm.",
         )

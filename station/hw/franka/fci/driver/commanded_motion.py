@@ -15,6 +15,7 @@ from station.hw.franka.fci.driver.command_writer import CommandWriter
 from station.hw.franka.fci.driver.motion_log import MotionLog
 from station.hw.franka.fci.driver.state_reader import StateReader
 from station.hw.franka.fci.wire.robot_protocol import (
+    PANDA,
     MoveController,
     MoveGenerator,
     RobotProtocol,
@@ -24,7 +25,7 @@ from station.kernel.doubles import Storage
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
 """Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""
 _CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
-_GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
+_GENERATORS = {MotionGeneratorMode[g.name]: g for g in PANDA.generators}
 # Torques alone are a motion with joint velocities that are zero, as in libfranka.
 _GENERATORS[MotionGeneratorMode.NONE] = MoveGenerator.JOINT_VELOCITY
 _FIELDS = {

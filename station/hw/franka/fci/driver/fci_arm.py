@@ -20,6 +20,7 @@ from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
+    MEASURED_REST,
     REST_VELOCITY,
     ControllerMode,
     MotionGeneratorMode,
@@ -27,10 +28,10 @@ from station.hw.franka.arm.robot_arm import (
 )
 from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
+from station.hw.franka.fci.driver.fci_client import RobotAnswer
 from station.hw.franka.fci.driver.network import Network
 from station.hw.franka.fci.driver.realtime import realtime_problem
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
-from station.hw.franka.fci.driver.robot_client import RobotAnswer
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
@@ -39,9 +40,6 @@ from station.hw.franka.fci.wire.robot_protocol import (
 )
 from station.kernel.doubles import Storage
 
-MEASURED_REST = 0.02
-"""Joints that are measured slower than this are at rest [rad/s]: the noise of a real
-arm's velocities is 3 mrad/s (see `Realism`)."""
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""
 
@@ -53,7 +51,8 @@ class FciArm(RobotArm):
     no motion runs. A motion is stopped without waiting.
 
     An arm that is lost (no state for `UDP_TIMEOUT`, or a broken connection) is in mode
-    Other from then on, and `read_once` returns at once.
+    Other from then on, and `read_once` returns at once. A recovery connects again, in
+    another thread; until then the arm is in mode AutomaticErrorRecovery.
 
     Args:
         network: The connection to the arm.
@@ -61,6 +60,7 @@ class FciArm(RobotArm):
         is_enforced: Whether a motion needs a real-time thread (`realtime_config`).
         protocol: The version that is spoken.
         find_problem: Returns why a thread is not real-time enough; None if it is.
+        reopen: Opens a new connection to a lost arm; None for an arm that stays lost.
 
     Raises:
         FciNetworkError: The arm does not answer.
@@ -75,6 +75,7 @@ class FciArm(RobotArm):
         is_enforced: bool = True,
         protocol: RobotProtocol = PANDA,
         find_problem: Callable[[int], str | None] = realtime_problem,
+        reopen: Callable[[], Network] | None = None,
     ) -> None:
         self.cycle_time = CYCLE_TIME
         self.state = RobotState()
@@ -86,6 +87,7 @@ class FciArm(RobotArm):
             self.state,
             on_state=self._take_state,
             on_loss=self._give_up,
+            reopen=reopen,
         )
         self._reader = self._link.reader
         self._commands = CommandedMotion(
@@ -98,6 +100,7 @@ class FciArm(RobotArm):
         self._recovery: int | None = None
         self._failure = ""  # why the last motion, stop or recovery failed
         self._has_failed = False
+        self._behavior: Mapping[str, Any] | None = None
         self._due = 0  # states that `wait` has taken and `read_once` has not
         self._thread = threading.get_native_id()
         self._link.connect()
@@ -109,6 +112,8 @@ class FciArm(RobotArm):
         states were lost or came while the loop did something else. `read_once` then
         returns at once, as often as cycles have elapsed.
         """
+        if self._link.loss is not None:
+            self._look_for_return()
         if self._link.loss is None:
             self._link.receive()
         else:
@@ -120,6 +125,8 @@ class FciArm(RobotArm):
     def read_once(self) -> RobotState:
         self._commands.begin_cycle()
         self._thread = threading.get_native_id()
+        if self._link.loss is not None:
+            self._look_for_return()
         if self._due > 0:
             self._due -= 1
         elif self._link.loss is None:
@@ -260,11 +267,16 @@ class FciArm(RobotArm):
 
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
-        self._set(Command.SET_COLLISION_BEHAVIOR, asdict(behavior))
+        values = asdict(behavior)
+        self._set(Command.SET_COLLISION_BEHAVIOR, values)
+        self._behavior = values
+
+    @override
+    def is_lost(self) -> bool:
+        return self._link.loss is not None
 
     @override
     def check_recovery(self) -> None:
-        self._link.check()
         if self.state.robot_mode is RobotMode.USER_STOPPED:
             raise ArmCommandError(
                 "The arm cannot recover: the user stop is pressed.",
@@ -273,6 +285,12 @@ class FciArm(RobotArm):
 
     @override
     def automatic_error_recovery(self) -> None:
+        if self._link.loss is not None:
+            behavior = self._behavior
+            setting = Command.SET_COLLISION_BEHAVIOR
+            self._link.begin_return([] if behavior is None else [(setting, behavior)])
+            self._show_mode()
+            return
         self.check_recovery()
         if self.state.robot_mode is not RobotMode.REFLEX or self._recovery is not None:
             return
@@ -299,7 +317,7 @@ class FciArm(RobotArm):
     @override
     def remedy(self) -> str | None:
         if self._link.loss is not None:
-            return "restore the connection and restart the station"
+            return f"restore the connection, then recover ({self._link.loss})"
         todo = REMEDIES.get(self._shown_mode())
         return f"{todo} ({self._failure})" if todo and self._failure else todo
 
@@ -330,8 +348,18 @@ class FciArm(RobotArm):
         self._commands.end()
         self.state.robot_mode = RobotMode.OTHER
 
+    def _look_for_return(self) -> None:
+        """Go on with a new connection if there is one."""
+        if self._link.is_returning:
+            if self._link.receive_return():
+                self._failure, self._has_failed = "", False
+                self._link.receive_next()
+            self._show_mode()
+
     def _shown_mode(self) -> RobotMode:
         """Return the arm's mode; a motion that nobody here commands is none."""
+        if self._link.is_returning:
+            return RobotMode.AUTOMATIC_ERROR_RECOVERY
         if self._link.loss is not None:
             return RobotMode.OTHER
         mode = self._reader.robot_mode

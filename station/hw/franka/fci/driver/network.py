@@ -37,6 +37,9 @@ class Network(Protocol):
 
     udp_port: int
 
+    def fileno(self) -> int:
+        """Return the descriptor of the TCP stream, for `select`."""
+
     def send(self, data: bytes) -> None:
         """Send bytes of the TCP stream."""
 
@@ -91,6 +94,10 @@ class FciNetwork:
         # A receive that times out in the kernel is one call; settimeout makes it two.
         timeout = _TIMEVAL.pack(0, round(SLICE * 1e6))
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeout)
+
+    def fileno(self) -> int:
+        """Return the descriptor of the TCP stream, for `select`."""
+        return self._tcp.fileno()
 
     def send(self, data: bytes) -> None:
         """Send bytes of the TCP stream.

@@ -33,6 +33,8 @@ _WORDS = {
         "command rejected: manual error recovery required!"
     ),
     "ABORTED": "command aborted!",
+    "PREEMPTED_BY_SAFETY": "command preempted due to activated safety function!",
+    "REJECTED_BY_SAFETY": "command rejected due to activated safety function!",
 }
 _WORDS_OF_MOVE = {
     "INVALID_ARGUMENT_REJECTED": (

@@ -80,6 +80,14 @@ class StateReader:
         number: int = _ID.unpack_from(self.message, 0)[0]
         return number > self.message_id
 
+    def begin_anew(self, message_id: int) -> None:
+        """Take states of a new connection, which counts anew.
+
+        Args:
+            message_id: Number of the newest state that has been received.
+        """
+        self.message_id = message_id
+
     def read(self) -> None:
         """Bring the state up to date with `message`, all but its `robot_mode`."""
         message, state, places = self.message, self._state, self._places

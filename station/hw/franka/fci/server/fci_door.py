@@ -1,4 +1,4 @@
-"""The process between the clients of an arm and the station that has the arm.
+"""The process between clients of an arm or its hand, and the station that has them.
 
 It moves bytes: between TCP and a pipe to the station, and between UDP and the memory
 that it shares with the control thread. What they mean is settled in the station.
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from station.hw.franka.fci.server.client_port import ClientPort
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
 
 OPEN, DATA, LEAVE = 1, 2, 3
 """Kinds of frames from this process: a new client, its bytes, its end."""
+OF_HAND = 16
+"""Is added to the kind of a frame that a client of the hand is the reason for."""
+MEMORY_BYTES = 2 * PAGE_BYTES
+"""Size of the memory that is shared [bytes]: the page of the arm, that of the hand."""
 ANSWER, REFUSAL = 4, 5
 """Kinds of frames to this process: answers behind the UDP port; why it must go."""
 FRAME = struct.Struct("<BI")
@@ -70,13 +75,14 @@ class RelayedSession:
 
     Args:
         pipe: The pipe to the station.
+        channel: What is added to the kinds of frames.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.
     """
 
-    def __init__(self, pipe: socket.socket) -> None:
-        self._pipe = pipe
+    def __init__(self, pipe: socket.socket, channel: int = 0) -> None:
+        self._pipe, self._channel = pipe, channel
         self.udp_port: int | None = None
         self._ask(OPEN)
 
@@ -94,7 +100,7 @@ class RelayedSession:
             self._ask(LEAVE)
 
     def _ask(self, kind: int, data: bytes = b"") -> bytes:
-        send_frame(self._pipe, kind, data)
+        send_frame(self._pipe, kind + self._channel, data)
         kind, body = receive_frame(self._pipe)
         if kind == REFUSAL:
             raise FciProtocolError(body.decode())
@@ -103,65 +109,91 @@ class RelayedSession:
 
 
 class FciDoor:
-    """Serves the clients of one arm, in a process of its own.
+    """Serves the clients of one arm and of its hand, in a process of its own.
 
     Args:
         host: Address to listen at.
         pipe: The pipe to the station.
         page: The memory that is shared with the control thread.
+        hand: The same for the hand; None without a hand.
 
     Raises:
         FciPortError: The address cannot be used.
     """
 
-    def __init__(self, host: str, pipe: socket.socket, page: SharedPage) -> None:
+    def __init__(
+        self,
+        host: str,
+        pipe: socket.socket,
+        page: SharedPage,
+        hand: SharedPage | None = None,
+    ) -> None:
         self._pipe = pipe
-        self._page = page
-        self._port = ClientPort(
-            "Robot", (host, PANDA.port), lambda: RelayedSession(pipe)
-        )
+        robot = ClientPort("Robot", (host, PANDA.port), lambda: RelayedSession(pipe))
+        self._served = [(robot, page)]
+        if hand is not None:
+            try:
+                gripper = ClientPort(
+                    "Gripper", (host, HAND.port), lambda: RelayedSession(pipe, OF_HAND)
+                )
+            except OSError:
+                robot.close()
+                raise
+            self._served.append((gripper, hand))
 
     def run(self) -> None:
         """Serve until the station closes the pipe."""
         try:
             for _ in self._turns():
-                self._relay()
+                for port, page in self._served:
+                    _relay(port, page)
         except StationGoneError:
             return
         finally:
-            self._port.close()
+            for port, _ in self._served:
+                port.close()
 
     def _turns(self) -> "Iterator[None]":
+        ports = [port for port, _ in self._served]
         while True:
-            port = self._port
-            wait = _IDLE if port.session is None else _LOOK
-            readers = [*port.readers(), self._pipe]
-            ready, sendable, _ = select.select(readers, port.writers(), [], wait)
+            is_idle = all(port.session is None for port in ports)
+            readers = [self._pipe, *(one for port in ports for one in port.readers())]
+            writers = [one for port in ports for one in port.writers()]
+            wait = _IDLE if is_idle else _LOOK
+            ready, sendable, _ = select.select(readers, writers, [], wait)
             if self._pipe in ready:
                 return  # the station says nothing unasked: it has gone
-            if {*ready, *sendable}.intersection({*port.readers(), *port.writers()}):
-                port.handle()
+            found = {*ready, *sendable}
+            for port in ports:
+                if found.intersection({*port.readers(), *port.writers()}):
+                    port.handle()
             yield
 
-    def _relay(self) -> None:
-        port, page = self._port, self._page
-        for datagram in port.datagrams():
-            page.put_command(datagram)
-        answers, state = page.take_answers(), page.take_state()
-        port.send(answers)
-        if state is not None:
-            port.send_datagram(bytes(state))
+
+def _relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
+    """Move what has arrived, and what the control thread has left."""
+    for datagram in port.datagrams():
+        page.put_command(datagram)
+    answers, state = page.take_answers(), page.take_state()
+    port.send(answers)
+    if state is not None:
+        port.send_datagram(bytes(state))
 
 
 def main(arguments: list[str]) -> None:
-    """Serve clients at the address in the arguments, with two inherited descriptors."""
-    host, pipe_number, page_number = arguments
-    page = SharedPage(mmap.mmap(int(page_number), PAGE_BYTES))
+    """Serve clients at the address in the arguments, with two inherited descriptors.
+
+    Args:
+        arguments: The address, the descriptors, and `hand` if there is a hand.
+    """
+    host, pipe_number, memory_number, *parts = arguments
+    memory = mmap.mmap(int(memory_number), MEMORY_BYTES)
+    hand = SharedPage(memory, PAGE_BYTES) if "hand" in parts else None
     with contextlib.suppress(PermissionError):
         os.setpriority(os.PRIO_PROCESS, 0, -10)
     with socket.socket(fileno=int(pipe_number)) as pipe:
         try:
-            door = FciDoor(host, pipe, page)
+            door = FciDoor(host, pipe, SharedPage(memory), hand)
         except OSError as error:
             send_frame(pipe, REFUSAL, f"{error}".encode())
             return

@@ -1,15 +1,22 @@
-"""A client of the Franka Control Interface on the arm of a running station.
+"""Clients of the Franka Control Interface on the arm and the hand of a running station.
 
-Either the station's controllers command the arm, or the client does.
+Either the station's controllers command the arm, or the client does. The hand obeys the
+newest command, whoever gives it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from typing_extensions import override
 
 from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.fci.server.gripper_session import (
+    GRIPPER_PERIOD,
+    GripperSession,
+)
 from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
 from station.hw.franka.fci.server.shared_page import SharedPage
+from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
+from station.hw.franka.hand.hand_services import HandServices
 from station.kernel.stages import Stage
 
 
@@ -22,6 +29,7 @@ class FciGuest:
         arm: The arm.
         page: Where messages are left and found.
         model_library: Where model libraries come from.
+        protocols: The versions that are spoken.
         is_commanded: Returns whether the station's controllers command the arm.
         may_move: Returns whether the station lets anybody move the arm.
     """
@@ -31,13 +39,14 @@ class FciGuest:
         arm: RobotArm,
         page: SharedPage,
         model_library: ModelLibrary,
+        protocols: Sequence[RobotProtocol] = (PANDA,),
         *,
         is_commanded: Callable[[], bool],
         may_move: Callable[[], bool],
     ) -> None:
         self._arm = arm
         self._page = page
-        self._model_library = model_library
+        self._model_library, self._protocols = model_library, protocols
         self._is_commanded, self._may_move = is_commanded, may_move
         self._session: RobotSession | None = None
         self._unsent = b""
@@ -52,7 +61,7 @@ class FciGuest:
         self.leave()
         self._page.take_command()  # one that the last client has left
         self._session = RobotSession(
-            self._arm, self._model_library, is_free=self._is_free
+            self._arm, self._model_library, self._protocols, self._is_free
         )
 
     def receive(self, data: bytes) -> tuple[bytes, int | None]:
@@ -108,19 +117,81 @@ class FciGuest:
         return self._may_move() and not self._is_commanded()
 
 
-class GuestReading(Stage):
-    """Reads a robot, with the guest of its arm before and after.
+class HandGuest:
+    """Serves one client of a hand at a time; as `FciGuest`.
 
     Args:
-        guest: The guest.
-        reading: Reads the robot.
+        hand: The hand.
+        page: Where messages are left.
+        may_move: Returns whether the station lets anybody move the fingers.
     """
 
-    def __init__(self, guest: FciGuest, reading: Stage) -> None:
-        self._guest, self._reading = guest, reading
+    def __init__(
+        self, hand: HandServices, page: SharedPage, *, may_move: Callable[[], bool]
+    ) -> None:
+        self._hand, self._page, self._may_move = hand, page, may_move
+        self._session: GripperSession | None = None
+        self._unsent = b""
+        self._cycle = 0
+
+    def open(self) -> None:
+        """Welcome a new client."""
+        self.leave()
+        self._session = GripperSession(self._hand, is_free=self._may_move)
+
+    def receive(self, data: bytes) -> tuple[bytes, int | None]:
+        """Take bytes of the client; return answers, and its UDP port.
+
+        Args:
+            data: The next bytes.
+
+        Raises:
+            FciProtocolError: The connection must end.
+        """
+        session = self._session
+        if session is None:
+            return b"", None
+        answers = session.receive(data)
+        return answers, session.udp_port
+
+    def leave(self) -> None:
+        """End what the client has begun: it has gone."""
+        session, self._session, self._unsent = self._session, None, b""
+        if session is not None:
+            session.close()
+
+    def after_read(self) -> None:
+        """Leave what is new for the client."""
+        session, page = self._session, self._page
+        if session is None or session.udp_port is None:
+            return
+        self._unsent += session.after_cycle()
+        if self._unsent and page.has_room():
+            page.put_answers(self._unsent)
+            self._unsent = b""
+        self._cycle += 1
+        if not self._cycle % GRIPPER_PERIOD:
+            page.put_state(session.state(self._cycle))
+
+
+class GuestReading(Stage):
+    """Reads a robot, with the guests of its arm and its hand before and after.
+
+    Args:
+        guest: The guest of the arm.
+        reading: Reads the robot.
+        hand: The guest of the hand; None without a hand.
+    """
+
+    def __init__(
+        self, guest: FciGuest, reading: Stage, hand: HandGuest | None = None
+    ) -> None:
+        self._guest, self._hand, self._reading = guest, hand, reading
 
     @override
     def run(self, time: float, period: float) -> None:
         self._guest.before_read()
         self._reading.run(time, period)
         self._guest.after_read()
+        if self._hand is not None:
+            self._hand.after_read()

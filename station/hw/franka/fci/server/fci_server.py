@@ -6,14 +6,17 @@ never late, and a client must not lose packets for a server that was.
 
 import select
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.fci.server.client_port import ClientPort
-from station.hw.franka.fci.server.gripper_session import GripperSession
+from station.hw.franka.fci.server.gripper_session import (
+    GRIPPER_PERIOD,
+    GripperSession,
+)
 from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
@@ -22,8 +25,6 @@ from station.hw.franka.hand.hand_services import HandServices
 if TYPE_CHECKING:
     import socket
 
-GRIPPER_PERIOD = 10
-"""A state of the hand is sent in every tenth cycle of the arm."""
 _SHORTEST_WAIT = 0.5
 """Part of a period for which a client may answer even when the server is late."""
 
@@ -37,12 +38,12 @@ class FciSettings:
         patience: How long the arm's time waits for a command of a moving client beyond
             the end of a cycle, before the command counts as lost [s], >= 0. A real arm
             does not wait.
-        protocol: The version that is spoken.
+        protocols: The versions that are spoken.
     """
 
     host: str = "127.0.0.1"
     patience: float = 0.0
-    protocol: RobotProtocol = PANDA
+    protocols: Sequence[RobotProtocol] = (PANDA,)
 
 
 @dataclass(slots=True)
@@ -90,11 +91,10 @@ class FciServer:
         self._clock = clock
         self._message_id = 0
         self.counts = FciCounts()
-        protocol = settings.protocol
         self._robot_port = ClientPort(
             "Robot",
-            (settings.host, protocol.port),
-            lambda: RobotSession(arm, model_library, protocol),
+            (settings.host, PANDA.port),
+            lambda: RobotSession(arm, model_library, settings.protocols),
         )
         self._gripper_port: ClientPort[GripperSession] | None = None
         if hand is not None:

@@ -3,7 +3,7 @@
 A newer command takes the fingers over; the older one is answered with ABORTED.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -25,6 +25,8 @@ from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
 from station.hw.franka.hand.hand_services import HandServices
 
+GRIPPER_PERIOD = 10
+"""A state of the hand is sent in every tenth cycle of the arm."""
 _ENDS = {
     GoalStatus.SUCCEEDED: GripperStatus.SUCCESS,
     GoalStatus.ABORTED: GripperStatus.UNSUCCESSFUL,
@@ -38,16 +40,24 @@ class GripperSession:
     Args:
         hand: The hand; whoever owns the session advances it once per cycle.
         protocol: The version that is spoken.
+        is_free: Returns whether this client may move the fingers.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.
     """
 
-    def __init__(self, hand: HandServices, protocol: GripperProtocol = HAND) -> None:
+    def __init__(
+        self,
+        hand: HandServices,
+        protocol: GripperProtocol = HAND,
+        is_free: Callable[[], bool] = lambda: True,
+    ) -> None:
         self._hand = hand
+        self._is_free = is_free
         self._protocol = protocol
         self._reader = MessageReader(GRIPPER_HEADER, protocol.exchanges)
         self._running: Request[GripperCommand] | None = None
+        self._identifier: int | None = None  # of the command that it has begun
         self.udp_port: int | None = None
 
     def receive(self, data: bytes) -> bytes:
@@ -66,10 +76,12 @@ class GripperSession:
         if self._running is None:
             return b""
         state = self._hand.get_state()
-        if state.command is not None or state.last is None:
+        if state.command is not None and state.command.identifier == self._identifier:
             return b""
-        status = _ENDS.get(state.last.status, GripperStatus.ABORTED)
-        return self._end(status)
+        last = state.last
+        if last is None or last.identifier != self._identifier:
+            return self._end(GripperStatus.ABORTED)  # others have used the hand since
+        return self._end(_ENDS.get(last.status, GripperStatus.ABORTED))
 
     def state(self, message_id: int) -> bytes:
         """Return the state of the hand as a message.
@@ -90,7 +102,8 @@ class GripperSession:
         """Stop the fingers if a motion of this client runs: it has gone."""
         if self._running is not None:
             self._running = None
-            self._hand.stop()
+            if self._present() == self._identifier:
+                self._hand.stop()
 
     def _answer(self, request: Request[GripperCommand]) -> bytes:
         if request.command is GripperCommand.CONNECT:
@@ -100,11 +113,14 @@ class GripperSession:
                 f"The client sent {request.command.name} before it had connected.",
                 remedy="Connect first, with a version that the hand speaks.",
             )
+        if not self._is_free() and request.command is not GripperCommand.STOP:
+            return self._reader.answer(request, GripperStatus.FAIL, _NOTHING)
         try:
             self._begin(request)
         except (GripperCommandError, InvalidCommandError):
             return self._reader.answer(request, GripperStatus.FAIL, _NOTHING)
         answers = self._end(GripperStatus.ABORTED)
+        self._identifier = self._present()
         if request.command is GripperCommand.STOP:
             done = self._reader.answer(request, GripperStatus.SUCCESS, _NOTHING)
             return answers + done
@@ -138,6 +154,11 @@ class GripperSession:
                 )
             case _:
                 hand.stop()
+
+    def _present(self) -> int | None:
+        """Return the number of the hand's present command; None without one."""
+        command = self._hand.get_state().command
+        return None if command is None else command.identifier
 
     def _end(self, status: GripperStatus) -> bytes:
         request, self._running = self._running, None

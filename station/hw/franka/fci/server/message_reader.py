@@ -5,7 +5,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Generic, TypeVar
 
-from station.hw.franka.fci.wire.messages import FciProtocolError, FrameCutter
+from station.hw.franka.fci.wire.messages import (
+    FciProtocolError,
+    FrameCutter,
+    command_of,
+)
 from station.hw.franka.fci.wire.robot_protocol import Exchange
 from station.hw.franka.fci.wire.structure import Structure
 
@@ -64,11 +68,12 @@ class MessageReader(Generic[_Command]):
 
         Args:
             request: What is answered.
-            status: The status, one of those of the command.
+            status: The status, one of those that the version has for the command.
             values: The fields of the answer behind the status.
         """
-        response = self._exchanges[request.command].response
-        data = response.pack({"status": status, **values})
+        exchange = self._exchanges[request.command]
+        number = exchange.statuses.index(status)
+        data = exchange.response.pack({"status": number, **values})
         return self.head(request, len(data)) + data
 
     def head(self, request: Request[_Command], payload: int) -> bytes:
@@ -79,25 +84,25 @@ class MessageReader(Generic[_Command]):
             payload: Size of what follows the head [bytes].
         """
         return self._header.pack({
-            "command": request.command,
+            "command": self._exchanges[request.command].number,
             "command_id": request.command_id,
             "size": self._header.size + payload,
         })
 
     def _command_of(self, head: Mapping[str, int]) -> _Command:
         number, size = head["command"], head["size"]
-        command = next((c for c in self._exchanges if c == number), None)
+        command = command_of(self._exchanges, number)
         if command is None:
             raise FciProtocolError(
                 f"The client sent the command {number}, which the protocol does not "
                 "have.",
-                remedy="Use a client of protocol version 5, e.g. libfranka 0.9.",
+                remedy="Use a client of the version that it has connected with.",
             )
         expected = self._header.size + self._exchanges[command].request.size
         if size != expected:
             raise FciProtocolError(
                 f"The client sent {command.name} with a size of {size} bytes; the "
                 f"protocol has {expected}.",
-                remedy="Use a client of protocol version 5, e.g. libfranka 0.9.",
+                remedy="Use a client of the version that it has connected with.",
             )
         return command

@@ -13,7 +13,7 @@ Source: libfranka@0.9.2 src/robot_impl.cpp, src/robot_impl.h, what the client ex
 differs: a motion that is finished while the arm still moves is slowed down to rest.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -83,7 +83,7 @@ class RobotSession:
     Args:
         arm: The arm.
         model_library: Where model libraries come from.
-        protocol: The version that is spoken.
+        protocols: The versions that are spoken; the client chooses one.
         is_free: Returns whether this client may move the arm: nobody else does.
 
     Attributes:
@@ -94,15 +94,14 @@ class RobotSession:
         self,
         arm: RobotArm,
         model_library: ModelLibrary = _no_library,
-        protocol: RobotProtocol = PANDA,
+        protocols: Sequence[RobotProtocol] = (PANDA,),
         is_free: Callable[[], bool] = lambda: True,
     ) -> None:
         self._arm = arm
         self._is_free = is_free
         self._model_library = model_library
-        self._protocol = protocol
-        self._reader = MessageReader(HEADER, protocol.exchanges)
-        self._writer = StateWriter(arm.state, protocol)
+        self._protocols = protocols
+        self._speak(protocols[-1])  # a client connects in the same way with all
         self._motion: Request[Command] | None = None
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._recovery: Request[Command] | None = None
@@ -163,7 +162,9 @@ class RobotSession:
         except InvalidCommandError:
             self._arm.stop_motion()
             return self._end_motion(MoveStatus.INPUT_ERROR_ABORTED)
-        self._is_finishing = command["motion_generation_finished"]
+        self._is_finishing = command["motion_generation_finished"] or command.get(
+            "torque_command_finished", False
+        )
         return b""
 
     def after_cycle(self) -> bytes:
@@ -216,18 +217,23 @@ class RobotSession:
         }
         return answers[command](request)
 
+    def _speak(self, protocol: RobotProtocol) -> None:
+        self._protocol = protocol
+        self._reader = MessageReader(HEADER, protocol.exchanges)
+        self._writer = StateWriter(self._arm.state, protocol)
+
     def _connect(self, request: Request[Command]) -> bytes:
         if self.udp_port is not None:
             raise FciProtocolError(
                 "The client connected a second time.", remedy="Connect once."
             )
-        own = self._protocol.version
-        if request.values["version"] == own:
-            self.udp_port = request.values["udp_port"]
-            status = ConnectStatus.SUCCESS
-        else:
-            status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-        return self._say(request, status, {"version": own})
+        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        for protocol in self._protocols:
+            if request.values["version"] == protocol.version:
+                self._speak(protocol)
+                self.udp_port = request.values["udp_port"]
+                status = ConnectStatus.SUCCESS
+        return self._say(request, status, {"version": self._protocol.version})
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
@@ -235,6 +241,8 @@ class RobotSession:
             controller = MoveController(values["controller_mode"])
             generator = MoveGenerator(values["motion_generator_mode"])
         except ValueError:
+            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        if generator not in self._protocol.generators:
             return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
         allowed = (*values["maximum_path_deviation"],)
         allowed += (*values["maximum_goal_pose_deviation"],)

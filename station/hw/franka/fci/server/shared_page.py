@@ -8,7 +8,7 @@ its number. Each number has one writer.
 
 import mmap
 
-from station.hw.franka.fci.wire.robot_protocol import PANDA
+from station.hw.franka.fci.wire.robot_protocol import PROTOCOLS
 
 _NUMBERS = 128
 _SLOT = 4096
@@ -22,20 +22,21 @@ class SharedPage:
     """States and answers go one way, commands the other.
 
     Args:
-        memory: At least `PAGE_BYTES` writable bytes, zero at first.
+        memory: At least `PAGE_BYTES` writable bytes from `start` on, zero at first.
+        start: Where the page begins in the memory [bytes].
     """
 
-    def __init__(self, memory: mmap.mmap | bytearray) -> None:
-        view = memoryview(memory)
+    def __init__(self, memory: mmap.mmap | bytearray, start: int = 0) -> None:
+        view = memoryview(memory)[start:]
         self._numbers = view[:_NUMBERS].cast("Q")
         self._slots = [
             view[_NUMBERS + i * _SLOT : _NUMBERS + (i + 1) * _SLOT] for i in range(6)
         ]
-        self._command_size = PANDA.command.size
+        self._command_sizes = {one.command.size for one in PROTOCOLS.values()}
         self._taken = 0  # number of the last command or state that this side took
         self._state_taken = 0
 
-    def put_state(self, message: bytearray) -> None:
+    def put_state(self, message: bytes | bytearray) -> None:
         """Leave a state; an older one that nobody has taken is lost. Control thread."""
         self._put(_STATE, message)
 
@@ -49,7 +50,7 @@ class SharedPage:
 
     def put_command(self, datagram: bytes) -> None:
         """Leave a command that is as long as one. Server's process."""
-        if len(datagram) == self._command_size:
+        if len(datagram) in self._command_sizes:
             self._put(_COMMAND, datagram)
 
     def take_command(self) -> bytes | None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
-from station.hw.franka.fci.wire.robot_protocol import Exchange
+from station.hw.franka.fci.wire.robot_protocol import ConnectStatus, Exchange
 from station.hw.franka.fci.wire.structure import Field, Structure
 
 GRIPPER_HEADER = Structure([("command", "H"), ("command_id", "I"), ("size", "I")])
@@ -67,11 +67,18 @@ _EXCHANGES: dict[GripperCommand, tuple[list[Field], list[Field]]] = {
     GripperCommand.STOP: ([], []),
 }
 
+_CONNECT = GripperCommand.CONNECT
+
 HAND = GripperProtocol(
     version=3,
     port=1338,
     exchanges={
-        command: Exchange(Structure(request), Structure([("status", "H"), *answer]))
+        command: Exchange(
+            Structure(request),
+            Structure([("status", "H"), *answer]),
+            command,
+            tuple(ConnectStatus if command is _CONNECT else GripperStatus),
+        )
         for command, (request, answer) in _EXCHANGES.items()
     },
     state=Structure([

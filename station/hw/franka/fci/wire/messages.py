@@ -26,8 +26,9 @@ class Answer(Generic[_Command]):
     Attributes:
         command: What is answered.
         command_id: Number of the request.
-        status: The status, one of those of the command.
-        values: All fields, the status included.
+        status: The status, one of those of the command, whatever its number is in the
+            version that is spoken; `UNKNOWN` if the version does not have it.
+        values: All fields, the status as its number on the wire.
     """
 
     command: _Command
@@ -94,8 +95,9 @@ class Messages(Generic[_Command]):
             number: Number of the request, which its answers repeat.
             values: The fields of the request.
         """
-        body = self._exchanges[command].request.pack(values)
-        head = {"command": command, "command_id": number}
+        exchange = self._exchanges[command]
+        body = exchange.request.pack(values)
+        head = {"command": exchange.number, "command_id": number}
         return self._header.pack({**head, "size": self._header.size + len(body)}) + body
 
     def feed(self, data: bytes) -> Iterator[Answer[_Command]]:
@@ -110,16 +112,24 @@ class Messages(Generic[_Command]):
             FciProtocolError: The stream has no answer of the protocol in it.
         """
         for head, body in self._cutter.feed(data):
-            command, response = self._response_of(head)
+            command, exchange = self._response_of(head)
+            response = exchange.response
             values = response.unpack(body[: response.size])
-            yield Answer(command, head["command_id"], values["status"], values)
+            status = exchange.status_of(values["status"])
+            yield Answer(command, head["command_id"], status, values)
 
-    def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Structure]:
+    def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Exchange]:
         number = head["command"]
-        command = next((c for c in self._exchanges if c == number), None)
+        command = command_of(self._exchanges, number)
         if command is None:
             raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")
-        response = self._exchanges[command].response
-        if head["size"] < self._header.size + response.size:
+        exchange = self._exchanges[command]
+        if head["size"] < self._header.size + exchange.response.size:
             raise FciProtocolError("libfranka: Incorrect TCP message size.")
-        return command, response
+        return command, exchange
+
+
+def command_of(exchanges: Mapping[_Command, Exchange], number: int) -> _Command | None:
+    """Return the command with a number on the wire; None if there is none."""
+    found = (command for command, one in exchanges.items() if one.number == number)
+    return next(found, None)

@@ -4,12 +4,16 @@ A request and its answers begin with a header: command, number of the request, s
 the whole message. TCP carries them. UDP carries a `RobotState` to the client in every
 cycle, and a `RobotCommand` back while a motion runs.
 
-Source: libfranka-common@e6aa0fc include/research_interface/robot/service_types.h,
-rbk_types.h.
+Commands and statuses have one number each here, that of version 5; the tables say by
+which number a version knows them. A version that only takes commands away, or adds
+fields and statuses, is a table at the end of this module.
+
+Source: libfranka-common include/research_interface/robot/service_types.h, rbk_types.h:
+@e6aa0fc version 5, @5adeec6 version 6, @dd768c8 version 7.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from station.hw.franka.fci.wire.structure import Field, Structure
@@ -19,7 +23,7 @@ HEADER = Structure([("command", "I"), ("command_id", "I"), ("size", "I")])
 
 
 class Command(IntEnum):
-    """The commands of an arm, with their numbers on the wire."""
+    """The commands of an arm, with their numbers in version 5."""
 
     CONNECT = 0
     MOVE = 1
@@ -57,6 +61,8 @@ class MoveStatus(IntEnum):
     EMERGENCY_ABORTED = 7
     INPUT_ERROR_ABORTED = 8
     ABORTED = 9
+    PREEMPTED_BY_SAFETY = 100
+    REJECTED_BY_SAFETY = 101
 
 
 class StopMoveStatus(IntEnum):
@@ -67,6 +73,7 @@ class StopMoveStatus(IntEnum):
     EMERGENCY_ABORTED = 2
     REFLEX_ABORTED = 3
     ABORTED = 4
+    REJECTED_BY_SAFETY = 101
 
 
 class SetterStatus(IntEnum):
@@ -75,6 +82,7 @@ class SetterStatus(IntEnum):
     SUCCESS = 0
     COMMAND_NOT_POSSIBLE_REJECTED = 1
     INVALID_ARGUMENT_REJECTED = 2
+    REJECTED_BY_SAFETY = 101
 
 
 class RecoveryStatus(IntEnum):
@@ -86,6 +94,7 @@ class RecoveryStatus(IntEnum):
     REFLEX_ABORTED = 3
     EMERGENCY_ABORTED = 4
     ABORTED = 5
+    REJECTED_BY_SAFETY = 101
 
 
 class ModelStatus(IntEnum):
@@ -110,6 +119,7 @@ class MoveGenerator(IntEnum):
     JOINT_VELOCITY = 1
     CARTESIAN_POSITION = 2
     CARTESIAN_VELOCITY = 3
+    NONE = 4
 
 
 NO_GENERATOR = 0
@@ -135,6 +145,10 @@ class System(IntEnum):
     WINDOWS = 1
 
 
+UNKNOWN = 255
+"""What a status is that the version does not have."""
+
+
 @dataclass(frozen=True, slots=True)
 class Exchange:
     """What follows the header in a request and in its answers.
@@ -142,10 +156,23 @@ class Exchange:
     Attributes:
         request: The request.
         response: An answer; it begins with its status.
+        number: Number of the command on the wire.
+        statuses: The statuses of an answer, in the order of their numbers on the wire.
     """
 
     request: Structure
     response: Structure
+    number: int
+    statuses: Sequence[int]
+
+    def status_of(self, number: int) -> int:
+        """Return the status with a number on the wire.
+
+        Args:
+            number: The number; one that the version does not have becomes `UNKNOWN`.
+        """
+        known = self.statuses
+        return known[number] if number < len(known) else UNKNOWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +185,7 @@ class RobotProtocol:
         exchanges: Request and answer of every command.
         state: What the arm sends in every cycle.
         command: What the client answers while a motion runs.
+        generators: The motion generators that a `MOVE` may ask for.
     """
 
     version: int
@@ -165,6 +193,7 @@ class RobotProtocol:
     exchanges: Mapping[Command, Exchange]
     state: Structure
     command: Structure
+    generators: Sequence[MoveGenerator]
 
 
 _STATUS: list[Field] = [("status", "B")]
@@ -277,16 +306,104 @@ _COMMAND: list[Field] = [
     ("tau_J_d", "7d"),
 ]
 
+# Statuses from here on are those of safety functions, which version 5 does not have.
+_FIRST_OF_SAFETY = 100
+_STATUSES: dict[Command, Sequence[int]] = {
+    Command.CONNECT: tuple(ConnectStatus),
+    Command.MOVE: tuple(MoveStatus),
+    Command.STOP_MOVE: tuple(StopMoveStatus),
+    Command.AUTOMATIC_ERROR_RECOVERY: tuple(RecoveryStatus),
+    Command.LOAD_MODEL_LIBRARY: tuple(ModelStatus),
+}
+
+
+def _without_safety(statuses: Sequence[int]) -> Sequence[int]:
+    """Return the statuses that version 5 has, in the order of their numbers."""
+    return tuple(status for status in statuses if status < _FIRST_OF_SAFETY)
+
+
+_GENERATORS = tuple(g for g in MoveGenerator if g is not MoveGenerator.NONE)
+
 PANDA = RobotProtocol(
     version=5,
     port=1337,
     exchanges={
-        command: Exchange(Structure(request), Structure([*_STATUS, *answer]))
+        command: Exchange(
+            Structure(request),
+            Structure([*_STATUS, *answer]),
+            command,
+            _without_safety(_STATUSES.get(command, tuple(SetterStatus))),
+        )
         for command, (request, answer) in _EXCHANGES.items()
     },
     state=Structure(_STATE),
     command=Structure(_COMMAND),
+    generators=_GENERATORS,
 )
 """Version 5, which the Panda's libfranka 0.8 and 0.9 speak."""
-PROTOCOLS = {protocol.version: protocol for protocol in (PANDA,)}
+
+_REMOVED = (Command.GET_CARTESIAN_LIMIT, Command.SET_FILTERS)
+_STATUSES_WITH_SAFETY: dict[Command, Sequence[int]] = {
+    Command.CONNECT: PANDA.exchanges[Command.CONNECT].statuses,
+    Command.MOVE: (
+        MoveStatus.SUCCESS,
+        MoveStatus.MOTION_STARTED,
+        MoveStatus.PREEMPTED,
+        MoveStatus.PREEMPTED_BY_SAFETY,
+        MoveStatus.REJECTED_BY_SAFETY,
+        MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED,
+        MoveStatus.START_AT_SINGULAR_POSE_REJECTED,
+        MoveStatus.INVALID_ARGUMENT_REJECTED,
+        MoveStatus.REFLEX_ABORTED,
+        MoveStatus.EMERGENCY_ABORTED,
+        MoveStatus.INPUT_ERROR_ABORTED,
+        MoveStatus.ABORTED,
+    ),
+    Command.STOP_MOVE: (
+        StopMoveStatus.SUCCESS,
+        StopMoveStatus.COMMAND_NOT_POSSIBLE_REJECTED,
+        StopMoveStatus.REJECTED_BY_SAFETY,
+        StopMoveStatus.EMERGENCY_ABORTED,
+        StopMoveStatus.REFLEX_ABORTED,
+        StopMoveStatus.ABORTED,
+    ),
+    Command.AUTOMATIC_ERROR_RECOVERY: (
+        RecoveryStatus.SUCCESS,
+        RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED,
+        RecoveryStatus.REJECTED_BY_SAFETY,
+        RecoveryStatus.MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED,
+        RecoveryStatus.REFLEX_ABORTED,
+        RecoveryStatus.EMERGENCY_ABORTED,
+        RecoveryStatus.ABORTED,
+    ),
+    Command.LOAD_MODEL_LIBRARY: PANDA.exchanges[Command.LOAD_MODEL_LIBRARY].statuses,
+}
+_SETTER_WITH_SAFETY = tuple(SetterStatus)
+
+FR3_OF_LIBFRANKA_0_10 = replace(
+    PANDA,
+    version=6,
+    exchanges={
+        command: replace(
+            PANDA.exchanges[command],
+            number=number,
+            statuses=_STATUSES_WITH_SAFETY.get(command, _SETTER_WITH_SAFETY),
+        )
+        for number, command in enumerate(c for c in Command if c not in _REMOVED)
+    },
+)
+"""Version 6, which the FR3's libfranka 0.10 to 0.13.2 speak: no virtual walls and no
+filters, so that the commands behind them have other numbers, and statuses of safety
+functions."""
+FR3_OF_LIBFRANKA_0_13 = replace(
+    FR3_OF_LIBFRANKA_0_10,
+    version=7,
+    command=Structure([*_COMMAND, ("torque_command_finished", "?")]),
+    generators=tuple(MoveGenerator),
+)
+"""Version 7, which the FR3's libfranka 0.13.3 to 0.13.6 speak: a motion may have no
+generator, and torques have an end of their own."""
+FR3 = (FR3_OF_LIBFRANKA_0_10, FR3_OF_LIBFRANKA_0_13)
+"""The versions of the FR3 that have a table, oldest first."""
+PROTOCOLS = {protocol.version: protocol for protocol in (PANDA, *FR3)}
 """Every version with a table, by its number."""

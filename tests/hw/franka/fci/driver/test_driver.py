@@ -15,8 +15,8 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
 )
 from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
 from station.hw.franka.fci.driver.network import SLICE, UDP_TIMEOUT, FciNetworkError
-from station.hw.franka.fci.driver.robot_client import IncompatibleVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PANDA,
@@ -194,8 +194,11 @@ def test_silent_arm_is_lost_after_libfrankas_time(network, arm):
 
     assert arm.read_once().robot_mode is RobotMode.OTHER
     assert arm.failure() == "libfranka: UDP receive: Timeout"
-    assert "restart the station" in arm.remedy()
-    for refused in (arm.check_recovery, lambda: arm.start_motion(JOINT, POSITION)):
+    assert arm.remedy() == (
+        "restore the connection, then recover (libfranka: UDP receive: Timeout)"
+    )
+    start = lambda: arm.start_motion(JOINT, POSITION)  # noqa: E731
+    for refused in (arm.automatic_error_recovery, start):
         with pytest.raises(ArmCommandError, match="UDP receive: Timeout"):
             refused()
     with pytest.raises(ArmCommandError, match="lost"):

@@ -3,16 +3,19 @@
 import pytest
 
 from station.core.errors import (
+    GripperLostError,
     HardwareInterfaceError,
     ParameterError,
     SwitchRefusedError,
 )
-from station.core.hardware.interfaces import PositionJointInterface
+from station.core.franka import GripperServicesInterface
+from station.core.hardware.interfaces import JointStateInterface, PositionJointInterface
 from station.core.hardware.robot_hw import SwitchState
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.fci.driver import connection
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.network import FciNetworkError
+from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import Command, MoveStatus
 from station.hw.franka.franka_combined_hw import FrankaCombinedHW
 from station.hw.franka.franka_hw import FrankaHW
@@ -34,27 +37,41 @@ ADDRESS = "172.16.0.2"
 
 @pytest.fixture
 def network(monkeypatch):
-    """Put a scripted arm at every address."""
+    """Put a scripted arm at every address, and no hand."""
     joined = SteppedNetwork(ScriptedArm())
-    monkeypatch.setattr(connection, "FciNetwork", lambda _host, _port: joined)
+
+    def open_network(host, port):
+        if port == HAND.port:
+            raise FciNetworkError(f"libfranka: Connection to FCI refused at {host}.")
+        return joined
+
+    monkeypatch.setattr(connection, "FciNetwork", open_network)
     return joined
 
 
-def make(**parameters):
-    robot = {**ROBOT, "robot_ip": ADDRESS, "realtime_config": "ignore", **parameters}
-    tree = ParameterTree({"robot": robot})
-    hw = FrankaHW()
-    hw.init(Parameters(tree), Parameters(tree, "robot"))
-    return hw
+@pytest.fixture
+def make():
+    """Make robots, and close them at the end."""
+    made = []
+
+    def make_robot(**parameters):
+        told = {"robot_ip": ADDRESS, "realtime_config": "ignore", **parameters}
+        tree = ParameterTree({"robot": {**ROBOT, **told}})
+        made.append(FrankaHW())
+        made[-1].init(Parameters(tree), Parameters(tree, "robot"))
+        return made[-1]
+
+    yield make_robot
+    for hw in made:
+        hw.close()
 
 
-def test_robot_ip_selects_the_driver_with_nothing_of_a_simulation(network):
+def test_robot_ip_selects_the_driver_with_nothing_of_a_simulation(network, make):
     hw = make(collision_config={"lower_torque_thresholds_nominal": [11.0] * 7})
     assert isinstance(hw.arm, FciArm)
     assert hw.simulated_world() is None
     assert hw.arm.simulation() is None
     assert hw.robot_clock() is hw.arm
-    assert not [name for name in hw.get_names() if "Gripper" in name]
     behavior = network.arm.behavior
     assert behavior.lower_torque_thresholds_nominal == (11.0,) * 7
     hw.close()
@@ -62,7 +79,7 @@ def test_robot_ip_selects_the_driver_with_nothing_of_a_simulation(network):
 
 
 @pytest.mark.usefixtures("network")
-def test_model_is_the_stations_own():
+def test_model_is_the_stations_own(make):
     assert isinstance(make().arm.load_model(), ArmModel)
 
 
@@ -71,12 +88,13 @@ def test_arm_that_does_not_answer_is_told(monkeypatch):
         raise FciNetworkError(f"libfranka: Connection timeout at {host}:{port}.")
 
     monkeypatch.setattr(connection, "FciNetwork", refuse)
+    tree = ParameterTree({"robot": {**ROBOT, "robot_ip": ADDRESS}})
     with pytest.raises(FciNetworkError, match=r"timeout at 172\.16\.0\.2:1337"):
-        make()
+        FrankaHW().init(Parameters(tree), Parameters(tree, "robot"))
 
 
 @pytest.mark.usefixtures("network")
-def test_loop_at_another_rate_than_the_arm_is_refused():
+def test_loop_at_another_rate_than_the_arm_is_refused(make):
     hw = make()
     hw.check_period(PERIOD)
     with pytest.raises(HardwareInterfaceError, match="real arm 'panda' needs") as error:
@@ -85,7 +103,7 @@ def test_loop_at_another_rate_than_the_arm_is_refused():
 
 
 @pytest.mark.usefixtures("network")
-def test_switch_without_a_realtime_thread_is_refused(monkeypatch):
+def test_switch_without_a_realtime_thread_is_refused(monkeypatch, make):
     hw = make(realtime_config="enforce")
     monkeypatch.setattr(hw.arm, "_find_problem", lambda _thread: "no SCHED_FIFO")
     with pytest.raises(SwitchRefusedError, match="no SCHED_FIFO"):
@@ -93,7 +111,7 @@ def test_switch_without_a_realtime_thread_is_refused(monkeypatch):
 
 
 def test_motion_that_the_arm_refuses_fails_the_switch_and_not_the_loop(
-    network, monkeypatch
+    network, monkeypatch, make
 ):
     hw = make()
     answering(
@@ -106,7 +124,7 @@ def test_motion_that_the_arm_refuses_fails_the_switch_and_not_the_loop(
 
 
 @pytest.mark.usefixtures("network")
-def test_lost_arm_stops_the_controllers_with_its_reason():
+def test_lost_arm_stops_the_controllers_with_its_reason(make):
     hw = make()
     switch(hw, "jp")
     drive(hw, PositionJointInterface, list(hw.robot_state.q_d), 5)
@@ -117,9 +135,25 @@ def test_lost_arm_stops_the_controllers_with_its_reason():
     assert reason == "arm 'panda' went to other (libfranka: UDP receive: Timeout)"
 
 
+@pytest.mark.usefixtures("network")
+def test_hand_of_the_urdf_that_does_not_answer_is_told(make):
+    hw = make()
+    hand = hw.get(GripperServicesInterface).get_handle("panda")
+    with pytest.raises(GripperLostError, match="Connection to FCI refused at 172"):
+        hand.homing()
+
+
+@pytest.mark.usefixtures("network")
+@pytest.mark.parametrize("is_told", [False, True])
+def test_fingers_of_a_real_hand_are_in_the_joint_states_if_told(make, is_told):
+    states = make(fingers_in_joint_states=is_told).get(JointStateInterface)
+    assert ("panda_finger_joint1" in states.get_names()) is is_told
+
+
 def test_combined_arms_are_simulated_alone():
     tree = ParameterTree({
         "robot": {"robot_hardware": ["left"], "left": {**ROBOT, "robot_ip": ADDRESS}}
     })
-    with pytest.raises(ParameterError, match="robot_ip 172"):
+    with pytest.raises(ParameterError, match="robot_ip 172") as error:
         FrankaCombinedHW().init(Parameters(tree), Parameters(tree, "robot"))
+    assert "a station of its own for each real arm" in error.value.remedy

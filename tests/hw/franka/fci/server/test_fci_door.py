@@ -11,6 +11,8 @@ from station.hw.franka.fci.server.fci_door import (
     ANSWER,
     DATA,
     LEAVE,
+    MEMORY_BYTES,
+    OF_HAND,
     OPEN,
     REFUSAL,
     UDP_PORT,
@@ -20,6 +22,7 @@ from station.hw.franka.fci.server.fci_door import (
     send_frame,
 )
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from tests.hw.franka.fci.server.server_bench import HOST
 
@@ -28,11 +31,13 @@ class Door:
     """A door in a thread, and the station's ends of its pipe and its page."""
 
     def __init__(self):
-        memory = bytearray(PAGE_BYTES)
+        memory = bytearray(MEMORY_BYTES)
         self.station, pipe = socket.socketpair()
         self.station.settimeout(5.0)
         self.page, self._pipe = SharedPage(memory), pipe
-        door = FciDoor(HOST, pipe, SharedPage(memory))
+        self.hand_page = SharedPage(memory, PAGE_BYTES)
+        hand = SharedPage(memory, PAGE_BYTES)
+        door = FciDoor(HOST, pipe, SharedPage(memory), hand)
         self._thread = threading.Thread(target=door.run)
         self._thread.start()
 
@@ -42,6 +47,12 @@ class Door:
         assert found == kind
         send_frame(self.station, ANSWER, UDP_PORT.pack(port) + answer)
         return data
+
+    def expect_any(self):
+        """Wait for a frame, and answer it; return its kind."""
+        found, _ = receive_frame(self.station)
+        send_frame(self.station, ANSWER, UDP_PORT.pack(0))
+        return found
 
     def close(self):
         """End the door, as a station that goes does."""
@@ -106,6 +117,34 @@ def test_states_and_commands_go_through_the_shared_memory(door, client):
         door.expect(DATA)
         assert door.page.take_command() == command
     door.expect(LEAVE)
+
+
+def test_client_of_the_hand_is_served_beside_the_one_of_the_arm(door, client):
+    with (
+        socket.create_connection((HOST, PANDA.port), 5.0),
+        socket.create_connection((HOST, HAND.port), 5.0) as tcp,
+    ):
+        assert {door.expect_any(), door.expect_any()} == {OPEN, OPEN + OF_HAND}
+        tcp.sendall(b"request")
+        port = client.getsockname()[1]
+        assert door.expect(DATA + OF_HAND, b"answer", port) == b"request"
+        assert tcp.recv(100) == b"answer"
+        door.page.put_answers(b"for the arm")
+        door.hand_page.put_answers(b"later")
+        assert tcp.recv(100) == b"later"
+        door.hand_page.put_state(b"s" * HAND.state.size)
+        assert client.recv(4096) == b"s" * HAND.state.size
+    assert {door.expect_any(), door.expect_any()} == {LEAVE, LEAVE + OF_HAND}
+
+
+def test_hand_whose_address_is_taken_is_told_and_the_arm_let_go():
+    with socket.create_server((HOST, HAND.port)):
+        one, other = socket.socketpair()
+        pages = [SharedPage(bytearray(PAGE_BYTES)) for _ in range(2)]
+        with one, other, pytest.raises(FciPortError, match="Gripper cannot be served"):
+            FciDoor(HOST, one, *pages)
+        with socket.create_server((HOST, PANDA.port)):
+            pass
 
 
 def test_client_that_the_station_refuses_is_sent_away(door):

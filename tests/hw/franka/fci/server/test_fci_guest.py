@@ -6,8 +6,14 @@ from station.core.errors import ArmCommandError, SwitchRefusedError
 from station.core.franka import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
-from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading
+from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.gripper_protocol import (
+    GRIPPER_HEADER,
+    HAND,
+    GripperCommand,
+    GripperStatus,
+)
 from tests.hw.franka.plain_model import PlainModel
 from tests.hw.franka.test_franka_hw import PERIOD, controllers, make, switch
 
@@ -175,3 +181,71 @@ def test_client_that_goes_leaves_the_arm_holding(network, client):
     assert not network.guest.is_moving
     network.guest.open()  # the next one
     assert FciArm(network, PlainModel).state.robot_mode is RobotMode.IDLE
+
+
+def ask(guest, command, **values):
+    """Send a request to a hand; return the answers that come at once."""
+    body = HAND.exchanges[command].request.pack(values)
+    head = {"command": command, "command_id": 7, "size": 10 + len(body)}
+    return statuses(command, guest.receive(GRIPPER_HEADER.pack(head) + body)[0])
+
+
+def statuses(command, data):
+    """Return the statuses of answers to the same command."""
+    response = HAND.exchanges[command].response
+    step = GRIPPER_HEADER.size + response.size
+    parts = [data[i + 10 : i + step] for i in range(0, len(data), step)]
+    return [response.unpack(part)["status"] for part in parts]
+
+
+@pytest.fixture
+def hand(network):
+    """A client of the hand, served beside the one of the arm."""
+    memory = bytearray(PAGE_BYTES)
+    guest = HandGuest(
+        network.hw.simulated_hand,
+        SharedPage(memory),
+        may_move=lambda: network.may_move,
+    )
+    network._reading = GuestReading(network.guest, network.hw.reading(), guest)
+    guest.open()
+    assert ask(guest, GripperCommand.CONNECT, version=3, udp_port=1) == [0]
+    return guest, SharedPage(memory)
+
+
+def test_client_moves_the_hand_beside_the_controllers(network, client, hand):
+    guest, page = hand
+    switch(network.hw, "jp")
+    assert ask(guest, GripperCommand.MOVE, width=0.06, speed=0.4) == []
+    answers, states = b"", 0
+    for _ in range(300):
+        client.read_once()
+        answers += page.take_answers()
+        state = page.take_state()
+        states += state is not None
+        width = HAND.state.unpack(state)["width"] if state is not None else 0.0
+    assert statuses(GripperCommand.MOVE, answers) == [GripperStatus.SUCCESS]
+    assert states == 30
+    assert width == pytest.approx(0.06, abs=1e-3)
+
+
+def test_hand_of_a_stopped_station_is_refused(network, client, hand):
+    guest, page = hand
+    ask(guest, GripperCommand.MOVE, width=0.0, speed=0.05)
+    network.may_move = False
+    network.hw.simulated_hand.interrupt("The station was stopped.")
+    client.read_once()
+    aborted = statuses(GripperCommand.MOVE, page.take_answers())
+    assert aborted == [GripperStatus.ABORTED]
+    fail = [GripperStatus.FAIL]
+    assert ask(guest, GripperCommand.MOVE, width=0.05, speed=0.1) == fail
+
+
+def test_client_of_the_hand_that_goes_stops_its_motion(network, client, hand):
+    guest, page = hand
+    ask(guest, GripperCommand.MOVE, width=0.0, speed=0.05)
+    client.read_once()
+    guest.leave()
+    assert network.hw.simulated_hand.get_state().command is None
+    client.read_once()
+    assert page.take_answers() == b""

@@ -108,3 +108,22 @@ def test_client_that_goes_stops_the_fingers(client):
     client.session.close()
     client.run(200)
     assert client.state()["width"] > 0.06
+
+
+def test_command_of_somebody_else_aborts_the_clients_and_is_not_taken_for_it(client):
+    client.ask(GripperCommand.MOVE, width=0.0, speed=0.05)
+    client.run(50)
+    client.hand.move(0.07, 0.4)
+    assert client.run(1) == [(2, GripperStatus.ABORTED)]
+    client.session.close()  # the fingers belong to somebody else
+    client.run(300)
+    assert client.state()["width"] == pytest.approx(0.07, abs=1e-3)
+
+
+def test_client_that_may_not_move_the_fingers_can_stop_them():
+    client = GripperClient()
+    client.session = GripperSession(client.hand, is_free=lambda: False)
+    client.ask(GripperCommand.CONNECT, version=3, udp_port=1)
+    refused = client.ask(GripperCommand.MOVE, width=0.05, speed=0.1)
+    assert refused == [(2, GripperStatus.FAIL)]
+    assert client.ask(GripperCommand.STOP) == [(3, GripperStatus.SUCCESS)]

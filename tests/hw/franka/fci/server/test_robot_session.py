@@ -82,7 +82,7 @@ def test_second_connection_in_one_session_is_a_protocol_error(client):
         client.connect()
 
 
-@pytest.mark.parametrize("generator", MoveGenerator)
+@pytest.mark.parametrize("generator", PANDA.generators)
 @pytest.mark.parametrize("controller", MoveController)
 def test_motion_starts_and_shows_its_modes(client, controller, generator):
     assert client.move(controller, generator) == [MoveStatus.MOTION_STARTED]
@@ -101,7 +101,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("generator", MoveGenerator)
+@pytest.mark.parametrize("generator", PANDA.generators)
 def test_command_reaches_the_arm_and_torques_go_with_the_external_controller(
     client, arm, generator
 ):

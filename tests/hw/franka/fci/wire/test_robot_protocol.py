@@ -9,11 +9,18 @@ from hypothesis import strategies as st
 from station.core.franka.franka_errors import ERROR_NAMES
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.fci.wire.robot_protocol import (
+    FR3,
     PANDA,
     PROTOCOLS,
+    UNKNOWN,
     Command,
     ConnectStatus,
+    ModelStatus,
+    MoveGenerator,
     MoveStatus,
+    RecoveryStatus,
+    SetterStatus,
+    StopMoveStatus,
 )
 from tests.hw.franka.fci.wire.drawn_values import values_of
 
@@ -114,9 +121,89 @@ def test_numbers_are_those_of_the_header_file():
         6,
         9,
     )
-    assert PROTOCOLS == {5: PANDA}
+    assert [p.version for p in PROTOCOLS.values()] == [*PROTOCOLS] == [5, 6, 7]
     assert PANDA.port == 1337
     assert PANDA.state.counts["errors"] == len(ERROR_NAMES)
+
+
+# What g++ 12 says of the headers of versions 6 (@5adeec6) and 7 (@dd768c8): sizeof,
+# offsetof and the numbers of the enumerators.
+NUMBERS_OF_FR3 = {
+    Command.CONNECT: 0,
+    Command.MOVE: 1,
+    Command.STOP_MOVE: 2,
+    Command.SET_COLLISION_BEHAVIOR: 3,
+    Command.SET_JOINT_IMPEDANCE: 4,
+    Command.SET_CARTESIAN_IMPEDANCE: 5,
+    Command.SET_GUIDING_MODE: 6,
+    Command.SET_EE_TO_K: 7,
+    Command.SET_NE_TO_EE: 8,
+    Command.SET_LOAD: 9,
+    Command.AUTOMATIC_ERROR_RECOVERY: 10,
+    Command.LOAD_MODEL_LIBRARY: 11,
+}
+STATUSES_OF_FR3 = {
+    (Command.MOVE, MoveStatus.MOTION_STARTED): 1,
+    (Command.MOVE, MoveStatus.PREEMPTED): 2,
+    (Command.MOVE, MoveStatus.PREEMPTED_BY_SAFETY): 3,
+    (Command.MOVE, MoveStatus.REJECTED_BY_SAFETY): 4,
+    (Command.MOVE, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED): 5,
+    (Command.MOVE, MoveStatus.START_AT_SINGULAR_POSE_REJECTED): 6,
+    (Command.MOVE, MoveStatus.INVALID_ARGUMENT_REJECTED): 7,
+    (Command.MOVE, MoveStatus.REFLEX_ABORTED): 8,
+    (Command.MOVE, MoveStatus.EMERGENCY_ABORTED): 9,
+    (Command.MOVE, MoveStatus.INPUT_ERROR_ABORTED): 10,
+    (Command.MOVE, MoveStatus.ABORTED): 11,
+    (Command.STOP_MOVE, StopMoveStatus.COMMAND_NOT_POSSIBLE_REJECTED): 1,
+    (Command.STOP_MOVE, StopMoveStatus.REJECTED_BY_SAFETY): 2,
+    (Command.STOP_MOVE, StopMoveStatus.EMERGENCY_ABORTED): 3,
+    (Command.STOP_MOVE, StopMoveStatus.REFLEX_ABORTED): 4,
+    (Command.STOP_MOVE, StopMoveStatus.ABORTED): 5,
+    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.REJECTED_BY_SAFETY): 2,
+    (
+        Command.AUTOMATIC_ERROR_RECOVERY,
+        RecoveryStatus.MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED,
+    ): 3,
+    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.REFLEX_ABORTED): 4,
+    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.EMERGENCY_ABORTED): 5,
+    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.ABORTED): 6,
+    (Command.SET_LOAD, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED): 1,
+    (Command.SET_LOAD, SetterStatus.INVALID_ARGUMENT_REJECTED): 2,
+    (Command.SET_LOAD, SetterStatus.REJECTED_BY_SAFETY): 3,
+    (Command.LOAD_MODEL_LIBRARY, ModelStatus.ERROR): 1,
+    (Command.CONNECT, ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION): 1,
+}
+
+
+@pytest.mark.parametrize("protocol", FR3, ids=lambda p: f"version {p.version}")
+def test_versions_of_the_fr3_have_the_numbers_and_sizes_of_their_headers(protocol):
+    assert {c: one.number for c, one in protocol.exchanges.items()} == NUMBERS_OF_FR3
+    for command, exchange in protocol.exchanges.items():
+        sizes = exchange.request.size, exchange.response.size
+        assert sizes == SIZES[command]
+    for (command, status), number in STATUSES_OF_FR3.items():
+        exchange = protocol.exchanges[command]
+        assert exchange.statuses.index(status) == number
+        assert exchange.status_of(number) == status
+    assert protocol.state.size == 2373
+    assert protocol.state.offsets == PANDA.state.offsets
+    assert protocol.command.size == {6: 370, 7: 371}[protocol.version]
+    assert protocol.command.offsets["tau_J_d"] == 314
+
+
+def test_version_7_ends_torques_and_has_motions_without_a_generator():
+    version = PROTOCOLS[7]
+    assert version.command.offsets["torque_command_finished"] == 314 + 56
+    assert MoveGenerator.NONE == 4
+    assert MoveGenerator.NONE in version.generators
+    assert MoveGenerator.NONE not in PROTOCOLS[6].generators
+    assert MoveGenerator.NONE not in PANDA.generators
+
+
+def test_version_5_has_no_statuses_of_safety_functions():
+    for exchange in PANDA.exchanges.values():
+        assert list(exchange.statuses) == list(range(len(exchange.statuses)))
+        assert exchange.status_of(77) == UNKNOWN
 
 
 def test_every_array_of_the_message_is_one_of_the_arms_state_of_the_same_size():

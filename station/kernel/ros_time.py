@@ -9,10 +9,15 @@ _PER_SECOND = 1_000_000_000
 def to_nanoseconds(seconds: float) -> int:
     """Return the whole nanoseconds nearest to a time [s]."""
     whole = int(seconds // 1.0)
-    return whole * _PER_SECOND + round((seconds - whole) * 1e9)
+    return whole * 1_000_000_000 + round((seconds - whole) * 1e9)
 
 
 def to_seconds(nanoseconds: int) -> float:
     """Return a time [s] exactly as the original converts seconds and nanoseconds."""
-    seconds, rest = divmod(nanoseconds, _PER_SECOND)
+    seconds = nanoseconds // _PER_SECOND
+    rest = nanoseconds - seconds * _PER_SECOND
+    # A division in C goes towards zero.
+    if rest < 0:
+        seconds -= 1
+        rest += _PER_SECOND
     return seconds + 1e-9 * rest

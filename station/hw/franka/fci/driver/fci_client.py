@@ -1,61 +1,91 @@
-"""Requests to an arm and its answers, over the TCP connection.
+"""Requests to an arm or a hand and its answers, over the TCP connection.
 
 Source: libfranka@0.9.2 src/network.h, connect; src/robot_impl.h, executeCommand.
 """
 
 from collections.abc import Mapping
+from enum import IntEnum
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from station.hw.franka.fci.driver.network import (
     TCP_TIMEOUT,
     FciNetworkError,
     Network,
 )
+from station.hw.franka.fci.wire.gripper_protocol import (
+    GRIPPER_HEADER,
+    GripperCommand,
+    GripperProtocol,
+)
 from station.hw.franka.fci.wire.messages import Answer, FciProtocolError, Messages
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     Command,
     ConnectStatus,
+    Exchange,
     RobotProtocol,
 )
+from station.hw.franka.fci.wire.structure import Structure
 
+_Command = TypeVar("_Command", bound=IntEnum)
 RobotAnswer: TypeAlias = Answer[Command]
+GripperAnswer: TypeAlias = Answer[GripperCommand]
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class IncompatibleVersionError(FciProtocolError):
-    """The arm speaks another version of the protocol."""
+    """The other side speaks another version of the protocol."""
 
     code = "fci_version"
 
 
-class RobotClient:
-    """Asks an arm, and keeps the answers that come later. Control thread.
+class _Version(Protocol[_Command]):
+    """What a client needs of the version that is spoken."""
+
+    @property
+    def version(self) -> int:
+        """Number of the version."""
+
+    @property
+    def exchanges(self) -> Mapping[_Command, Exchange]:
+        """Request and answer of every command."""
+
+
+class FciClient(Generic[_Command]):
+    """Asks an arm or a hand, and keeps the answers that come later. One thread.
 
     Args:
         network: The network.
         protocol: The version that is spoken.
+        header: Head of every message.
+        connect: The command that connects.
     """
 
-    def __init__(self, network: Network, protocol: RobotProtocol) -> None:
+    def __init__(
+        self,
+        network: Network,
+        protocol: _Version[_Command],
+        header: Structure,
+        connect: _Command,
+    ) -> None:
         self._network = network
-        self._protocol = protocol
-        self._messages = Messages(HEADER, protocol.exchanges)
+        self._version, self._connect = protocol.version, connect
+        self._messages = Messages(header, protocol.exchanges)
         self._count = 0
         self._forgotten = 0
-        self._answers: dict[int, list[RobotAnswer]] = {}
+        self._answers: dict[int, list[Answer[_Command]]] = {}
 
     def connect(self) -> None:
         """Say which version this side speaks, and where it receives states.
 
         Raises:
             FciNetworkError: No answer came.
-            IncompatibleVersionError: The arm speaks another version.
+            IncompatibleVersionError: The other side speaks another version.
             FciProtocolError: The answer is none.
         """
-        own, port = self._protocol.version, self._network.udp_port
-        answer = self.ask(Command.CONNECT, {"version": own, "udp_port": port})
+        own, port = self._version, self._network.udp_port
+        answer = self.ask(self._connect, {"version": own, "udp_port": port})
         if answer.status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION:
             raise IncompatibleVersionError(
                 "libfranka: Incompatible library version (server version: "
@@ -68,7 +98,7 @@ class RobotClient:
                 "libfranka: Protocol error during connection attempt"
             )
 
-    def send(self, command: Command, values: Mapping[str, Any] = _NOTHING) -> int:
+    def send(self, command: _Command, values: Mapping[str, Any] = _NOTHING) -> int:
         """Send a request; return its number.
 
         Raises:
@@ -79,8 +109,8 @@ class RobotClient:
         return self._count
 
     def ask(
-        self, command: Command, values: Mapping[str, Any] = _NOTHING
-    ) -> RobotAnswer:
+        self, command: _Command, values: Mapping[str, Any] = _NOTHING
+    ) -> Answer[_Command]:
         """Send a request and wait for its first answer.
 
         Raises:
@@ -93,11 +123,11 @@ class RobotClient:
             raise FciNetworkError(
                 f"libfranka: TCP receive: no answer to {command.name} within "
                 f"{TCP_TIMEOUT:g} s",
-                remedy="Check the arm and the network, then restart the station.",
+                remedy="Check the arm and the network, then connect again.",
             )
         return answer
 
-    def take(self, number: int, timeout: float = 0.0) -> RobotAnswer | None:
+    def take(self, number: int, timeout: float = 0.0) -> Answer[_Command] | None:
         """Return the next answer to a request; None if there is none.
 
         Args:
@@ -116,9 +146,24 @@ class RobotClient:
                 if answer.command_id == self._forgotten:
                     continue
                 self._answers.setdefault(answer.command_id, []).append(answer)
-        return found.pop(0)
+        answer = found.pop(0)
+        if not found:
+            del self._answers[number]
+        return answer
 
     def forget(self, number: int) -> None:
         """Drop the answers to a request, also those that are still to come."""
         self._answers.pop(number, None)
         self._forgotten = number
+
+
+def robot_client(network: Network, protocol: RobotProtocol) -> FciClient[Command]:
+    """Return a client of an arm."""
+    return FciClient(network, protocol, HEADER, Command.CONNECT)
+
+
+def gripper_client(
+    network: Network, protocol: GripperProtocol
+) -> FciClient[GripperCommand]:
+    """Return a client of a hand."""
+    return FciClient(network, protocol, GRIPPER_HEADER, GripperCommand.CONNECT)

@@ -1,0 +1,288 @@
+"""The link to a hand: a thread of its own, which connects, sends and waits.
+
+A request to a hand is answered when the fingers have come to rest, after seconds. The
+control thread leaves an order here and reads what has come of it; it never waits.
+"""
+
+import contextlib
+import logging
+import select
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from station.core.errors import StationError
+from station.hw.franka.fci.driver.fci_client import FciClient, gripper_client
+from station.hw.franka.fci.driver.network import (
+    SLICE,
+    UDP_TIMEOUT,
+    FciNetworkError,
+    Network,
+)
+from station.hw.franka.fci.wire.gripper_protocol import (
+    HAND,
+    GripperCommand,
+    GripperProtocol,
+)
+from station.hw.franka.fci.wire.messages import FciProtocolError
+
+LOOK = 0.1
+"""Time between two looks at the states of a hand [s]. Source: franka_ros@c11f000
+franka_gripper/src/franka_gripper_node.cpp, `read_rate`."""
+RETRY = 2.0
+"""Time between two attempts to connect to a hand [s]."""
+_CLOSED = "the driver is closed"
+
+_logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class HandOrder:
+    """Something that the hand shall do.
+
+    Attributes:
+        identifier: Number of the command, for its outcome.
+        command: What to do.
+        values: The fields of the request.
+    """
+
+    identifier: int
+    command: GripperCommand
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class HandOutcome:
+    """How an order ended.
+
+    Attributes:
+        identifier: Number of the command.
+        status: The hand's answer; None if the hand was lost before.
+    """
+
+    identifier: int
+    status: int | None
+
+
+class HandLink:
+    """Keeps a connection to a hand and carries out the newest order.
+
+    A hand that is lost is connected to again every `RETRY` seconds. A motion that runs
+    is stopped before a newer order is sent.
+
+    Threads: `order` and the attributes are for the control thread; `turn` is for the
+    thread of the link, which `start` begins.
+
+    Args:
+        open_network: Opens a connection to the hand.
+        protocol: The version that is spoken.
+        clock: Wall time [s].
+        pause: Waits for bytes of the hand, for a word of the control thread, or as
+            long as it is told [s].
+
+    Attributes:
+        problem: Why there is no hand; None while it is there.
+        state: The newest state of the hand, by field; None before the first one.
+        outcomes: How orders ended, oldest first; whoever reads one takes it out.
+        on_state: Called by the thread of the link with every new state.
+    """
+
+    def __init__(
+        self,
+        open_network: Callable[[], Network],
+        *,
+        protocol: GripperProtocol = HAND,
+        clock: Callable[[], float] = time.monotonic,
+        pause: "Callable[[Network | None, float], None] | None" = None,
+    ) -> None:
+        self._open_network, self._protocol = open_network, protocol
+        self._clock = clock
+        self._pause = pause or self._wait
+        self._word, self._ear = socket.socketpair()
+        self._word.settimeout(0.0)
+        self._ear.settimeout(0.0)
+        self._buffer = bytearray(protocol.state.size + 1)
+        self._network: Network | None = None
+        self._client: FciClient[GripperCommand] | None = None
+        self._orders: deque[HandOrder] = deque()
+        self._next: HandOrder | None = None
+        self._running: tuple[int, int] | None = None  # its request and its order
+        self._stop: int | None = None
+        self._heard = 0.0
+        self._next_try = 0.0
+        self._thread: threading.Thread | None = None
+        self._is_closing = False
+        self.problem: str | None = "the hand was not connected to yet"
+        self.state: Mapping[str, Any] | None = None
+        self.outcomes: deque[HandOutcome] = deque()
+        self.on_state: Callable[[Mapping[str, Any]], None] = _ignore
+
+    def start(self) -> None:
+        """Try to connect, and go on in a thread of the link."""
+        self.turn()
+        self._thread = threading.Thread(target=self._run, name="hand", daemon=True)
+        self._thread.start()
+
+    def order(self, order: HandOrder) -> None:
+        """Leave an order, which replaces those before. Does not wait."""
+        self._orders.append(order)
+        # A full socket has a word in it already.
+        with contextlib.suppress(BlockingIOError):
+            self._word.send(b"\0")
+
+    def close(self) -> None:
+        """Stop the fingers if a motion runs, and hang up; once is enough."""
+        if self._is_closing:
+            return
+        self._is_closing = True
+        with contextlib.suppress(BlockingIOError):
+            self._word.send(b"\0")
+        if self._thread is not None:
+            self._thread.join()
+        if self._client is not None and self._running is not None:
+            with contextlib.suppress(FciNetworkError):
+                self._client.send(GripperCommand.STOP)
+        self._lose(_CLOSED)
+        self._word.close()
+        self._ear.close()
+
+    def turn(self) -> None:
+        """Do what there is to do now, then wait for more."""
+        network, client = self._network, self._client
+        if network is None or client is None:
+            self._drop_orders()
+            left = self._next_try - self._clock()
+            if left > 0.0:
+                self._pause(None, left)
+            else:
+                self._connect()
+            return
+        try:
+            self._take_answers(client)
+            self._carry_out(client)
+            self._take_states(network)
+        except (FciNetworkError, FciProtocolError) as error:
+            self._lose(error.message)
+        else:
+            self._pause(network, LOOK)
+
+    def _run(self) -> None:
+        while not self._is_closing:
+            self.turn()
+
+    def _wait(self, network: Network | None, longest: float) -> None:
+        readers: list[socket.socket | Network] = [self._ear]
+        if network is not None:
+            readers.append(network)
+        select.select(readers, [], [], longest)
+        with contextlib.suppress(BlockingIOError):
+            self._ear.recv(4096)
+
+    def _connect(self) -> None:
+        network: Network | None = None
+        try:
+            network = self._open_network()
+            client = gripper_client(network, self._protocol)
+            client.connect()
+            self._network, self._client = network, client
+            self._await_state(network)
+        except StationError as error:
+            if network is not None:
+                network.close()
+            self._lose(error.message)
+            return
+        self.problem = None
+        _logger.info("The hand is connected.")
+
+    def _await_state(self, network: Network) -> None:
+        """Wait for the first state.
+
+        Raises:
+            FciNetworkError: None has come.
+        """
+        for _ in range(round(UDP_TIMEOUT / SLICE)):
+            if self._is_state(network.wait(self._buffer)):
+                self._read()
+                return
+        raise FciNetworkError(
+            "libfranka: UDP receive: Timeout",
+            remedy="Let UDP datagrams of the arm through the firewall.",
+        )
+
+    def _take_states(self, network: Network) -> None:
+        """Read the newest state.
+
+        Raises:
+            FciNetworkError: None has come for too long.
+        """
+        has_state = False
+        while size := network.poll(self._buffer):
+            has_state = self._is_state(size)
+        if has_state:
+            self._read()
+        elif self._clock() - self._heard >= UDP_TIMEOUT:
+            raise FciNetworkError("libfranka: UDP receive: Timeout")
+
+    def _is_state(self, size: int) -> bool:
+        return size == self._protocol.state.size
+
+    def _read(self) -> None:
+        layout = self._protocol.state
+        self.state = state = layout.unpack(self._buffer[: layout.size])
+        self._heard = self._clock()
+        self.on_state(state)
+
+    def _take_answers(self, client: FciClient[GripperCommand]) -> None:
+        if self._stop is not None and client.take(self._stop) is not None:
+            self._stop = None
+        if self._running is not None:
+            number, identifier = self._running
+            answer = client.take(number)
+            if answer is not None:
+                self._running = None
+                self.outcomes.append(HandOutcome(identifier, answer.status))
+
+    def _carry_out(self, client: FciClient[GripperCommand]) -> None:
+        """Send the newest order, or first a stop of the motion that runs."""
+        while self._orders:
+            self._next = self._orders.popleft()
+        order = self._next
+        if order is None or self._stop is not None:
+            return
+        if order.command is GripperCommand.STOP:
+            self._next = None
+            self._stop = client.send(GripperCommand.STOP)
+        elif self._running is not None:
+            self._stop = client.send(GripperCommand.STOP)
+        else:
+            self._next = None
+            number = client.send(order.command, order.values)
+            self._running = (number, order.identifier)
+
+    def _drop_orders(self) -> None:
+        """End orders that came while there is no hand."""
+        while self._orders:
+            self.outcomes.append(HandOutcome(self._orders.popleft().identifier, None))
+
+    def _lose(self, problem: str) -> None:
+        """Give the hand up for some time, and end what it was to do."""
+        network, self._network, self._client = self._network, None, None
+        if network is not None:
+            network.close()
+        if self._running is not None:
+            self.outcomes.append(HandOutcome(self._running[1], None))
+        if self._next is not None:
+            self.outcomes.append(HandOutcome(self._next.identifier, None))
+        self._running = self._next = self._stop = None
+        if problem not in {self.problem, _CLOSED}:
+            _logger.warning("There is no hand: %s", problem)
+        self.problem, self.state = problem, None
+        self._next_try = self._clock() + RETRY
+
+
+def _ignore(_state: Mapping[str, Any]) -> None:
+    """Do nothing with a state."""

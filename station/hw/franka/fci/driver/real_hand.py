@@ -1,0 +1,206 @@
+"""The hand of a real arm: the services of franka_gripper over a network.
+
+Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp; libfranka@0.9.2
+src/gripper.cpp, also for the words of refusals; differs: a command begins at once, and
+a newer one ends it.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, replace
+from math import nan
+from typing import Any
+
+from typing_extensions import override
+
+from station.core.errors import GripperLostError
+from station.core.franka import (
+    DEFAULT_SPEED,
+    GraspRequest,
+    GripperAction,
+    GripperActivity,
+    GripperCommand,
+    GripperServices,
+    GripperState,
+)
+from station.core.hardware.interfaces import JointStateHandle, JointStateInterface
+from station.core.ports.goal import GoalStatus
+from station.hw.franka.fci.driver.hand_link import HandLink, HandOrder
+from station.hw.franka.fci.wire.gripper_protocol import GripperCommand as HandCommand
+from station.hw.franka.fci.wire.gripper_protocol import GripperStatus
+from station.hw.franka.hand.hand_limits import OPEN_WIDTH, check_grasp, check_move
+from station.kernel.doubles import Block
+
+_ACTIVITIES = {
+    GripperAction.HOMING: GripperActivity.HOMING,
+    GripperAction.MOVE: GripperActivity.MOVING,
+    GripperAction.GRASP: GripperActivity.GRASPING,
+}
+_MILLISECOND = 0.001
+_FAILURES = {
+    GripperStatus.FAIL: "libfranka gripper: Command failed!",
+    GripperStatus.ABORTED: "libfranka gripper: Command aborted!",
+}
+
+
+class RealHand(GripperServices):
+    """The hand of one arm. Control thread only, between two cycles.
+
+    Args:
+        arm_id: The arm with this hand.
+        link: The link to the hand, which somebody else starts.
+    """
+
+    def __init__(self, arm_id: str, link: HandLink) -> None:
+        super().__init__(arm_id)
+        self._link = link
+        self._fingers = Block({"q": 2, "none": 2})
+        self._command: GripperCommand | None = None
+        self._last: GripperCommand | None = None
+        self._count = 0
+        link.on_state = self._note_width
+
+    def register(self, interfaces: Iterable[object], names: Sequence[str]) -> None:
+        """Add the fingers to the joint states, as franka_gripper publishes them.
+
+        Each finger is at half of the width, and has no velocity and no effort.
+
+        Args:
+            interfaces: The interfaces of the arm; other kinds do not change.
+            names: Names of the two joints.
+        """
+        q, none = self._fingers["q"], self._fingers["none"]
+        for interface in interfaces:
+            if type(interface) is JointStateInterface:
+                for index, name in enumerate(names):
+                    handle = JointStateHandle(name, q, none, none, index)
+                    interface.register_handle(handle)
+
+    def close(self) -> None:
+        """Hang up."""
+        self._link.close()
+
+    @override
+    def get_state(self) -> GripperState:
+        state = self._check_connected()
+        self._take_outcomes()
+        return GripperState(
+            width=state["width"],
+            max_width=state["max_width"],
+            is_grasped=state["is_grasped"],
+            temperature=float(state["temperature"]),
+            time=state["message_id"] * _MILLISECOND,
+            activity=self._activity(is_grasped=state["is_grasped"]),
+            force=nan,  # the protocol does not tell it
+            command=self._command,
+            last=self._last,
+        )
+
+    @override
+    def homing(self) -> None:
+        self._begin(GripperAction.HOMING, HandCommand.HOMING, {})
+
+    @override
+    def move(self, width: float, speed: float = DEFAULT_SPEED) -> None:
+        check_move(self.name, width, speed, OPEN_WIDTH)
+        request = {"width": width, "speed": speed}
+        self._begin(GripperAction.MOVE, HandCommand.MOVE, request)
+
+    @override
+    def grasp(self, request: GraspRequest) -> None:
+        check_grasp(self.name, request, OPEN_WIDTH)
+        self._begin(GripperAction.GRASP, HandCommand.GRASP, asdict(request))
+
+    @override
+    def stop(self) -> None:
+        self._check_connected()
+        self._stop("The gripper was told to stop.")
+
+    @override
+    def interrupt(self, reason: str) -> None:
+        self._take_outcomes()
+        if self._command is not None:
+            self._stop(reason)
+
+    def _stop(self, reason: str) -> None:
+        self._take_outcomes()
+        self._end(GoalStatus.PREEMPTED, reason)
+        self._link.order(HandOrder(0, HandCommand.STOP, {}))
+
+    def _begin(
+        self, action: GripperAction, command: HandCommand, request: dict[str, float]
+    ) -> None:
+        self._check_connected()
+        self._take_outcomes()
+        self._end(GoalStatus.PREEMPTED, f"A newer command took over: {action.value}.")
+        self._count += 1
+        self._command = GripperCommand(
+            self._count, action, GoalStatus.ACTIVE, "", request, started=self._time()
+        )
+        self._link.order(HandOrder(self._count, command, request))
+
+    def _take_outcomes(self) -> None:
+        """Note how the present command has ended, if it has."""
+        outcomes = self._link.outcomes
+        while outcomes:
+            outcome = outcomes.popleft()
+            if self._command is None or outcome.identifier != self._command.identifier:
+                continue  # of a command that another one has taken over
+            if outcome.status == GripperStatus.SUCCESS:
+                self._end(GoalStatus.SUCCEEDED, "")
+            else:
+                self._end(GoalStatus.ABORTED, self._failure(outcome.status))
+
+    def _failure(self, status: int | None) -> str:
+        """Return why a command did not succeed."""
+        if status is None:
+            return f"The hand was lost: {(self._link.problem or '').rstrip('.')}."
+        if status == GripperStatus.UNSUCCESSFUL:
+            state = self._link.state
+            where = "" if state is None else f" at {state['width']:.4f} m"
+            return f"The fingers came to rest{where}, where they should not."
+        said = "libfranka gripper: Unexpected response while handling command!"
+        return next((text for key, text in _FAILURES.items() if key == status), said)
+
+    def _end(self, status: GoalStatus, message: str) -> None:
+        command, self._command = self._command, None
+        if command is not None:
+            ended = self._time()
+            self._last = replace(command, status=status, message=message, ended=ended)
+
+    def _activity(self, *, is_grasped: bool) -> GripperActivity:
+        if self._command is not None:
+            return _ACTIVITIES[self._command.action]
+        last = self._last
+        holds = (
+            is_grasped
+            and last is not None
+            and last.action is GripperAction.GRASP
+            and last.status is GoalStatus.SUCCEEDED
+        )
+        return GripperActivity.HOLDING if holds else GripperActivity.IDLE
+
+    def _time(self) -> float:
+        state = self._link.state
+        return 0.0 if state is None else state["message_id"] * _MILLISECOND
+
+    def _check_connected(self) -> Mapping[str, Any]:
+        """Return the newest state of the hand.
+
+        Raises:
+            GripperLostError: The hand is absent or lost.
+        """
+        problem, state = self._link.problem, self._link.state
+        if problem is not None or state is None:
+            why = (problem or "its first state has not come").rstrip(".")
+            raise GripperLostError(
+                f"The hand of arm '{self.name}' is not connected: {why}.",
+                remedy="Mount the hand, choose it as end effector in Desk, and end "
+                "other programs that use it; the station tries again every 2 s.",
+                details={"arm_id": self.name},
+            )
+        return state
+
+    def _note_width(self, state: Mapping[str, Any]) -> None:
+        """Show where the fingers are; the thread of the link writes them alone."""
+        q = self._fingers["q"]
+        q[0] = q[1] = state["width"] / 2.0

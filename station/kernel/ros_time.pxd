@@ -1,0 +1,6 @@
+cimport cython
+
+cdef long long _PER_SECOND
+
+@cython.locals(seconds=cython.longlong, rest=cython.longlong)
+cpdef double to_seconds(long long nanoseconds)

@@ -1,0 +1,16 @@
+cimport cython
+from station.kernel.copying cimport copy_into
+
+cdef class Column:
+    cdef double[::1] values
+    cdef Py_ssize_t size
+
+cdef class SampleColumns:
+    cdef tuple views
+    cdef list columns
+    cdef Py_ssize_t size
+    cdef double[::1] row
+    cdef Py_ssize_t width
+    cdef readonly object newest
+    @cython.locals(at=Py_ssize_t, column=Column, text=cython.p_char)
+    cpdef keep(self, double stamp)

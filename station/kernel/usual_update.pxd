@@ -1,0 +1,2 @@
+cdef class UsualUpdate:
+    cpdef bint run(self, double time, double period) except -1

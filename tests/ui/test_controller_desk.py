@@ -1,0 +1,91 @@
+"""What a person asks of one controller, with an injected clock."""
+
+import pytest
+
+from station.ui.cartesian_model import HELD_FOR
+from station.ui.controller_desk import ControllerDesk
+from station.ui.operate_model import choose_operated
+from tests.ui.views import controller, element, sample, view
+
+NAMES = ("joint1", "joint2")
+SPEED = 0.5
+
+
+def _view(**changes):
+    elements = tuple(element(name) for name in NAMES)
+    parts = {
+        "elements": {"arm": elements},
+        "samples": {"arm": sample(1.0, desired=0.1, names=NAMES)},
+        **changes,
+    }
+    return view(controller("arm", "running", NAMES), **parts)
+
+
+@pytest.fixture
+def desk():
+    made = ControllerDesk()
+    _refresh(made, _view())
+    return made
+
+
+def _refresh(desk, seen):
+    desk.refresh(choose_operated(seen), seen)
+
+
+def test_nothing_is_sent_unasked(desk):
+    assert desk.step(0.04, SPEED, 0.0) is None
+
+
+def test_a_typed_value_arrives_exactly_and_no_faster_than_allowed(desk):
+    assert desk.go({"joint2": 0.3217}, now=0.0) == ""
+    first = desk.step(0.04, SPEED, 0.04)
+    assert first.controller == "arm"
+    assert first.values == [0.1, pytest.approx(0.12)]
+    sent = [desk.step(0.04, SPEED, 1.0) for _ in range(14)]
+    assert [s.values for s in sent if s is not None][-1] == [0.1, 0.3217]
+    assert sent[-1] is None
+
+
+def test_a_value_out_of_range_moves_nothing(desk):
+    said = desk.go({"joint1": 0.2, "joint2": 1.5}, now=0.0)
+    assert said == "joint2 cannot go to 1.5 rad; allowed are -1 to 1 rad."
+    assert desk.step(0.04, SPEED, 0.0) is None
+
+
+def test_an_unknown_joint_is_named(desk):
+    assert "does not command elbow" in desk.go({"elbow": 0.0}, now=0.0)
+    assert "does not command elbow" in desk.hold("elbow", 1, now=0.0)
+
+
+def test_a_held_button_moves_until_it_is_released(desk):
+    desk.hold("joint1", -1, now=0.0)
+    moved = desk.step(0.04, SPEED, 0.04)
+    assert moved.values[0] == pytest.approx(0.08)
+    desk.release()
+    assert desk.step(0.04, SPEED, 0.08) is None
+
+
+def test_a_browser_that_falls_silent_releases_its_buttons(desk):
+    desk.hold("joint1", 1, now=0.0)
+    assert desk.step(0.04, SPEED, HELD_FOR - 0.01) is not None
+    assert desk.step(0.04, SPEED, HELD_FOR + 0.01) is None
+    assert desk.remaining == 0.0
+
+
+@pytest.mark.parametrize(
+    "change", [{"stop_state": "stopped"}, {"age": 5.0}, {"elements": {}}]
+)
+def test_no_motion_survives_a_stop_a_lost_link_or_another_controller(desk, change):
+    desk.go({"joint1": 0.9}, now=0.0)
+    _refresh(desk, _view(**change))
+    assert desk.step(0.04, SPEED, 0.04) is None
+    assert desk.go({"joint1": 0.9}, now=0.0) != ""
+
+
+def test_velocities_are_typed_and_not_jogged():
+    desk = ControllerDesk()
+    elements = {"arm": tuple(element(name, "rad/s") for name in NAMES)}
+    _refresh(desk, _view(elements=elements))
+    assert "takes rad/s, not positions" in desk.hold("joint1", 1, now=0.0)
+    desk.go({"joint1": 0.4}, now=0.0)
+    assert desk.step(0.04, SPEED, 0.04).values == [0.4, 0.1]
