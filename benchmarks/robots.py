@@ -26,6 +26,8 @@ SHARE = 0.1
 """Length of the goal's motion, of the range; at most 0.2 rad, or 2 cm."""
 PATIENCE = 60.0
 """How long a goal of 3 s may take on a machine that is busy [s]."""
+TOO_LONG = 600.0
+"""After how long a robot is given up [s]."""
 STOPS = 0.5
 """What a mechanical stop may yield [degrees]."""
 BEGIN, END = "<!-- robots -->", "<!-- end of robots -->"
@@ -211,16 +213,26 @@ def table(rows: list[Row]) -> str:
 
 
 def _in_a_process(name: str) -> Row:
-    done = subprocess.run(
-        [sys.executable, __file__, name, "--one"],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
+    try:
+        done = subprocess.run(
+            [sys.executable, __file__, name, "--one"],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=TOO_LONG,
+        )
+    except subprocess.TimeoutExpired:
+        return _tell(Row(name, refused=f"not done after {TOO_LONG:g} s"))
     if done.returncode:
-        return Row(name, refused=(done.stderr.strip().splitlines() or ["?"])[-1])
-    return Row(**json.loads(done.stdout))
+        reason = (done.stderr.strip().splitlines() or ["?"])[-1]
+        return _tell(Row(name, refused=reason))
+    return _tell(Row(**json.loads(done.stdout)))
+
+
+def _tell(row: Row) -> Row:
+    """Write a row as soon as it is known, and return it."""
+    sys.stderr.write(f"{table([row]).splitlines()[-1]}\n")
+    return row
 
 
 def main() -> int:
