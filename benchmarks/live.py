@@ -5,7 +5,6 @@ import contextlib
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -60,8 +59,17 @@ def running_station(
             path = Path(json.loads(lines[0])["runtime_file"])
             yield json.loads(path.read_text())
         finally:
-            process.send_signal(signal.SIGINT)
-            process.wait(10.0)
+            _end(process)
+
+
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    """End a station, and leave none behind: whoever reads its output would wait."""
+    process.terminate()
+    try:
+        process.wait(20.0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 async def read_streams(url: str, token: str, clients: int, seconds: float) -> list[int]:

@@ -13,6 +13,7 @@ from typing import Self
 from station.app.fci_run import FciRobotError, model_library_of, protocols_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
+from station.core.franka import GripperServicesInterface
 from station.core.loop.scheduling import ordinary_priority
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.fci.server.client_port import FciPortError
@@ -30,6 +31,7 @@ from station.hw.franka.fci.server.fci_door import (
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.franka_hw import FrankaHW
+from station.hw.franka.hand.hand_services import HandServices
 
 _START = 20.0
 """Longest time until the process listens [s]."""
@@ -66,7 +68,7 @@ class FciBeside:
         self._loop, self._hw, self._warn = loop, hw, warn
         memory = os.memfd_create("station-fci")
         os.ftruncate(memory, MEMORY_BYTES)
-        shared, hand = mmap.mmap(memory, MEMORY_BYTES), hw.simulated_hand
+        shared, hand = mmap.mmap(memory, MEMORY_BYTES), _hand_of(hw)
         self._guest = FciGuest(
             hw.arm,
             SharedPage(shared),
@@ -187,3 +189,10 @@ class FciBeside:
                 self._loop.run_in_cycle(self._hand.leave)
         except StationError as error:
             self._warn(f"The last client of the FCI was not told: {error}")
+
+
+def _hand_of(hw: FrankaHW) -> HandServices | None:
+    """Return the simulated hand of an arm; None without one."""
+    interface = hw.get(GripperServicesInterface)
+    found = [] if interface is None else interface.handles()
+    return next((hand for hand in found if isinstance(hand, HandServices)), None)

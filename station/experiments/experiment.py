@@ -16,7 +16,7 @@ from station.experiments.tuning import Search, Tuned, tunable_gains, tune
 from station.trials.analysis import goal_as_plan
 from station.trials.errors import UnknownParameterError
 from station.trials.goal import Bound, Goal
-from station.trials.metrics import check_metric
+from station.trials.metrics import check_measured
 from station.trials.parameters import check
 from station.trials.results import Results
 from station.trials.script import Script
@@ -86,7 +86,7 @@ class SweepExperiment(Experiment):
         if is_chance and not texts:
             texts = list(ROBUSTNESS_RANGES)
         method = "random" if is_chance else request.method
-        check_metric(request.metric)
+        check_measured(request.metric, base.script)
         self._points = points(
             [parse_range(text) for text in texts], method, request.trials, request.seed
         )
@@ -137,6 +137,8 @@ class TuneExperiment(Experiment):
         chosen = tunable_gains(_of_joints(start, request.joints), request.gains)
         self._gains = {f"{prefix}{name}": value for name, value in chosen.items()}
         self._goal = _goal(request)
+        for metric in (*self._goal.weights, *(b.metric for b in self._goal.bounds)):
+            check_measured(metric, base.script)
         self._first = Trial(
             base.setup, base.script, {**base.parameters, **self._gains}, base.seed
         )

@@ -57,10 +57,11 @@ def keep_worst(results: Results, metric: str, count: int) -> list[str]:
         count: How many trials, >= 0.
 
     Raises:
-        ExperimentError: No trial has the metric.
+        ExperimentError: Trials are done, but none has the metric.
     """
     failed = [r.result.hash for r in results.rows() if r.result.state == "failed"]
-    worst = [row.result.hash for row in reversed(ranked(results, metric))]
+    done = ranked(results, metric) if results.count("done") else []
+    worst = [row.result.hash for row in reversed(done)]
     chosen = [*failed, *worst][:count]
     with TrialWorld(results.setup) as world:
         for name in chosen:

@@ -1,4 +1,7 @@
-"""Compile the kernel: `python -m station.kernel.build`. Takes seconds.
+"""Compile the kernel: `python -m station.kernel.build`.
+
+The modules that an earlier kernel has are taken over; to compile all of them takes some
+minutes of a processor, a few of them seconds.
 
 Needs Cython, a C compiler and Python's header files. The result is put in place as a
 whole, so that a station that starts meanwhile finds either a complete kernel or none.
@@ -16,13 +19,22 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from station.kernel.built import FAILURE, LOCK, SWITCH, fitting_kernel
+import cython
+
+from station.kernel.built import (
+    FAILURE,
+    LOCK,
+    SWITCH,
+    compiled_modules,
+    fitting_kernel,
+)
 from station.kernel.manifest import (
     Manifest,
     file_digest,
     fingerprint,
     kernel_modules,
     module_file,
+    module_recipes,
     source_digest,
     target,
 )
@@ -117,15 +129,23 @@ def build_into(directory: Path, scratch: Path, *, jobs: int) -> None:
         shutil.copy(SOURCES / f"{name}.py", package)
         shutil.copy(SOURCES / f"{name}.pxd", package)
     directory.mkdir()
+    how = f"{cython.__version__} {_COMPILER_FLAGS} {_DIRECTIVES}"
+    recipes = {_SHARED: f"{how} {target()}", **module_recipes(how)}
+    compiled = compiled_modules()
+
+    def make(name: str) -> Path:
+        before = compiled.get(recipes[name])
+        if before is None:
+            return _compile(name, scratch, directory)
+        return Path(shutil.copy(before, directory / module_file(name)))
+
     with ThreadPoolExecutor(jobs) as executor:
-        pending = [
-            executor.submit(_compile, name, scratch, directory)
-            for name in [_SHARED, *kernel_modules()]
-        ]
-    modules = {future.result().name: file_digest(future.result()) for future in pending}
+        made = list(executor.map(make, recipes))
     if source_digest() != sources:
         raise BuildError("The sources have changed during the build.")
-    Manifest(sources, target(), modules).write(directory)
+    modules = {path.name: file_digest(path) for path in made}
+    kept = {module_file(name): recipe for name, recipe in recipes.items()}
+    Manifest(sources, target(), modules, kept).write(directory)
 
 
 def _build_in(place: Path, jobs: int) -> Path:

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Literal
 
 from station.kernel.manifest import (
+    MANIFEST,
+    file_digest,
     find_damage,
     fingerprint,
     kernel_modules,
@@ -128,6 +130,25 @@ def fitting_kernel() -> Path | None:
         if find_damage(directory) is None:
             return directory
     return None
+
+
+def compiled_modules() -> dict[str, Path]:
+    """Return the compiled modules of all kernels, by the hash of what they are made of.
+
+    A build takes over those that it would make anew.
+    """
+    found: dict[str, Path] = {}
+    for manifest_file in (m for p in places() for m in p.glob(f"*/{MANIFEST}")):
+        directory = manifest_file.parent
+        manifest = read_manifest(directory)
+        if manifest is None or manifest.target != target():
+            continue
+        for name, recipe in manifest.recipes.items():
+            path = directory / name
+            sound = path.is_file() and file_digest(path) == manifest.modules.get(name)
+            if recipe not in found and sound:
+                found[recipe] = path
+    return found
 
 
 def present_status(status: KernelStatus) -> KernelStatus:

@@ -19,6 +19,7 @@ cdef class Imperfections(Preparation):
     cdef double[::1] wrench
     cdef double[::1] turned
     cdef double period
+    cdef double rate
     cdef readonly double[::1] level
     cdef readonly double[::1] slope
     cdef readonly double[::1] shift
@@ -53,10 +54,10 @@ cdef class Imperfections(Preparation):
     cpdef bint before(self)
     @cython.locals(i=Py_ssize_t, result=int, reach=double)
     cpdef int sense(self)
-    @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, period=double, measured=double, error=double)
+    @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, rate=double, measured=double, error=double)
     cpdef disturb(self)
     cpdef wind_up(self)
-    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, period=double, gain=double, needed=double, external=double)
+    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, rate=double, gain=double, needed=double, external=double)
     cpdef observe(self)
     @cython.locals(i=Py_ssize_t, k=Py_ssize_t, axis=Py_ssize_t, torque=double, u=double, v=double, w=double, a=double, b=double, c=double, x=double, y=double, z=double)
     cpdef compute_wrench(self)

@@ -93,6 +93,7 @@ class Imperfections(Preparation):
         self.wrench = wrench
         self.turned = turned
         self.period = period
+        self.rate = 1.0 / period
         self.level = zeros(size)
         self.slope = zeros(size)
         self.shift = zeros(size)
@@ -189,7 +190,6 @@ class Imperfections(Preparation):
             A sum of `MOVED`, `TOUCHED` and `LOST`, 0 in a usual cycle.
         """
         self.disturb()
-        self.wind_up()
         self.observe()
         result = 0
         positions, place, reach = self.memory.positions, self.place, self.reach
@@ -206,10 +206,11 @@ class Imperfections(Preparation):
         return result
 
     def disturb(self) -> None:
-        """Add noise and bias to velocities and torques."""
+        """Add noise and bias to velocities and torques, and wind the motors up."""
         memory, noise = self.memory, self.noise
         dq, dtheta, tau, dtau = memory.dq, memory.dtheta, memory.tau_J, memory.dtau_J
-        velocity, change, period = self.velocity, self.change, self.period
+        velocity, change, rate = self.velocity, self.change, self.rate
+        positions, theta, compliance = memory.positions, self.theta, self.compliance
         spread, bias = self.velocity_noise, self.torque_bias
         torque_spread = self.torque_noise
         drawn, last = self.drawn, len(noise) - 2
@@ -222,8 +223,10 @@ class Imperfections(Preparation):
             change[i] = measured - velocity[i]
             velocity[i] = measured
             dq[i] = measured
-            dtau[i] += error / period
-            tau[i] += error
+            dtau[i] += error * rate
+            error += tau[i]
+            tau[i] = error
+            theta[i] = positions[i] + compliance[i] * error
         self.drawn = drawn
 
     def wind_up(self) -> None:
@@ -239,7 +242,7 @@ class Imperfections(Preparation):
         inertia, diagonal = simulator.inertia, simulator.diagonal
         bias, armature = simulator.bias, simulator.armature
         tau, estimate, gain = self.memory.tau_J, self.estimate, self.gain
-        period, model_error, expected = self.period, self.model_error, self.expected
+        rate, model_error, expected = self.rate, self.model_error, self.expected
         for i in range(self.size):
             # A row of the inertia matrix ends with its diagonal element. The rotors
             # turn before the torque sensors.
@@ -252,7 +255,7 @@ class Imperfections(Preparation):
                 momentum[j] += element * own
             momentum[i] = total
         for i in range(self.size):
-            needed = momentum[i] / period + (1.0 + model_error[i]) * bias[i]
+            needed = momentum[i] * rate + (1.0 + model_error[i]) * bias[i]
             external = tau[i] - needed - expected[i]
             estimate[i] += gain * (external - estimate[i])
 

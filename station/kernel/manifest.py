@@ -3,9 +3,10 @@
 import hashlib
 import json
 import platform
+import re
 import sys
 import sysconfig
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from station.kernel.places import SOURCES
@@ -25,11 +26,13 @@ class Manifest:
         sources: Hash of the sources and of how they are compiled.
         target: Python, operating system and processor that can load it.
         modules: Hash of each compiled module, by the name of its file.
+        recipes: Hash of everything that the module was made of, by the same name.
     """
 
     sources: str
     target: str
     modules: dict[str, str]
+    recipes: dict[str, str] = field(default_factory=dict)
 
     def write(self, directory: Path) -> None:
         """Write it beside the compiled modules."""
@@ -41,8 +44,11 @@ def read_manifest(directory: Path) -> Manifest | None:
     """Return the manifest of a compiled kernel; None when there is no sound one."""
     try:
         found = json.loads((directory / MANIFEST).read_text(encoding="utf-8"))
-        modules = {str(name): str(digest) for name, digest in found["modules"].items()}
-        return Manifest(str(found["sources"]), str(found["target"]), modules)
+        modules, recipes = (
+            {str(name): str(digest) for name, digest in found.get(key, {}).items()}
+            for key in ("modules", "recipes")
+        )
+        return Manifest(str(found["sources"]), str(found["target"]), modules, recipes)
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return None
 
@@ -65,6 +71,35 @@ def source_digest() -> str:
         digest.update(f"{name}\n".encode())
         digest.update((SOURCES / name).read_bytes())
     return digest.hexdigest()
+
+
+def module_recipes(how: str) -> dict[str, str]:
+    """Return the hash of everything that a compiled module is made of, by its name.
+
+    These are its source, the C types of its own and of all that it uses, this Python
+    and this machine.
+
+    Args:
+        how: The tools and what they are told.
+    """
+    types = {
+        name: (SOURCES / f"{name}.pxd").read_text(encoding="utf-8")
+        for name in kernel_modules()
+    }
+    found = {}
+    for name in types:
+        used = {name}
+        while (more := {each for one in used for each in _used_in(types[one])}) - used:
+            used |= more
+        text = (SOURCES / f"{name}.py").read_text(encoding="utf-8")
+        whole = "\n".join((how, target(), text, *(types[one] for one in sorted(used))))
+        found[name] = hashlib.sha256(whole.encode()).hexdigest()
+    return found
+
+
+def _used_in(types: str) -> list[str]:
+    """Return the modules of the kernel whose C types others use."""
+    return re.findall(r"^from station\.kernel\.(\w+) cimport", types, re.MULTILINE)
 
 
 def target() -> str:

@@ -89,10 +89,13 @@ def ranked(results: Results, metric: str | None = None) -> list[Row]:
     goal = goal_of(results) if metric is None else None
     if goal is not None and rows:
         first = _first(results, rows)
-        return sorted(
-            (row for row in rows if row.result.state == "done"),
-            key=lambda row: goal.cost(row.result, first),
-        )
+        done = [row for row in rows if row.result.state == "done"]
+        if not done:
+            raise ExperimentError(
+                f"All trials of '{results.path.stem}' have failed.",
+                remedy="`station experiments show` says why.",
+            )
+        return sorted(done, key=lambda row: goal.cost(row.result, first))
     name = metric or "rms_error"
     check_metric(name)
     known = [r for r in rows if r.result.state == "done" and name in r.result.metrics]

@@ -13,6 +13,8 @@ _FAILED = 1e6
 """Cost of a trial that failed."""
 _VIOLATED = 1e3
 """Cost of a trial that violates a constraint, before the excess is added."""
+_UNMEASURED = 10.0
+"""Excess of a metric that a trial lacks over its bound, as a share of the bound."""
 TOLERANCE = 0.001
 """Share by which a bound relative to the first trial may be exceeded. Other random
 numbers of the sensors move the peak of the effort by 0.7 %, and its RMS by 0.03 %, so
@@ -52,8 +54,10 @@ class Bound:
         if self.is_relative:
             limit *= first[self.metric]
             limit += TOLERANCE * abs(limit)
-        over = metrics.get(self.metric, math.inf) - limit
-        return max(0.0, over / max(abs(limit), 1e-9))
+        found = metrics.get(self.metric)
+        if found is None:  # such as the settling time of what does not settle
+            return _UNMEASURED
+        return max(0.0, (found - limit) / max(abs(limit), 1e-9))
 
 
 @dataclass(frozen=True, slots=True)

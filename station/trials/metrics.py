@@ -7,7 +7,7 @@ import numpy as np
 
 from station.core.errors import suggest
 from station.core.hardware.robot_report import JointLimitsReport
-from station.trials.errors import UnknownParameterError
+from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.script import Script
 from station.trials.trace import Array, Trace
 from station.wire.excitations import Step
@@ -29,6 +29,7 @@ UNITS: Mapping[str, str] = {
 }
 """Unit of each metric. Smaller is better, but for `limit_margin`."""
 LARGER_IS_BETTER = frozenset({"limit_margin"})
+_OF_A_STEP = frozenset({"rise_time", "overshoot", "settling_time"})
 _STEADY = 0.1
 """Share of a trial at its end in which the steady error is taken."""
 
@@ -93,9 +94,33 @@ def measure(
         found["rms_error"] = _rms(error)
         found["largest_error"] = _largest(error)
         found["steady_error"] = float(np.abs(last).mean())
-    if len(script.motions) == 1 and isinstance(script.motions[0], Step):
-        found |= _step_response(trace, script.motions[0], script.settling_band)
+    step = _only_step(script)
+    if step is not None:
+        found |= _step_response(trace, step, script.settling_band)
     return {k: found[k] for k in UNITS if k in found and np.isfinite(found[k])}
+
+
+def check_measured(name: str, script: Script) -> None:
+    """Refuse a metric that no trial with this script can have.
+
+    Raises:
+        UnknownParameterError: There is no such metric.
+        ExperimentError: The script lacks what it takes.
+    """
+    check_metric(name)
+    if name in _OF_A_STEP and _only_step(script) is None:
+        raise ExperimentError(
+            f"Trials with this script have no '{name}': that is one of a single step.",
+            remedy="Use a script whose only motion is a step, or another metric.",
+        )
+
+
+def _only_step(script: Script) -> Step | None:
+    """Return the step of a script that has one and no other motion."""
+    match script.motions:
+        case [Step() as step]:
+            return step
+    return None
 
 
 def _rms(values: Array) -> float:

@@ -45,3 +45,20 @@ def test_doctor_tells_what_a_robot_needs() -> None:
     assert pairs.kind == "self_collision"
     with pytest.raises(RobotDescriptionError, match="no robot 'nobody'"):
         examine_robot("example-robot-data:nobody")
+
+
+def test_list_of_moveit_that_names_unknown_joints_is_refused_in_words(tmp_path) -> None:
+    """And the controllers of the robot itself are there all the same."""
+    file = tmp_path / "controllers.yaml"
+    file.write_text(
+        "controller_list:\n  - {name: arm, type: FollowJointTrajectory, "
+        "joints: [elbow_joint, wrist_9_joint]}\n"
+    )
+    config = load_config(
+        configure_robot("example-robot-data:ur5"), controller_files=[file]
+    )
+    composed = compose(config)
+    assert list(composed.not_loaded) == ["arm"]
+    assert "has no joint 'wrist_9_joint'" in composed.not_loaded["arm"].message
+    names = [controller.name for controller in composed.station.controllers()]
+    assert "joint_trajectory_controller" in names

@@ -18,6 +18,7 @@ from station.client import StationClient
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.core.errors import ArmCommandError, SwitchRefusedError
+from station.core.franka import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.network import FciNetwork, FciNetworkError
@@ -25,6 +26,7 @@ from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from station.wire import GripperMoveRequest
 from tests.api.conftest import AppTransport
+from tests.hw.franka.fci.server.test_fci_guest import hand_of
 from tests.hw.franka.plain_model import PlainModel
 
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
@@ -92,6 +94,42 @@ def test_client_and_controllers_take_turns(station, arm):
     assert arm.read_once().time > before
 
 
+def test_arm_whose_server_was_started_anew_is_connected_again(tmp_path):
+    built = station_of(CONFIG, tmp_path)
+    built.loop.start()
+
+    def connect():
+        return FciNetwork(HOST, PANDA.port)
+
+    with FciBeside(built, HOST, pytest.fail):
+        arm = FciArm(connect(), PlainModel, is_enforced=False, reopen=connect)
+    for _ in range(LONGEST):
+        if arm.is_lost():
+            break
+        arm.wait()
+    assert arm.failure() == "libfranka: UDP receive: Timeout"
+    assert recovered(arm) is RobotMode.OTHER
+    assert "Connection to FCI refused" in arm.failure()
+
+    with FciBeside(built, HOST, pytest.fail):
+        assert recovered(arm) is RobotMode.IDLE
+        before = arm.read_once().time
+        assert arm.read_once().time > before
+        arm.close()
+    built.loop.stop()
+
+
+def recovered(arm):
+    """Recover an arm as a control thread does; return the mode at the end."""
+    arm.automatic_error_recovery()
+    for _ in range(LONGEST):
+        arm.wait()
+        arm.read_once()
+        if arm.state.robot_mode is not RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            break
+    return arm.state.robot_mode
+
+
 def test_second_station_at_the_same_address_is_told(station, tmp_path):
     del station
     other = station_of(CONFIG, tmp_path)
@@ -133,7 +171,7 @@ def test_hand_of_one_station_is_the_real_hand_of_another(station, tmp_path):
     other.loop.stop()
     other.loop.hw.close()
     assert (state.last.status, state.last.message) == ("succeeded", "")
-    there = station.loop.hw.simulated_hand.get_state()
+    there = hand_of(station.loop.hw).get_state()
     assert there.width == pytest.approx(0.05, abs=2e-3)
 
 

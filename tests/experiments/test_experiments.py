@@ -9,8 +9,11 @@ from station.experiments.exports import data_frame, export, table, write_gains
 from station.experiments.plots import KINDS, pareto_front, plot
 from station.experiments.pools import InThisProcess
 from station.experiments.sweep import keep_worst, sweep
+from station.trials.analysis import goal_as_plan, ranked
 from station.trials.errors import ExperimentError
+from station.trials.goal import Goal
 from station.trials.results import Results
+from station.trials.trial import TrialResult
 from tests.experiments.conftest import GROUP
 
 PNG = b"\x89PNG"
@@ -61,6 +64,17 @@ def test_worst_trials_are_kept_as_recordings(tmp_path, step, world):
         assert (trial.parameters["load"], trial.seed) == (3.0, 1)
         again = world.record(trial)[1]
         assert results.recordings()[worst].to_bytes() == again.to_bytes()
+
+
+def test_trials_that_have_all_failed_are_kept_and_none_is_the_best(tmp_path, step):
+    plan = {"goal": goal_as_plan(Goal()), "first": step.hash}
+    with Results.create(tmp_path / "f.sqlite", "tune", step.setup, plan) as results:
+        results.add(step, TrialResult(step.hash, "failed", "a reflex", {}, 0.1, "w"))
+
+        assert keep_worst(results, "rms_error", 1) == [step.hash]
+        assert list(results.recordings()) == [step.hash]
+        with pytest.raises(ExperimentError, match="All trials of 'f' have failed"):
+            ranked(results)
 
 
 def test_gains_of_a_trial_are_written(tmp_path):

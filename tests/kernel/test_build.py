@@ -118,6 +118,44 @@ def test_sources_that_change_during_the_build_leave_no_kernel(sources, monkeypat
     assert find_kernel().mode == "interpreted"
 
 
+def test_a_module_that_is_made_of_the_same_is_taken_over(sources, compiled):
+    add_user(sources)
+    build.build()
+    (sources / "user.py").write_text("# edited\n")
+
+    directory = build.build()
+
+    assert sorted(compiled) == ["twice", "user", "user"]
+    assert find_kernel().directory == directory
+
+
+def test_what_uses_changed_types_is_compiled_again(sources, compiled):
+    add_user(sources)
+    build.build()
+    (sources / "twice.pxd").write_text("cpdef float twice(float value) noexcept\n")
+
+    build.build()
+
+    assert sorted(compiled) == ["twice", "twice", "user", "user"]
+
+
+def test_a_damaged_module_is_not_taken_over(sources, compiled):
+    add_user(sources)
+    before = build.build()
+    (before / module_file("twice")).write_text("a libr")
+    (sources / "user.py").write_text("# edited\n")
+
+    build.build()
+
+    assert sorted(compiled) == ["twice", "twice", "user", "user"]
+
+
+def add_user(sources):
+    """Add a module that uses the types of `twice`."""
+    (sources / "user.py").write_text("# as it was\n")
+    (sources / "user.pxd").write_text("from station.kernel.twice cimport twice\n")
+
+
 @pytest.mark.usefixtures("compiled")
 def test_old_kernels_and_what_killed_builds_left_go(environment):
     for age in range(10):

@@ -89,6 +89,16 @@ def test_motion_is_recorded_and_analysed(station, tmp_path):
 
 
 @pytest.mark.slow
+def test_controllers_are_compared(station, tmp_path):
+    out = run(station, tmp_path, EXAMPLES / "compare_two_controllers.py")
+
+    found = re.findall(r"(\w+) +(\S+) +(\S+) +p = (\S+)", out)
+    means = {name: (float(one), float(other)) for name, one, other, _ in found}
+    assert means["rms_error"][0] < means["rms_error"][1]
+    assert all(0.0 < float(p) <= 1.0 for *_, p in found)
+
+
+@pytest.mark.slow
 def test_notebook_runs(station, tmp_path):
     run(station, tmp_path, "-m", "station", "reset")
 

@@ -57,6 +57,15 @@ def test_a_softened_bound_costs_what_its_strictness_says():
     assert goal.softened(result("failed"), FIRST, 0.0) >= 1e6
 
 
+def test_what_never_settles_exceeds_a_bound_of_its_settling_time():
+    goal = Goal({"rms_error": 1.0}, (Bound("settling_time", 0.5),))
+    slow = result(settling_time=0.9)
+
+    assert goal.excess(slow, FIRST) == pytest.approx(0.8)
+    assert goal.excess(result(), FIRST) == 10.0
+    assert goal.softened(slow, FIRST, 1.0) < goal.softened(result(), FIRST, 1.0) < 1e3
+
+
 def test_impossible_goals_are_refused_by_name():
     with pytest.raises(UnknownParameterError, match="no metric 'speed'"):
         Goal({"speed": 1.0})

@@ -62,8 +62,8 @@ def tune(options: Namespace) -> int:
     request = _request(options, "tune")
     if options.background:
         return _start(options, request)
-    live = _live_gains(options) if options.live else None
-    experiment = prepare(_setup(options), request, live)
+    setup, live = _live(options) if options.live else (_setup(options), None)
+    experiment = prepare(setup, request, live)
     began = time.monotonic()
     with _running(options, experiment) as (results, progress):
         if isinstance(experiment, TuneExperiment) and experiment.tuned is not None:
@@ -202,9 +202,19 @@ def _script_fields(options: Namespace) -> dict[str, object]:
     }
 
 
-def _live_gains(options: Namespace) -> dict[str, dict[str, float]]:
+def _live(options: Namespace) -> tuple[Setup, dict[str, dict[str, float]]]:
+    """Return the setup and the gains with which a search begins at a running station.
+
+    A controller that is not in the configuration is taken from the station.
+    """
+    setup, controller = _setup(options), options.controller
     with open_client(options) as client:
-        return {options.controller: dict(client.gains(options.controller).values)}
+        gains = {controller: dict(client.gains(controller).values)}
+        if controller not in setup.config().controllers:
+            loaded = client.parameter(controller)
+            if isinstance(loaded, dict):
+                setup = setup.with_controllers({controller: loaded})
+    return setup, gains
 
 
 def _bound(word: str) -> ExperimentBound:

@@ -24,11 +24,8 @@ from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.urdf import Urdf
-from station.core.errors import (
-    ParameterError,
-    SwitchRefusedError,
-)
-from station.core.franka import FrankaServicesInterface, GripperServicesInterface
+from station.core.errors import ParameterError, SwitchRefusedError
+from station.core.franka import FrankaServicesInterface
 from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
 from station.core.hardware.robot_hw import (
     ControllerInfo,
@@ -37,10 +34,7 @@ from station.core.hardware.robot_hw import (
     RobotHW,
     SwitchState,
 )
-from station.core.hardware.robot_report import (
-    ClampReport,
-    JointLimitsReport,
-)
+from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
@@ -76,10 +70,8 @@ from station.kernel.arm_writing import ArmWatch, ArmWriting
 from station.kernel.stages import RobotWatch, Stage
 
 if TYPE_CHECKING:
-    from station.hw.franka.fci.driver.fci_arm import FciArm
-    from station.hw.franka.fci.driver.real_hand import RealHand
+    from station.hw.franka.fci.driver.connection import RealRobot
     from station.hw.franka.fci.server.fci_guest import FciGuest
-    from station.hw.franka.hand.hand_services import HandServices
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
@@ -115,8 +107,7 @@ class FrankaHW(RobotHW):
         super().__init__()
         self._world: FrankaWorld | None = None
         self._arm = arm
-        self._real_arm: FciArm | None = None
-        self._real_hand: RealHand | None = None
+        self._real: RealRobot | None = None
         self.guest: FciGuest | None = None
         self._fingers: FingerJoints | None = None
 
@@ -191,9 +182,10 @@ class FrankaHW(RobotHW):
         """
         # Imported here: neither of them needs what the other one is made of.
         if self._parameters.robot_ip is not None:
-            from station.hw.franka.fci.driver.connection import connect
+            from station.hw.franka.fci.driver.connection import RealRobot
 
-            self._arm = self._real_arm = connect(self._parameters)
+            self._real = RealRobot(self._parameters)
+            self._arm = self._real.arm
         else:
             from station.hw.franka.simulated.arm_placement import simulate_one
 
@@ -235,11 +227,6 @@ class FrankaHW(RobotHW):
     def robot_state(self) -> RobotState:
         """The arm's live state; control thread only."""
         return self.arm.state
-
-    @property
-    def simulated_hand(self) -> "HandServices | None":
-        """The simulated hand; None without one."""
-        return None if self._fingers is None else self._fingers.hand
 
     @property
     def is_commanded(self) -> bool:
@@ -313,7 +300,7 @@ class FrankaHW(RobotHW):
         Raises:
             HardwareInterfaceError: `period` is shorter than the arm's own cycle.
         """
-        is_real, name = self._real_arm is not None, self._parameters.arm_id
+        is_real, name = self._real is not None, self._parameters.arm_id
         time = self.arm.cycle_time
         self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
@@ -410,14 +397,12 @@ class FrankaHW(RobotHW):
 
     @override
     def robot_clock(self) -> RobotClock | None:
-        return self._real_arm
+        return None if self._real is None else self._real.arm
 
     @override
     def close(self) -> None:
-        if self._real_hand is not None:
-            self._real_hand.close()
-        if self._real_arm is not None:
-            self._real_arm.close()
+        if self._real is not None:
+            self._real.close()
 
     @override
     def simulated_world(self) -> "FrankaWorld | None":
@@ -436,24 +421,18 @@ class FrankaHW(RobotHW):
 
     def _add_fingers(self, names: Sequence[str], urdf: Urdf) -> None:
         """Add the hand of the URDF, if it has one, and its finger joints."""
+        told, interfaces = self._parameters, self.commands.interfaces()
         if not all(name in urdf.joints for name in names):
             return
-        arm_id, in_states = self._parameters.arm_id, self._parameters.publishes_fingers
-        if self._world is not None:
-            self._fingers = FingerJoints(self._world.grippers[arm_id], names, arm_id)
-            self._fingers.register(self.commands.interfaces(), in_states=in_states)
+        if self._real is not None:
+            self.register_interface(self._real.add_hand(names, interfaces))
+        elif self._world is not None:
+            gripper = self._world.grippers[told.arm_id]
+            self._fingers = FingerJoints(gripper, names, told.arm_id)
+            self._fingers.register(interfaces, in_states=told.publishes_fingers)
             self._reading.fingers = self._fingers.sensor
             self._writing.add_fingers(self._fingers)
             self.register_interface(self._fingers.services)
-        elif self._real_arm is not None:
-            from station.hw.franka.fci.driver.connection import connect_hand
-
-            self._real_hand = connect_hand(self._parameters)
-            if in_states:
-                self._real_hand.register(self.commands.interfaces(), names)
-            services = GripperServicesInterface()
-            services.register_handle(self._real_hand)
-            self.register_interface(services)
 
     def _mode_after(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]

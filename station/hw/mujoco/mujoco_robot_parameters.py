@@ -141,9 +141,7 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         limit_mode=LimitMode.from_parameters(params),
         strict=params.get_bool("strict", default=False),
         zero_range=_read_choice(params, "zero_range", get_args(ZeroRange), "lock"),
-        self_collision=_read_choice(
-            params, "self_collision", get_args(SelfCollision), "srdf"
-        ),
+        self_collision=_read_self_collision(params),
         sensors=tuple(_read_sensors(params.namespace("sensors"))),
     )
 
@@ -159,6 +157,13 @@ def _read_choice(
         if choice == value:
             return choice
     return _refuse(params, key, value, f"one of {', '.join(allowed)}")
+
+
+def _read_self_collision(params: Parameters) -> SelfCollision:
+    # YAML reads the bare word `off` as false.
+    if params.get("self_collision") is False:
+        return "off"
+    return _read_choice(params, "self_collision", get_args(SelfCollision), "srdf")
 
 
 def _read_base(params: Parameters) -> Pose:

@@ -20,6 +20,7 @@ from station.hw.mujoco.scene import SceneObject, add_object
 from station.hw.mujoco.self_collision import (
     Pair,
     rigid_neighbours,
+    tell_contacts,
     tell_pairs,
     touching_pairs,
 )
@@ -101,13 +102,12 @@ class _Simulation:
         """Return the world at the robot's start pose."""
         world = self._build()
         lenient = not self._parameters.strict
-        if lenient and self._parameters.self_collision == "srdf":
-            touching = touching_pairs(world.model, world.data)
-            robot = set(self._urdf.links)
-            found = [pair for pair in touching if robot.issuperset(pair)]
-            if found:
-                self._exclude(found, "they touch in the start pose")
-                world = self._build()
+        found = self._find_touching(world)
+        if found and lenient and self._parameters.self_collision == "srdf":
+            self._exclude(found, "they touch in the start pose")
+            world = self._build()
+        elif found:
+            self._repairs.append(tell_contacts(found))
         depth = depth_in_floor(world.model, world.data) if lenient else 0.0
         if depth > _TOUCHES and self._lift(depth):
             world = self._build()
@@ -132,6 +132,12 @@ class _Simulation:
         world = World(compile_world(spec), self._objects)
         world.begin_at(self._start)
         return world
+
+    def _find_touching(self, world: World) -> list[Pair]:
+        """Return the links of the robot that touch one another now."""
+        robot = set(self._urdf.links)
+        touching = touching_pairs(world.model, world.data)
+        return [pair for pair in touching if robot.issuperset(pair)]
 
     def _exclude(self, pairs: list[Pair], why: str) -> None:
         known = {frozenset(pair) for pair in self._pairs}

@@ -71,6 +71,21 @@ def tell_pairs(pairs: Sequence[Pair], why: str) -> list[Repair]:
     ]
 
 
+def tell_contacts(pairs: Sequence[Pair]) -> Repair:
+    """Return one line for links that touch at the start, and push each other apart.
+
+    Args:
+        pairs: Names of links, at least one pair.
+    """
+    return Repair(
+        "start_pose",
+        f"{len(pairs)} pair(s) of links",
+        f"they touch in the start pose: {_names(pairs)}",
+        "",
+        "left to push each other apart; self_collision: srdf excludes them",
+    )
+
+
 def _names(pairs: Iterable[Pair]) -> str:
     names = [f"{first} and {second}" for first, second in pairs]
     more = len(names) - _MOST_NAMED

@@ -90,6 +90,22 @@ def test_impossible_search_is_refused_and_leaves_nothing(run):
     assert not file_of("x").exists()
 
 
+@pytest.mark.parametrize(
+    ("verb", "words"),
+    [
+        ("tune", ["--at-most", "settling_time=0.5"]),
+        ("tune", ["--weight", "overshoot=1"]),
+        ("sweep", ["load=0:1", "--metric", "rise_time"]),
+    ],
+)
+def test_metric_that_the_script_cannot_have_is_refused(capsys, verb, words):
+    """Without a script, all joints move, and no joint by a step."""
+    assert main([verb, GROUP, *words, "--workers", "0", "--name", "x"]) == 1
+
+    assert "that is one of a single step" in capsys.readouterr().err
+    assert not file_of("x").exists()
+
+
 def test_trials_that_fail_are_told_with_all_of_their_reason(script, capsys):
     """The others go on; without any trial that is done the exit code is 1."""
     gain = f"gains/{GROUP}/panda_joint1/p"
@@ -178,6 +194,44 @@ def test_ctrl_c_says_how_to_go_on(monkeypatch, script, capsys, verb, trial):
     assert f"{trial - 1} trials are kept. Repeat the command with --name x" in told
     with Results.open(file_of("x")) as results:
         assert (results.count(), results.outcome()[0]) == (trial - 1, "cancelled")
+
+
+class StationWithBelt:
+    """A station that has loaded the controller `belt`, which no configuration has."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def gains(self, controller):
+        assert controller == "belt"
+        return SimpleNamespace(values={f"panda_joint{n}/p": 30.0 for n in range(1, 8)})
+
+    def parameter(self, path):
+        assert path == "belt"
+        joints = [f"panda_joint{n}" for n in range(1, 8)]
+        gains = {joint: {"pid": {"p": 60.0, "d": 5.0}} for joint in joints}
+        kind = "effort_controllers/JointGroupPositionController"
+        return {"type": kind, "joints": joints, **gains}
+
+
+def test_a_controller_that_a_station_has_loaded_is_tuned_live(
+    monkeypatch, tmp_path, capsys
+):
+    monkeypatch.setattr(
+        "station.cli.verbs.experiments.open_client", lambda _: StationWithBelt()
+    )
+    script = tmp_path / "belt.yaml"
+    script.write_text(SCRIPT.replace(GROUP, "belt"))
+    words = ["--live", "--trials", "2", "--gains", "p", "--workers", "0", "--json"]
+
+    code = main(["tune", "belt", *words, "--script", str(script), "--name", "x"])
+
+    assert code == 0, capsys.readouterr().err
+    found = json.loads(capsys.readouterr().out)
+    assert found["gains"] == {f"gains/belt/panda_joint{n}/p": 30 for n in range(1, 8)}
 
 
 class FakeStation:

@@ -3,6 +3,7 @@
 import pytest
 
 from station.core.description.robot_files import load_robot_files
+from station.core.errors import ParameterError
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 from station.hw.mujoco.self_collision import rigid_neighbours
 from station.hw.urdf_loader import load_urdf
@@ -40,12 +41,21 @@ def test_each_reason_is_told() -> None:
     assert "they touch in the start pose" in told
 
 
-@pytest.mark.parametrize(("wanted", "touches"), [("off", False), ("all", True)])
+@pytest.mark.parametrize(
+    ("wanted", "touches"), [("off", False), (False, False), ("all", True)]
+)
 def test_self_collision_can_be_chosen(wanted, touches) -> None:
     folded = {"elbow_joint": 3.1}
     hw = robot("ur5", self_collision=wanted, initial_positions=folded, floor=False)
     assert bool(hw.world.data.ncon) is touches
     assert not [r for r in hw.repairs() if r.kind == "self_collision"]
+    told = [r.sentence() for r in hw.repairs() if r.kind == "start_pose"]
+    assert ["touch in the start pose" in one for one in told] == [True] * touches
+
+
+def test_self_collision_that_is_none_of_the_choices_is_refused() -> None:
+    with pytest.raises(ParameterError, match="is 'some'; it must be one of off, srdf"):
+        robot("ur5", self_collision="some")
 
 
 def test_robot_in_the_floor_is_lifted_onto_it_unless_it_has_its_place() -> None:

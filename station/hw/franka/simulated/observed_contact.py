@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame
-from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
@@ -75,12 +75,11 @@ class ObservedContact(ContactEstimate):
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
-        # After a recovery the estimate still approaches what acts: for three time
-        # constants that is no new collision.
-        self._settling_time = round(
-            3.0 / (2.0 * pi * realism.observer_frequency * joints.timestep)
-        )
-        self._settling = 0
+        # Nothing is a new collision in a recovery, and for three time constants after
+        # it, in which the estimate still approaches what acts.
+        self._settling_time = 3.0 / (2.0 * pi * realism.observer_frequency)
+        # By the arm's time, which goes on while nothing touches the arm.
+        self._settled_at = 0.0
         self.set_behavior(self.behavior)
         self.release = _RELEASE
 
@@ -112,8 +111,11 @@ class ObservedContact(ContactEstimate):
     def update(self) -> list[ArmError]:
         if self.is_quiet:
             return []
-        if self._settling > 0:
-            self._settling -= 1
+        if self._state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            # The arm only brakes and comes to rest; a hand that bounces off a table and
+            # falls back on it would otherwise undo every recovery.
+            self._settled_at = self._state.time + self._settling_time
+        if self._state.time < self._settled_at:
             self._known = [*map(max, self._known, self._collisions())]
         found = self._update_levels()
         state = self._state
@@ -129,11 +131,12 @@ class ObservedContact(ContactEstimate):
     @override
     def recover(self) -> None:
         super().recover()
-        self._settling = self._settling_time
+        self._settled_at = self._state.time + self._settling_time
 
     @override
     def reset(self) -> None:
         self.imperfections.rest()
+        self._settled_at = 0.0
         self.renew()
         self._dice.seed(self._seed)
         self._draw_loss()

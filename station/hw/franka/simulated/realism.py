@@ -19,9 +19,10 @@ of the spread of the torques.
     https://github.com/Data-Science-in-Mechanical-Engineering/franka_emulator
 [3] Franka Control Interface documentation, Getting started, the output of
     echo_robot_state: `theta`, `q` and `tau_J` of one moment.
-[4] Franka Control Interface documentation, Under the hood; and a maintainer's answer in
-    https://github.com/frankarobotics/libfranka/issues/71: a command is for the cycle
-    whose state it answers, and has to arrive before that cycle ends.
+[4] Franka Control Interface documentation, Minimum system and network requirements: the
+    way there and back, the client's computation, and the robot's processing and its
+    step of the internal controller take less than 1 ms together, or the command is
+    dropped. It acts when that millisecond is over.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,10 @@
 """Connect to the arm that the parameters of FrankaHW name, and to its hand."""
 
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 from station.core.errors import StationError
+from station.core.franka import GripperServicesInterface
 from station.core.franka.franka_model import FrankaModel
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.fci.driver.fci_arm import FciArm
@@ -14,11 +16,14 @@ from station.hw.franka.fci.wire.robot_protocol import PANDA
 from station.hw.franka.franka_parameters import FrankaParameters
 
 
-def connect(parameters: FrankaParameters) -> FciArm:
-    """Return the arm at `robot_ip`, with the configured collision behaviour.
+class RealRobot:
+    """The arm at `robot_ip`, with the configured collision behaviour, and its hand.
 
     Args:
         parameters: The parameters, with a `robot_ip`.
+
+    Attributes:
+        arm: The arm.
 
     Raises:
         RobotDescriptionError: The URDF cannot be used for the model.
@@ -26,38 +31,55 @@ def connect(parameters: FrankaParameters) -> FciArm:
         FciProtocolError: The arm speaks another version.
         StationError: The arm refuses its settings, or is lost at once.
     """
-    description = load_arm_description(parameters.robot_description, parameters.limits)
 
-    def make_model() -> FrankaModel:
-        # Imported here: it loads MuJoCo, whose formulas combine the inertias of links.
-        from station.hw.franka.simulated.arm_model import ArmModel
+    def __init__(self, parameters: FrankaParameters) -> None:
+        self._parameters = parameters
+        self._hand: RealHand | None = None
+        told = parameters.robot_description
+        description = load_arm_description(told, parameters.limits)
 
-        return ArmModel(description)
+        def make_model() -> FrankaModel:
+            # Imported here: it loads MuJoCo, whose formulas combine inertias of links.
+            from station.hw.franka.simulated.arm_model import ArmModel
 
-    def open_network() -> FciNetwork:
-        return FciNetwork(parameters.robot_ip or "", PANDA.port)
+            return ArmModel(description)
 
-    arm = FciArm(
-        open_network(),
-        make_model,
-        is_enforced=not parameters.waits_for_late_loop,
-        reopen=open_network,
-    )
-    try:
-        arm.set_collision_behavior(parameters.collision_behavior)
-    except StationError:
-        arm.close()
-        raise
-    return arm
+        self.arm = FciArm(
+            self._open(PANDA.port),
+            make_model,
+            is_enforced=not parameters.waits_for_late_loop,
+            reopen=partial(self._open, PANDA.port),
+        )
+        try:
+            self.arm.set_collision_behavior(parameters.collision_behavior)
+        except StationError:
+            self.arm.close()
+            raise
 
+    def add_hand(
+        self, names: Sequence[str], interfaces: Iterable[object]
+    ) -> GripperServicesInterface:
+        """Connect to the hand, as soon as it answers; return its services.
 
-def connect_hand(parameters: FrankaParameters) -> RealHand:
-    """Return the hand at `robot_ip`, which is connected to as soon as it answers.
+        Args:
+            names: Names of the two finger joints.
+            interfaces: The interfaces of the arm, whose joint states get the fingers if
+                the parameters say so.
+        """
+        link = HandLink(partial(self._open, HAND.port))
+        self._hand = RealHand(self._parameters.arm_id, link)
+        if self._parameters.publishes_fingers:
+            self._hand.register(interfaces, names)
+        link.start()
+        services = GripperServicesInterface()
+        services.register_handle(self._hand)
+        return services
 
-    Args:
-        parameters: The parameters, with a `robot_ip`.
-    """
-    link = HandLink(partial(FciNetwork, parameters.robot_ip or "", HAND.port))
-    hand = RealHand(parameters.arm_id, link)
-    link.start()
-    return hand
+    def close(self) -> None:
+        """Stop what moves, and hang up."""
+        if self._hand is not None:
+            self._hand.close()
+        self.arm.close()
+
+    def _open(self, port: int) -> FciNetwork:
+        return FciNetwork(self._parameters.robot_ip or "", port)

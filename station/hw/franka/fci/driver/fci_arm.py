@@ -30,8 +30,9 @@ from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
 from station.hw.franka.fci.driver.fci_client import RobotAnswer
 from station.hw.franka.fci.driver.network import Network
+from station.hw.franka.fci.driver.pending_requests import PendingRequests
 from station.hw.franka.fci.driver.realtime import realtime_problem
-from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
+from station.hw.franka.fci.driver.refusals import REMEDIES
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
@@ -93,14 +94,10 @@ class FciArm(RobotArm):
         self._commands = CommandedMotion(
             protocol, self._reader, self._link.send_command, self.cycle_time
         )
-        # Requests by their numbers: the motion, and those that wait for an answer.
-        self._motion: int | None = None
-        self._waiting: list[int] = []
-        self._stop: int | None = None
-        self._recovery: int | None = None
-        self._failure = ""  # why the last motion, stop or recovery failed
+        self._pending = PendingRequests(self._link)
+        self._motion: int | None = None  # number of the request
         self._has_failed = False
-        self._behavior: Mapping[str, Any] | None = None
+        self._behavior: CollisionBehavior | None = None
         self._due = 0  # states that `wait` has taken and `read_once` has not
         self._thread = threading.get_native_id()
         self._link.connect()
@@ -112,8 +109,7 @@ class FciArm(RobotArm):
         states were lost or came while the loop did something else. `read_once` then
         returns at once, as often as cycles have elapsed.
         """
-        if self._link.loss is not None:
-            self._look_for_return()
+        self._look_for_return()
         if self._link.loss is None:
             self._link.receive()
         else:
@@ -125,16 +121,14 @@ class FciArm(RobotArm):
     def read_once(self) -> RobotState:
         self._commands.begin_cycle()
         self._thread = threading.get_native_id()
-        if self._link.loss is not None:
-            self._look_for_return()
+        self._look_for_return()
         if self._due > 0:
             self._due -= 1
         elif self._link.loss is None:
             self._link.receive_next()
             self._link.count()
         self._commands.is_late = self._due > 0
-        if self._waiting:
-            self._take_answers()
+        self._pending.look()
         return self.state
 
     @override
@@ -164,9 +158,9 @@ class FciArm(RobotArm):
 
     @override
     def is_stopping(self) -> bool:
-        if self._stop is not None:
-            self._take_answers()
-        return self._stop is not None
+        if self._pending.is_stopping:
+            self._pending.look()
+        return self._pending.is_stopping
 
     @override
     def start_motion(
@@ -184,7 +178,7 @@ class FciArm(RobotArm):
                 f"The arm cannot start a motion: {reason}.",
                 remedy="Stop the running motion, recover, or ask for other modes.",
             )
-        self._failure, self._has_failed = "", False
+        self._pending.failure, self._has_failed = "", False
         request = self._commands.begin(controller_mode, motion_generator_mode)
         try:
             self._motion = self._begin(self._link.ask(Command.MOVE, request))
@@ -200,13 +194,9 @@ class FciArm(RobotArm):
             return
         self._commands.end()
         self._link.forget(motion)  # how it ends is what the stop is answered
-        try:
-            self._stop = self._link.send(Command.STOP_MOVE)
-        except ArmCommandError:
-            return  # the arm is lost, and its state says so
-        self._waiting.append(self._stop)
-        self._show_mode()
-        self._take_answers()
+        if self._pending.stop():
+            self._show_mode()
+            self._pending.look()
 
     @override
     def command_joint_torques(self, tau: Storage) -> None:
@@ -267,9 +257,8 @@ class FciArm(RobotArm):
 
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
-        values = asdict(behavior)
-        self._set(Command.SET_COLLISION_BEHAVIOR, values)
-        self._behavior = values
+        self._set(Command.SET_COLLISION_BEHAVIOR, asdict(behavior))
+        self._behavior = behavior
 
     @override
     def is_lost(self) -> bool:
@@ -286,17 +275,14 @@ class FciArm(RobotArm):
     @override
     def automatic_error_recovery(self) -> None:
         if self._link.loss is not None:
-            behavior = self._behavior
-            setting = Command.SET_COLLISION_BEHAVIOR
-            self._link.begin_return([] if behavior is None else [(setting, behavior)])
+            told, setting = self._behavior, Command.SET_COLLISION_BEHAVIOR
+            self._link.begin_return([(setting, asdict(told))] if told else [])
             self._show_mode()
             return
         self.check_recovery()
-        if self.state.robot_mode is not RobotMode.REFLEX or self._recovery is not None:
-            return
-        self._failure = ""
-        self._recovery = self._link.send(Command.AUTOMATIC_ERROR_RECOVERY)
-        self._waiting.append(self._recovery)
+        is_erroneous = self.state.robot_mode is RobotMode.REFLEX
+        if is_erroneous and not self._pending.is_recovering:
+            self._pending.recover()
 
     @override
     def errors(self) -> list[ArmError]:
@@ -308,7 +294,7 @@ class FciArm(RobotArm):
 
     @override
     def failure(self) -> str:
-        return self._link.loss or self._failure
+        return self._link.loss or self._pending.failure
 
     @override
     def log(self) -> list[ArmRecord]:
@@ -318,8 +304,8 @@ class FciArm(RobotArm):
     def remedy(self) -> str | None:
         if self._link.loss is not None:
             return f"restore the connection, then recover ({self._link.loss})"
-        todo = REMEDIES.get(self._shown_mode())
-        return f"{todo} ({self._failure})" if todo and self._failure else todo
+        todo, failure = REMEDIES.get(self._shown_mode()), self._pending.failure
+        return f"{todo} ({failure})" if todo and failure else todo
 
     @override
     def simulation(self) -> ArmSimulation | None:
@@ -335,15 +321,15 @@ class FciArm(RobotArm):
         if self._motion is not None:
             self._commands.note_state()
             if not self._commands.is_shown():
-                self._waiting.append(self._motion)
+                self._pending.expect(self._motion)
                 self._motion, self._has_failed = None, True
                 self._commands.end()
         self._show_mode()
 
     def _give_up(self) -> None:
         """End everything: the arm is lost."""
-        self._motion = self._stop = self._recovery = None
-        self._waiting.clear()
+        self._motion = None
+        self._pending.clear()
         self._has_failed = True
         self._commands.end()
         self.state.robot_mode = RobotMode.OTHER
@@ -352,7 +338,7 @@ class FciArm(RobotArm):
         """Go on with a new connection if there is one."""
         if self._link.is_returning:
             if self._link.receive_return():
-                self._failure, self._has_failed = "", False
+                self._pending.failure, self._has_failed = "", False
                 self._link.receive_next()
             self._show_mode()
 
@@ -393,19 +379,6 @@ class FciArm(RobotArm):
                 "The arm does not show the motion that it has accepted."
             )
         return answer.command_id
-
-    def _take_answers(self) -> None:
-        """Look whether the arm has answered what it was asked before."""
-        for number in list(self._waiting):
-            answer = self._link.take(number)
-            if answer is None:
-                continue
-            self._waiting.remove(number)
-            self._stop = None if number == self._stop else self._stop
-            self._recovery = None if number == self._recovery else self._recovery
-            if answer.status:  # 0 is success for every command
-                mode = self._reader.robot_mode
-                self._failure = refusal_of(answer.command, answer.status, mode)
 
     def _set(self, command: Command, values: Mapping[str, Any]) -> None:
         """Change a setting, and wait for a state that shows it.

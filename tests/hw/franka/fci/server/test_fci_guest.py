@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import ArmCommandError, SwitchRefusedError
-from station.core.franka import RobotMode
+from station.core.franka import GripperServicesInterface, RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
@@ -183,6 +183,11 @@ def test_client_that_goes_leaves_the_arm_holding(network, client):
     assert FciArm(network, PlainModel).state.robot_mode is RobotMode.IDLE
 
 
+def hand_of(hw):
+    """Return the hand of a robot."""
+    return hw.get(GripperServicesInterface).get_handle("panda")
+
+
 def ask(guest, command, **values):
     """Send a request to a hand; return the answers that come at once."""
     body = HAND.exchanges[command].request.pack(values)
@@ -203,7 +208,7 @@ def hand(network):
     """A client of the hand, served beside the one of the arm."""
     memory = bytearray(PAGE_BYTES)
     guest = HandGuest(
-        network.hw.simulated_hand,
+        hand_of(network.hw),
         SharedPage(memory),
         may_move=lambda: network.may_move,
     )
@@ -233,7 +238,7 @@ def test_hand_of_a_stopped_station_is_refused(network, client, hand):
     guest, page = hand
     ask(guest, GripperCommand.MOVE, width=0.0, speed=0.05)
     network.may_move = False
-    network.hw.simulated_hand.interrupt("The station was stopped.")
+    hand_of(network.hw).interrupt("The station was stopped.")
     client.read_once()
     aborted = statuses(GripperCommand.MOVE, page.take_answers())
     assert aborted == [GripperStatus.ABORTED]
@@ -246,6 +251,6 @@ def test_client_of_the_hand_that_goes_stops_its_motion(network, client, hand):
     ask(guest, GripperCommand.MOVE, width=0.0, speed=0.05)
     client.read_once()
     guest.leave()
-    assert network.hw.simulated_hand.get_state().command is None
+    assert hand_of(network.hw).get_state().command is None
     client.read_once()
     assert page.take_answers() == b""
