@@ -151,10 +151,18 @@ class RunningStation:
         Raises:
             RuntimeError: There is no dashboard.
         """
+        stat = Path(f"/proc/{self.dashboard_pid()}/stat").read_text().rpartition(")")[2]
+        user, system = stat.split()[11:13]
+        return (int(user) + int(system)) / _CLOCK
+
+    def dashboard_pid(self) -> int:
+        """Return the process of the dashboard.
+
+        Raises:
+            RuntimeError: There is no dashboard.
+        """
         for path in Path(self._folder / "station").glob("*.dashboard"):
-            stat = Path(f"/proc/{path.stem}/stat").read_text().rpartition(")")[2]
-            user, system = stat.split()[11:13]
-            return (int(user) + int(system)) / _CLOCK
+            return int(path.stem)
         raise RuntimeError("the dashboard has ended")
 
 
@@ -450,20 +458,26 @@ def _note(pages: Sequence[Page], *, is_on: bool) -> None:
 
 
 def come_back(station: RunningStation, pages: Sequence[Page]) -> Return:
-    """Kill and start the station; return how long its parts take to be back."""
+    """Kill and start the station; return how long its parts take to be back.
+
+    Raises:
+        RuntimeError: The dashboard has ended with its station.
+    """
     cookies = {c["name"]: c["value"] for c in pages[0].context.cookies()}
     for page in pages:
         page.evaluate(_NOTE_RETURN)
-    station.stop(signal.SIGKILL)
-    for page in pages:
-        page.wait_for_selector('#bar:not([data-link="live"])', timeout=_PATIENCE * 1e3)
-    seen: list[float] = []
     address = f"{station.access['ui_url']}/state"
+    dashboard = station.dashboard_pid()
+    station.stop(signal.SIGKILL)
+    _wait_for_link(address, cookies, [], is_live=False)
+    seen: list[float] = []
     looking = threading.Thread(target=_wait_for_link, args=(address, cookies, seen))
     looking.start()
     began = time.time()
     station.start()
     looking.join()
+    if not seen or station.dashboard_pid() != dashboard:
+        raise RuntimeError("the dashboard did not outlive its station")
     for page in pages:
         page.wait_for_function("() => window.__back", timeout=_PATIENCE * 1e3)
     page_back = max(page.evaluate("() => window.__back") for page in pages)
@@ -471,14 +485,17 @@ def come_back(station: RunningStation, pages: Sequence[Page]) -> Return:
     return Return(answered - began, seen[0] - answered, page_back - answered)
 
 
-def _wait_for_link(address: str, cookies: dict[str, str], seen: list[float]) -> None:
-    """Note when the dashboard says that it has the station's data."""
+def _wait_for_link(
+    address: str, cookies: dict[str, str], seen: list[float], *, is_live: bool = True
+) -> None:
+    """Note when the dashboard says that it has the station's data, or has none."""
     deadline = time.monotonic() + _PATIENCE
     with httpx.Client(cookies=cookies, trust_env=False) as client:
         while time.monotonic() < deadline:
-            if client.get(address).json()["link"] == "live":
-                seen.append(time.time())
-                return
+            with contextlib.suppress(httpx.TransportError):
+                if (client.get(address).json()["link"] == "live") is is_live:
+                    seen.append(time.time())
+                    return
             time.sleep(0.02)
 
 

@@ -190,9 +190,9 @@ def test_the_cube_is_grasped_and_lifted(person, client):
 def test_hitting_the_table_is_recovered_from_and_its_alarm_acknowledged(person, client):
     enable(person)
     person.field("Command of joint1", "-90")
-    assert wait_until(lambda: position(client, "panda_joint1") < -1.55)
+    assert wait_until(lambda: position(client, "panda_joint1") < -1.55, 30)
     person.field("Command of joint2", "20")
-    assert wait_until(lambda: client.status().robots[0].robot_mode == "reflex")
+    assert wait_until(lambda: client.status().robots[0].robot_mode == "reflex", 30)
     assert wait_until(lambda: _arms_alarm(client) is not None)
     assert position(client, "panda_joint2") < 0.0  # The table is in the way.
     person.clicks = 0
@@ -202,7 +202,7 @@ def test_hitting_the_table_is_recovered_from_and_its_alarm_acknowledged(person, 
     enable(person)
     assert person.clicks <= 2
     person.field("Command of joint2", "-45")
-    assert wait_until(lambda: position(client, "panda_joint2") < -0.7)
+    assert wait_until(lambda: position(client, "panda_joint2") < -0.7, 30)
     person.page.locator("#alarms").click()
     assert _arms_alarm(client).cleared_at is not None
     dock = person.page.locator('.dock[data-dock="timeline"]')

@@ -39,14 +39,6 @@ class WorkspacePage:
         field.fill(text)
         field.press("Enter")
 
-    def hold(self, dock, name, milliseconds):
-        """Hold a button for some time."""
-        button = self.button(dock, name)
-        button.hover()
-        self.page.mouse.down()
-        self.page.wait_for_timeout(milliseconds)
-        self.page.mouse.up()
-
 
 def position(client, joint):
     """Return the measured position of a joint [rad]."""
