@@ -3,4 +3,4 @@ cimport cython
 cdef long long _PER_SECOND
 
 @cython.locals(seconds=cython.longlong, rest=cython.longlong)
-cpdef double to_seconds(long long nanoseconds)
+cpdef double uptime_seconds(long long nanoseconds)

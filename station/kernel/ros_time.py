@@ -4,6 +4,7 @@ Source: rostime include/ros/time.h, duration.h.
 """
 
 _PER_SECOND = 1_000_000_000
+_LARGE = 1 << 62
 
 
 def to_nanoseconds(seconds: float) -> int:
@@ -14,6 +15,14 @@ def to_nanoseconds(seconds: float) -> int:
 
 def to_seconds(nanoseconds: int) -> float:
     """Return a time [s] exactly as the original converts seconds and nanoseconds."""
+    if -_LARGE < nanoseconds < _LARGE:
+        return uptime_seconds(nanoseconds)
+    seconds, rest = divmod(nanoseconds, 1_000_000_000)  # too large for a number of C
+    return seconds + 1e-9 * rest
+
+
+def uptime_seconds(nanoseconds: int) -> float:
+    """Return a time [s] as `to_seconds`, of less than 100 years."""
     seconds = nanoseconds // _PER_SECOND
     rest = nanoseconds - seconds * _PER_SECOND
     # A division in C goes towards zero.

@@ -1,6 +1,6 @@
 cimport cython
 from station.kernel.command_laws cimport CommandLaw
-from station.kernel.ros_time cimport to_seconds
+from station.kernel.ros_time cimport uptime_seconds
 from station.kernel.sample_columns cimport SampleColumns
 from station.kernel.splines cimport SplineGroup
 from station.kernel.usual_update cimport UsualUpdate

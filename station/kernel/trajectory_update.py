@@ -5,7 +5,7 @@ from typing import Any
 
 from station.kernel.command_laws import CommandLaw
 from station.kernel.doubles import zeros
-from station.kernel.ros_time import to_nanoseconds, to_seconds
+from station.kernel.ros_time import to_nanoseconds, uptime_seconds
 from station.kernel.sample_columns import SampleColumns
 from station.kernel.splines import SplineGroup
 from station.kernel.usual_update import UsualUpdate
@@ -113,7 +113,7 @@ class TrajectoryTime:
             self.passed = passed
             self.passed_ns = to_nanoseconds(passed)
         self.set_moment(time, period, self.uptime + self.passed_ns)
-        return to_seconds(self.uptime)
+        return uptime_seconds(self.uptime)
 
     def sample(self, now: float) -> bool:
         """Compute desired states and errors; return whether one may be too large.

@@ -72,7 +72,8 @@ def test_robot_goes_where_the_actions_say(make):
     steps = [env.step(wanted) for _ in range(50)]
 
     observation, rewarded, terminated, truncated, info = steps[-1]
-    assert observation["position"] == pytest.approx(wanted, abs=2e-3)
+    # Static friction of 0.83 Nm holds the joint up to 4 mrad from there at 200 Nm/rad.
+    assert observation["position"] == pytest.approx(wanted, abs=5e-3)
     assert rewarded == -abs(observation["position"][0])
     assert (terminated, truncated, info) == (False, True, {"time": pytest.approx(1.0)})
     assert not any(step[3] for step in steps[:-1])
