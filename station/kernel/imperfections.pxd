@@ -26,7 +26,7 @@ cdef class Imperfections(Preparation):
     cdef double[::1] offset
     cdef readonly double[::1] static_friction
     cdef readonly double[::1] compliance
-    cdef double[::1] bristle
+    cdef readonly double[::1] bristle
     cdef public double stribeck_velocity
     cdef public double presliding
     cdef readonly double[::1] torque_noise

@@ -55,6 +55,7 @@ class Imperfections(Preparation):
         static_friction: Largest torque at which a joint stays at rest [Nm], shape (n,).
         stribeck_velocity: Speed v_s at which half of it is left [rad/s], > 0.
         presliding: How far a joint turns before it slides [rad], > 0.
+        bristle: How far each joint bends before it slides, as a share of `presliding`.
         compliance: Turn of the motor against the link [rad/Nm], shape (n,).
         torque_noise: Standard deviation of the torque sensors [Nm], shape (n,).
         torque_bias: What the torque sensors add [Nm], shape (n,).
@@ -101,7 +102,7 @@ class Imperfections(Preparation):
         self.static_friction = zeros(size)
         self.stribeck_velocity = 1.0
         self.presliding = 1.0
-        self.bristle = zeros(size)  # z
+        self.bristle = zeros(size)
         self.compliance = zeros(size)
         self.torque_noise = zeros(size)
         self.torque_bias = zeros(size)

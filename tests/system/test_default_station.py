@@ -47,13 +47,13 @@ def test_a_pose_0_3_rad_away_is_reached_within_two_seconds(station, step):
 
 
 def test_gains_that_make_the_arm_swing_do_not_end_the_motion(station):
-    station.set_gains(NAME, {"panda_joint1/p": 600.0, "panda_joint1/d": 10.0})
-    station.motion.set_command(NAME, [0.05, *station.latest().position[1:7]])
+    station.set_gains(NAME, {"panda_joint1/p": 500.0, "panda_joint1/d": 10.0})
+    station.motion.set_command(NAME, [0.1, *station.latest().position[1:7]])
     swing = []
     for _ in range(400):
         station.loop.step()
         swing.append(station.latest().position[0])
-    assert max(swing) > 0.06
+    assert max(swing) > 0.12
     assert station.controller(NAME).fault is None
 
 
