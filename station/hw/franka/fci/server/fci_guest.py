@@ -5,6 +5,7 @@ newest command, whoever gives it.
 """
 
 from collections.abc import Callable, Sequence
+from typing import Generic, Protocol, TypeVar
 
 from typing_extensions import override
 
@@ -20,49 +21,40 @@ from station.hw.franka.hand.hand_services import HandServices
 from station.kernel.stages import Stage
 
 
-class FciGuest:
+class _Session(Protocol):
+    """What a client has begun."""
+
+    udp_port: int | None
+
+    def receive(self, data: bytes) -> bytes:
+        """Take bytes of the client; return answers."""
+
+    def close(self) -> None:
+        """End it."""
+
+
+SessionT = TypeVar("SessionT", bound=_Session)
+
+
+class _Guest(Generic[SessionT]):
     """Serves one client at a time, between and within the cycles. Control thread only.
 
     In a cycle it copies bytes between the session and the page, and nothing else.
 
     Args:
-        arm: The arm.
         page: Where messages are left and found.
-        model_library: Where model libraries come from.
-        protocols: The versions that are spoken.
-        is_commanded: Returns whether the station's controllers command the arm.
-        may_move: Returns whether the station lets anybody move the arm.
+        begin: Begins the session of a new client.
     """
 
-    def __init__(
-        self,
-        arm: RobotArm,
-        page: SharedPage,
-        model_library: ModelLibrary,
-        protocols: Sequence[RobotProtocol] = (PANDA,),
-        *,
-        is_commanded: Callable[[], bool],
-        may_move: Callable[[], bool],
-    ) -> None:
-        self._arm = arm
-        self._page = page
-        self._model_library, self._protocols = model_library, protocols
-        self._is_commanded, self._may_move = is_commanded, may_move
-        self._session: RobotSession | None = None
+    def __init__(self, page: SharedPage, begin: Callable[[], SessionT]) -> None:
+        self._page, self._begin = page, begin
+        self._session: SessionT | None = None
         self._unsent = b""
-
-    @property
-    def is_moving(self) -> bool:
-        """Whether a motion of the client runs."""
-        return self._session is not None and self._session.is_moving
 
     def open(self) -> None:
         """Welcome a new client."""
         self.leave()
-        self._page.take_command()  # one that the last client has left
-        self._session = RobotSession(
-            self._arm, self._model_library, self._protocols, self._is_free
-        )
+        self._session = self._begin()
 
     def receive(self, data: bytes) -> tuple[bytes, int | None]:
         """Take bytes of the client; return answers, and its UDP port.
@@ -84,6 +76,51 @@ class FciGuest:
         session, self._session, self._unsent = self._session, None, b""
         if session is not None:
             session.close()
+
+    def _answer(self) -> None:
+        """Leave the answers that are due, if there is room for them."""
+        if self._unsent and self._page.has_room():
+            self._page.put_answers(self._unsent)
+            self._unsent = b""
+
+
+class FciGuest(_Guest[RobotSession]):
+    """Serves a client of the arm.
+
+    Args:
+        arm: The arm.
+        page: Where messages are left and found.
+        model_library: Where model libraries come from.
+        protocols: The versions that are spoken.
+        is_commanded: Returns whether the station's controllers command the arm.
+        may_move: Returns whether the station lets anybody move the arm.
+    """
+
+    def __init__(
+        self,
+        arm: RobotArm,
+        page: SharedPage,
+        model_library: ModelLibrary,
+        protocols: Sequence[RobotProtocol] = (PANDA,),
+        *,
+        is_commanded: Callable[[], bool],
+        may_move: Callable[[], bool],
+    ) -> None:
+        super().__init__(
+            page, lambda: RobotSession(arm, model_library, protocols, self._is_free)
+        )
+        self._arm = arm
+        self._is_commanded, self._may_move = is_commanded, may_move
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a motion of the client runs."""
+        return self._session is not None and self._session.is_moving
+
+    @override
+    def open(self) -> None:
+        super().open()
+        self._page.take_command()  # one that the last client has left
 
     def before_read(self) -> None:
         """Pass the client's command on, before the arm makes a step."""
@@ -108,17 +145,15 @@ class FciGuest:
         arm.refresh_state()
         self._unsent += session.after_cycle()
         # The answer goes first: a client that sees its motion end asks for it.
-        if self._unsent and page.has_room():
-            page.put_answers(self._unsent)
-            self._unsent = b""
+        self._answer()
         page.put_state(session.state(round(arm.state.time / arm.cycle_time)))
 
     def _is_free(self) -> bool:
         return self._may_move() and not self._is_commanded()
 
 
-class HandGuest:
-    """Serves one client of a hand at a time; as `FciGuest`.
+class HandGuest(_Guest[GripperSession]):
+    """Serves a client of the hand.
 
     Args:
         hand: The hand.
@@ -129,36 +164,8 @@ class HandGuest:
     def __init__(
         self, hand: HandServices, page: SharedPage, *, may_move: Callable[[], bool]
     ) -> None:
-        self._hand, self._page, self._may_move = hand, page, may_move
-        self._session: GripperSession | None = None
-        self._unsent = b""
+        super().__init__(page, lambda: GripperSession(hand, is_free=may_move))
         self._cycle = 0
-
-    def open(self) -> None:
-        """Welcome a new client."""
-        self.leave()
-        self._session = GripperSession(self._hand, is_free=self._may_move)
-
-    def receive(self, data: bytes) -> tuple[bytes, int | None]:
-        """Take bytes of the client; return answers, and its UDP port.
-
-        Args:
-            data: The next bytes.
-
-        Raises:
-            FciProtocolError: The connection must end.
-        """
-        session = self._session
-        if session is None:
-            return b"", None
-        answers = session.receive(data)
-        return answers, session.udp_port
-
-    def leave(self) -> None:
-        """End what the client has begun: it has gone."""
-        session, self._session, self._unsent = self._session, None, b""
-        if session is not None:
-            session.close()
 
     def after_read(self) -> None:
         """Leave what is new for the client."""
@@ -166,9 +173,7 @@ class HandGuest:
         if session is None or session.udp_port is None:
             return
         self._unsent += session.after_cycle()
-        if self._unsent and page.has_room():
-            page.put_answers(self._unsent)
-            self._unsent = b""
+        self._answer()
         self._cycle += 1
         if not self._cycle % GRIPPER_PERIOD:
             page.put_state(session.state(self._cycle))
