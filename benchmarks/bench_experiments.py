@@ -7,7 +7,8 @@ Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
   worst trial is played again from its hash. docs/experiments.md has this table.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
 - `cluster`: trials per second on four Dask workers over those on two processes, all of
-  the same low priority; about a minute.
+  the same low priority, with what docs/experiments.md tells Dask for few cores; about a
+  minute. `DASK_…` variables of the caller come before it.
 - `cost`: wall and processor time of one trial of 2 s of the default effort trajectory
   controller, one after the other, and what a million of them cost. docs/experiments.md
   has it.
@@ -41,6 +42,15 @@ from station.wire.excitations import Step
 
 CONTROLLER = "effort_joint_trajectory_controller"
 GROUP = "effort_group_position_controller"
+QUIET_DASK = {
+    "distributed": {
+        "admin": {"tick": {"interval": "1s"}},
+        "worker": {"profile": {"enabled": False}},
+    }
+}
+"""By default, each process of Dask looks fifty times a second whether its loop is in
+time, and a hundred times what it runs: 27 % of a core for four workers that do nothing,
+8 % with this."""
 SEED = 1
 ROUNDS = 3
 
@@ -101,6 +111,7 @@ def efficiency(trials: int, folder: Path) -> None:
 
 def cluster(trials: int, folder: Path) -> None:
     """Print trials per second of four Dask workers over two processes, in turns."""
+    import dask
     from distributed import LocalCluster
 
     from station.experiments.cluster import ClusterExecutor
@@ -110,6 +121,7 @@ def cluster(trials: int, folder: Path) -> None:
     setup = Setup.load()
     base = short(setup, 1.0)
     rates: dict[str, list[float]] = {"2 processes": [], "4 Dask workers": []}
+    dask.config.update_defaults(QUIET_DASK)
     with LocalCluster(
         n_workers=4, threads_per_worker=1, dashboard_address=None
     ) as local:
@@ -204,8 +216,8 @@ def _resident() -> float:
 
 PARTS = {
     "robustness": (robustness, 500),
-    "efficiency": (efficiency, 40),
-    "cluster": (cluster, 80),
+    "efficiency": (efficiency, 200),
+    "cluster": (cluster, 400),
     "cost": (cost, 40),
     "memory": (memory, 10_000),
 }

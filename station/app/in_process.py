@@ -154,12 +154,15 @@ class InProcessStation:
             LoopError: The control thread runs.
         """
         loop = self.facade.loop
-        for _ in range(cycles):
-            if self._clock is not None:
-                self._clock.advance(loop.period / loop.pace.real_time_factor)
-            loop.step()
-            if self._recorder is not None and loop.cycle % _DRAIN == 0:
-                self._recorder.drain()
+        tick = loop.period / loop.pace.real_time_factor
+        if self._recorder is None:
+            loop.step(cycles, tick)
+            return
+        while cycles > 0:
+            ahead = min(cycles, _DRAIN - loop.cycle % _DRAIN)
+            loop.step(ahead, tick)
+            self._recorder.drain()
+            cycles -= ahead
 
     @contextmanager
     def record(

@@ -6,6 +6,8 @@ from abc import ABC, abstractmethod
 
 from typing_extensions import override
 
+from station.kernel.wall_time import VirtualTime
+
 
 class Clock(ABC):
     """A monotonic clock that can wait.
@@ -48,7 +50,7 @@ class SystemClock(Clock):
         return lock.acquire(timeout=max(deadline - time.monotonic(), 0.0))
 
 
-class ManualClock(Clock):
+class ManualClock(VirtualTime, Clock):
     """A clock that stands still until someone advances it.
 
     `sleep_until` advances the clock instead of waiting, so that code under test
@@ -60,11 +62,11 @@ class ManualClock(Clock):
     """
 
     def __init__(self, start: float = 7_654_321.0) -> None:
-        self._now = start
+        super().__init__(start)
 
     @override
     def now(self) -> float:
-        return self._now
+        return self.seconds
 
     def advance(self, duration: float) -> None:
         """Move the clock forward by `duration` [s], >= 0.
@@ -76,11 +78,11 @@ class ManualClock(Clock):
             raise ValueError(
                 f"The clock cannot be advanced by {duration} s; allowed are times >= 0."
             )
-        self._now += duration
+        self.seconds += duration
 
     @override
     def sleep_until(self, deadline: float) -> None:
-        self._now = max(self._now, deadline)
+        self.seconds = max(self.seconds, deadline)
 
     @override
     def wait_for(self, lock: threading.Lock, deadline: float) -> bool:

@@ -16,9 +16,6 @@ from station.trials.errors import ExperimentError
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_LOOK = 1.0
-"""Time between two looks for workers that came [s]."""
-
 
 class ClusterExecutor(Executor):
     """Gives work to the workers of a cluster that have what the caller has.
@@ -31,6 +28,7 @@ class ClusterExecutor(Executor):
         address: Address of the scheduler, such as `tcp://host:8786`.
         setup_text: Text of the setup that the trials have.
         timeout: How long to wait for the scheduler, and for a first worker [s], > 0.
+        look_after: Time between two looks for workers that came or went [s].
 
     Attributes:
         refused: Why a worker gets no work, by its address.
@@ -43,12 +41,18 @@ class ClusterExecutor(Executor):
 
     worker_losses: ClassVar[tuple[type[BaseException], ...]] = (KilledWorker,)
 
-    def __init__(self, address: str, setup_text: str, timeout: float = 30.0) -> None:
+    def __init__(
+        self,
+        address: str,
+        setup_text: str,
+        timeout: float = 30.0,
+        look_after: float = 1.0,
+    ) -> None:
         self.refused: dict[str, str] = {}
         self._setup_text = setup_text
         self._expected = identity(setup_text)
         self._good: set[str] = set()
-        self._looked = -_LOOK
+        self._look_after = look_after
         _check_address(address)
         try:
             self._client = Client(address, timeout=timeout, set_as_default=False)
@@ -80,7 +84,7 @@ class ClusterExecutor(Executor):
     def submit(
         self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Future[T]:
-        if time.monotonic() - self._looked >= _LOOK:
+        if time.monotonic() - self._looked >= self._look_after:
             self._look_around()
         # Preferred, not demanded: if all of them are lost, the task must not wait for
         # ever. It compares its worker itself.

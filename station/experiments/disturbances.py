@@ -159,7 +159,7 @@ class CommandDelay(Stage):
     that of the way from the controllers to the robot.
 
     Args:
-        loop: The robot's loop; it sends older commands from now on.
+        loop: The robot's loop; while there is a delay, it sends older commands.
     """
 
     def __init__(self, loop: ControlLoop) -> None:
@@ -172,8 +172,8 @@ class CommandDelay(Stage):
             for handle in interface.handles()
         ]
         self._line: deque[list[float]] = deque()
+        self._loop = loop
         self._writing = loop.writing
-        loop.writing = self
 
     def begin(self, cycles: int) -> None:
         """Begin a trial; nothing is on its way.
@@ -183,6 +183,8 @@ class CommandDelay(Stage):
         """
         self._cycles = cycles
         self._line.clear()
+        # Without a delay the robot's own stage is quicker, and does the same.
+        self._loop.writing = self if cycles else self._writing
 
     @override
     def run(self, time: float, period: float) -> None:
@@ -192,9 +194,6 @@ class CommandDelay(Stage):
             time: Station time of this cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
-        if self._cycles == 0:
-            self._writing.run(time, period)
-            return
         commands = [storage[index] for storage, index in self._slots]
         self._line.append(commands)
         is_full = len(self._line) > self._cycles
@@ -214,7 +213,7 @@ class MeasurementNoise(Stage):
     inside of a simulated arm do not.
 
     Args:
-        loop: The robot's loop; it adds the noise to what it reads from now on.
+        loop: The robot's loop; while there is noise, it adds it to what it reads.
     """
 
     def __init__(self, loop: ControlLoop) -> None:
@@ -222,8 +221,8 @@ class MeasurementNoise(Stage):
         self._handles = interface.handles() if interface else []
         self._position = self._velocity = 0.0
         self._random = np.random.default_rng(0)
+        self._loop = loop
         self._reading = loop.reading
-        loop.reading = self
 
     def begin(self, position: float, velocity: float, seed: int) -> None:
         """Begin a trial.
@@ -235,6 +234,8 @@ class MeasurementNoise(Stage):
         """
         self._position, self._velocity = position, velocity
         self._random = np.random.default_rng(seed)
+        is_silent = position == velocity == 0.0
+        self._loop.reading = self._reading if is_silent else self
 
     @override
     def run(self, time: float, period: float) -> None:
@@ -245,8 +246,6 @@ class MeasurementNoise(Stage):
             period: Time since the last cycle [s], >= 0.
         """
         self._reading.run(time, period)
-        if self._position == 0.0 and self._velocity == 0.0:
-            return
         draws = self._random.standard_normal(2 * len(self._handles)).tolist()
         for i, handle in enumerate(self._handles):
             handle.position_storage[handle.index] += self._position * draws[2 * i]

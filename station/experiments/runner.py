@@ -1,18 +1,23 @@
 """Hands trials to an executor and keeps what comes back."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass, field, replace
+from itertools import islice
+from math import inf
 
 from station.experiments.pools import losses, refusals, worker_count
-from station.experiments.workers import Identity, identity, run_trial
+from station.experiments.workers import Identity, identity, run_trials
 from station.trials.errors import ExperimentError, WorkerMismatchError
 from station.trials.results import Results
 from station.trials.trial import Trial, TrialResult
 
 _AHEAD = 4
-"""Trials in hand per worker: enough to keep it busy, too few to need memory."""
+"""Tasks in hand per worker: enough to keep it busy, too few to need memory."""
+_TASK = 0.5
+"""What a task of several trials takes [s]: handing it to a worker of a cluster and
+fetching what came out takes some 10 ms (benchmarks/bench_experiments.py, `cluster`)."""
 _ATTEMPTS = 5
 """How often a trial is given away when workers refuse it or its worker goes."""
 _DEATHS = 5
@@ -43,10 +48,15 @@ class Progress:
 
 
 Watcher = Callable[[Progress], None]
+_Waiting = dict[Future[list[TrialResult]], tuple[Sequence[Trial], int]]
+"""The tasks in hand: the trials of each, and how often it was given away."""
 
 
 class Runner:
-    """Runs trials on an executor; every trial that ends is in the results at once.
+    """Runs trials on an executor; what ends is in the results at once.
+
+    Short trials travel together in tasks of half a second, and are in the
+    results when their task ends.
 
     Trials that the results have already are not run again, so that an experiment that
     was interrupted or killed goes on where it was.
@@ -78,6 +88,8 @@ class Runner:
         self._lost: list[Trial] = []
         self._has_one_ended = False
         self._deaths = 0
+        self._longest = inf
+        self._remaining = 0
         self._last = Progress(0)
 
     def run(self, trials: Iterable[Trial], total: int) -> Progress:
@@ -87,7 +99,8 @@ class Runner:
 
         Args:
             trials: The trials, all of the results' setup; taken as they are needed.
-            total: How many there are, for the progress.
+            total: How many the experiment has, for the progress; also how many
+                `trials` has if it has no length.
 
         Raises:
             ExperimentError: Workers die or refuse again and again; what has ended is
@@ -98,13 +111,14 @@ class Runner:
         progress = replace(self._last, total=total, ended=0, is_interrupted=False)
         self._last = progress
         self._lost.clear()
-        waiting: dict[Future[TrialResult], tuple[Trial, int]] = {}
+        self._remaining = len(trials) if isinstance(trials, Sized) else total
+        waiting: _Waiting = {}
         left = self._not_ended(trials, progress)
         try:
             while self._fill(waiting, left) or waiting or self._lost:
                 self._note_refusals(progress)
                 if not waiting:
-                    self._give(self._lost[0], 1, waiting)
+                    self._give(self._lost[:1], 1, waiting)
                 done, _ = wait(waiting, return_when=FIRST_COMPLETED)
                 # In the order in which they were given away: sets have none.
                 for future in [one for one in waiting if one in done]:
@@ -123,6 +137,7 @@ class Runner:
         self, trials: Iterable[Trial], progress: Progress
     ) -> Iterator[Trial]:
         for trial in trials:
+            self._remaining -= 1
             if self._results.find(trial.hash) is None:
                 yield trial
             else:
@@ -130,11 +145,7 @@ class Runner:
                 progress.resumed += 1
                 self._watch(progress)
 
-    def _fill(
-        self,
-        waiting: dict[Future[TrialResult], tuple[Trial, int]],
-        left: Iterator[Trial],
-    ) -> bool:
+    def _fill(self, waiting: _Waiting, left: Iterator[Trial]) -> bool:
         """Give trials away until enough are in hand; return whether one was given.
 
         None is given away while lost ones wait: these must be alone to show which one
@@ -143,80 +154,78 @@ class Runner:
         if self._lost:
             return False
         has_given = False
-        while len(waiting) < _AHEAD * worker_count(self._executor):
-            trial = next(left, None)
-            if trial is None:
+        tasks = _AHEAD * worker_count(self._executor)
+        while len(waiting) < tasks:
+            # The last trials are spread over all workers.
+            share = self._remaining // tasks
+            quick = int(_TASK / self._longest) if self._longest > 0.0 else share
+            task = list(islice(left, max(1, min(share, quick))))
+            if not task:
                 break
-            self._give(trial, 1, waiting)
+            self._give(task, 1, waiting)
             has_given = True
         return has_given
 
-    def _give(
-        self,
-        trial: Trial,
-        attempt: int,
-        waiting: dict[Future[TrialResult], tuple[Trial, int]],
-    ) -> None:
+    def _give(self, trials: Sequence[Trial], attempt: int, waiting: _Waiting) -> None:
         text = self._results.setup.text
         if self._expected is None:
             self._expected = identity(text)
         try:
             future = self._executor.submit(
-                run_trial, text, trial.to_json(), self._expected
+                run_trials, text, [one.to_json() for one in trials], self._expected
             )
         except self._losses as error:
             raise ExperimentError(
                 "A worker process died, and the executor begins no other.",
                 remedy="All trials that ended are kept: repeat the command to go on.",
             ) from error
-        waiting[future] = (trial, attempt)
+        waiting[future] = (trials, attempt)
 
     def _collect(
-        self,
-        future: Future[TrialResult],
-        waiting: dict[Future[TrialResult], tuple[Trial, int]],
-        progress: Progress,
+        self, future: Future[list[TrialResult]], waiting: _Waiting, progress: Progress
     ) -> None:
-        """Keep the result of a trial, or give the trial away again.
+        """Keep the results of a task, or give its trials away again.
 
         Raises:
-            ExperimentError: It was given away too often.
+            ExperimentError: They were given away too often.
         """
-        trial, attempt = waiting.pop(future)
-        is_alone = trial in self._lost
+        trials, attempt = waiting.pop(future)
+        is_alone = trials[0] in self._lost
         try:
-            result = future.result()
+            results = future.result()
         except self._losses as error:
             if not is_alone:
-                self._lost.append(trial)
-                progress.repeated += 1
+                self._lost.extend(trials)
+                progress.repeated += len(trials)
                 return
-            died = self._died_again(trial, error)
+            died = self._died_again(trials[0], error)
             if died is None:
                 return
-            result = died
+            results = [died]
         except (WorkerMismatchError, CancelledError) as error:
             reason = str(error) or "A worker was lost."
             if reason not in progress.refused:
                 progress.refused.append(reason)
             if attempt >= _ATTEMPTS:
                 raise ExperimentError(
-                    f"Trial {trial.hash} was given away {attempt} times: {reason}",
+                    f"Trial {trials[0].hash} was given away {attempt} times: {reason}",
                     remedy="All trials that ended are kept: repeat the command when "
                     "the workers are in order.",
                 ) from error
-            progress.repeated += 1
+            progress.repeated += len(trials)
             self._sleep(0.1 * attempt)  # a cluster needs a moment to see what it lost
-            self._give(trial, attempt + 1, waiting)
+            self._give(trials, attempt + 1, waiting)
             return
         else:
             self._has_one_ended, self._deaths = True, 0
+            self._longest = max(result.seconds for result in results)
         if is_alone:
-            self._lost.remove(trial)
-        if self._results.add(trial, result):
-            progress.ended += 1
-            progress.failed += result.state == "failed"
-        self._watch(progress)
+            self._lost.remove(trials[0])
+        ended = list(zip(trials, results, strict=True))
+        for is_new, result in zip(self._results.add_all(ended), results, strict=True):
+            progress.ended += is_new
+            progress.failed += is_new and result.state == "failed"
+            self._watch(progress)
 
     def _died_again(self, trial: Trial, error: BaseException) -> TrialResult | None:
         """Return the failure of a lost trial whose process has died again.
@@ -249,9 +258,7 @@ class Runner:
             progress.refused.extend(new)
             self._watch(progress)
 
-    def _let_run_end(
-        self, waiting: dict[Future[TrialResult], tuple[Trial, int]], progress: Progress
-    ) -> None:
+    def _let_run_end(self, waiting: _Waiting, progress: Progress) -> None:
         """Keep the trials that run; the others are taken back."""
         for future in list(waiting):
             if future.cancel():

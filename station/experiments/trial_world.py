@@ -173,7 +173,9 @@ class TrialWorld:
         self._noise.begin(0.0, 0.0, 0)
         self._delay.begin(0)
         running = [
-            c.name for c in facade.controllers() if c.state is ControllerState.RUNNING
+            found.name
+            for found in facade.manager.conditions()
+            if found.state is ControllerState.RUNNING
         ]
         if running:
             station.switch(stop=running)
@@ -282,7 +284,8 @@ class TrialWorld:
         facade = self.station.facade
         if self._world.diverged_because is not None:
             return self._world.diverged_because
-        status = facade.controller(controller)
+        conditions = {found.name: found for found in facade.manager.conditions()}
+        status = conditions[controller]
         if status.state is ControllerState.RUNNING:
             return None
         errors = [

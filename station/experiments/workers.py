@@ -8,6 +8,7 @@ import platform
 import signal
 import threading
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from importlib.metadata import version
 from multiprocessing import parent_process
@@ -62,14 +63,14 @@ def identity(setup_text: str) -> Identity:
     )
 
 
-def run_trial(
-    setup_text: str, trial_text: str, expected: Identity | None = None
-) -> TrialResult:
-    """Run one trial; whatever is wrong with the trial is in the result.
+def run_trials(
+    setup_text: str, trial_texts: Sequence[str], expected: Identity | None = None
+) -> list[TrialResult]:
+    """Run trials one after the other; what is wrong with one is in its result.
 
     Args:
         setup_text: Text of the setup.
-        trial_text: `Trial.to_json` of the trial.
+        trial_texts: `Trial.to_json` of each trial.
         expected: What this process must run trials with; anything when None.
 
     Raises:
@@ -81,7 +82,8 @@ def run_trial(
             compare(expected, identity(setup_text), WORKER)
             _checked.add(setup_text)
         setup = Setup(setup_text)
-        return kept_world(setup).run(Trial.from_json(setup, trial_text))
+        world = kept_world(setup)
+        return [world.run(Trial.from_json(setup, text)) for text in trial_texts]
 
 
 def compare(expected: Identity, found: Identity, worker: str) -> None:

@@ -3,7 +3,7 @@ from station.kernel.controller_round cimport ControllerRound
 from station.kernel.durations cimport CycleTimes
 from station.kernel.flags cimport StopFlag
 from station.kernel.stages cimport RobotWatch, Stage
-from station.kernel.wall_time cimport wall_time
+from station.kernel.wall_time cimport VirtualTime, wall_time
 
 cdef class Records:
     cdef readonly Py_ssize_t capacity
@@ -19,6 +19,7 @@ cdef class ControlCycle:
     cdef CycleTimes times
     cdef Records records
     cdef object now
+    cdef VirtualTime virtual
     cdef object pack
     cdef RobotWatch watch
     cdef object waiting
@@ -31,7 +32,7 @@ cdef class ControlCycle:
     cdef public double longest_period
     cdef public long late_cycles
     @cython.locals(done=long)
-    cpdef long run(self, long cycles, double period)
+    cpdef long run(self, long cycles, double period, double tick=*)
     @cython.locals(time=double, begun=double, read=double, updated=double)
     cpdef run_one(self, double period)
     cpdef double wall_time(self)

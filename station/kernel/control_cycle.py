@@ -7,7 +7,7 @@ from station.kernel.controller_round import ControllerRound
 from station.kernel.durations import CycleTimes
 from station.kernel.flags import StopFlag
 from station.kernel.stages import RobotWatch, Stage
-from station.kernel.wall_time import wall_time
+from station.kernel.wall_time import VirtualTime, wall_time
 
 Record = tuple[int, int, float, float, str, Any, dict[str, Any]]
 """A cycle as it is left behind: its number, the epoch, time [s], period [s], the mode
@@ -54,6 +54,7 @@ class ControlCycle:
         times: Where the durations go.
         records: Where every cycle is left.
         now: Returns wall time [s]; None takes the clock of the system.
+        virtual: Wall time if that is virtual; `now` is not asked then.
         pack: Returns the present joint states.
         watch: Tells the robot's mode.
         waiting: What is to be done between two cycles; empty in a usual cycle.
@@ -78,6 +79,7 @@ class ControlCycle:
         times: CycleTimes,
         records: Records,
         now: Callable[[], float] | None,
+        virtual: VirtualTime | None = None,
         pack: Callable[[], object],
         watch: RobotWatch,
         waiting: Sized,
@@ -90,6 +92,7 @@ class ControlCycle:
         self.times = times
         self.records = records
         self.now = now
+        self.virtual = virtual
         self.pack = pack
         self.watch = watch
         self.waiting = waiting
@@ -110,18 +113,21 @@ class ControlCycle:
         """Carry out the stop that the watchdog asks for."""
         raise NotImplementedError
 
-    def run(self, cycles: int, period: float) -> int:
+    def run(self, cycles: int, period: float, tick: float = 0.0) -> int:
         """Run some cycles, fewer if one of them is to begin late.
 
         Args:
             cycles: How many.
             period: Time since the last cycle, in each of them [s].
+            tick: By how much virtual time passes before each of them [s].
 
         Returns:
             How many were run.
         """
         done = 0
         while done < cycles and not self.late_cycles:
+            if self.virtual is not None:
+                self.virtual.seconds += tick
             self.run_one(period)
             done += 1
         return done
@@ -154,6 +160,8 @@ class ControlCycle:
 
     def wall_time(self) -> float:
         """Return wall time [s]."""
+        if self.virtual is not None:
+            return self.virtual.seconds
         return wall_time() if self.now is None else self.now()
 
     def leave(self, period: float) -> None:

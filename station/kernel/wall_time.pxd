@@ -1,1 +1,4 @@
 cpdef double wall_time()
+
+cdef class VirtualTime:
+    cdef public double seconds

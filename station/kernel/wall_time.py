@@ -1,4 +1,4 @@
-"""The monotonic clock of the operating system, the same in both modes."""
+"""Wall time: that of the operating system, and one that stands still in between."""
 
 import cython
 
@@ -15,3 +15,17 @@ def wall_time() -> float:
         clock_gettime(CLOCK_MONOTONIC, cython.address(now))
         return now.tv_sec + 1e-9 * now.tv_nsec
     return perf_counter()
+
+
+class VirtualTime:
+    """Wall time that passes when somebody says so.
+
+    Args:
+        seconds: Its first value [s].
+
+    Attributes:
+        seconds: What it is now [s].
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds

@@ -5,7 +5,7 @@ import os
 import re
 import sqlite3
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -219,16 +219,30 @@ class Results:
         Raises:
             ExperimentError: The file cannot be written; what it has stays whole.
         """
+        return self.add_all([(trial, result)])[0]
+
+    def add_all(self, ended: Iterable[tuple[Trial, TrialResult]]) -> list[bool]:
+        """Keep what came out of several trials, all or none of it.
+
+        Returns:
+            Whether each was not there before.
+
+        Raises:
+            ExperimentError: The file cannot be written; what it has stays whole.
+        """
         with self._writing():
-            done = self._connection.execute(
-                "INSERT OR IGNORE INTO trials (hash, trial, state, reason, metrics, "
-                "seconds, worker, ended) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-                (
-                    *(result.hash, trial.to_json(), result.state, result.reason),
-                    canonical(dict(result.metrics)),
-                    *(result.seconds, result.worker, time.time()),
-                ),
-            )
+            return [self._insert(trial, result) for trial, result in ended]
+
+    def _insert(self, trial: Trial, result: TrialResult) -> bool:
+        done = self._connection.execute(
+            "INSERT OR IGNORE INTO trials (hash, trial, state, reason, metrics, "
+            "seconds, worker, ended) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+            (
+                *(result.hash, trial.to_json(), result.state, result.reason),
+                canonical(dict(result.metrics)),
+                *(result.seconds, result.worker, time.time()),
+            ),
+        )
         return done.rowcount == 1
 
     def set_outcome(self, state: str, reason: str = "") -> None:

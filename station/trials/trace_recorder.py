@@ -1,8 +1,13 @@
 """Collects the cycles of a trial from the ring of snapshots of a station."""
 
+from itertools import pairwise
+
 import numpy as np
 
+from station.core.control.controller import unpack_sample
 from station.core.facade.station import Station
+from station.core.hardware.interfaces.joint_group import packed_memory
+from station.core.loop.snapshot import Samples
 from station.trials.trace import Array, Trace
 
 _REFLEX = "reflex"
@@ -27,34 +32,38 @@ class TraceRecorder:
         self._joints = facade.manager.get_controller(controller).joint_names
         self._columns = [names.index(joint) for joint in self._joints if joint in names]
         self._cycle = facade.loop.cycle
-        self._parts: list[dict[str, Array]] = []
+        self._blank = np.full(4 * len(self._joints), np.nan).tobytes()
+        self._parts: list[tuple[Array, Array, Array]] = []
         self._mode = ""
         self.reflexes = 0
         self.lost = 0
 
     def take(self) -> None:
         """Take the cycles since the last call; the ring keeps 4096."""
-        snapshots, lost = self._facade.snapshots.read_since(self._cycle)
+        records, lost = self._facade.snapshots.records_since(self._cycle)
         self.lost += lost
-        if not snapshots:
+        if not records:
             return
-        self._cycle = snapshots[-1].cycle
-        for one in snapshots:
-            self.reflexes += one.mode == _REFLEX != self._mode
-            self._mode = one.mode
-        width = len(self._joints)
-        blank = np.full(width, np.nan)
-        samples = [one.samples.get(self._controller) for one in snapshots]
-        columns = self._columns
-        part = {
-            name: np.array([getattr(one, name) for one in snapshots])[:, columns]
-            for name in ("position", "velocity", "effort")
-        }
-        for name in ("desired", "error", "output"):
-            rows = [blank if s is None else getattr(s, name) for s in samples]
-            part[name] = np.array([row if len(row) == width else blank for row in rows])
-        part["stamp"] = np.array([one.stamp for one in snapshots])
-        self._parts.append(part)
+        self._cycle = records[-1][0]
+        modes = [record[4] for record in records]
+        for before, mode in pairwise([self._mode, *modes]):
+            self.reflexes += mode == _REFLEX != before
+        self._mode = modes[-1]
+        states = np.frombuffer(b"".join(packed_memory(one[5]) for one in records))
+        states = states.reshape(len(records), 3, -1)[:, :, self._columns]
+        rows = b"".join(self._memory_of(record[6]) for record in records)
+        samples = np.frombuffer(rows).reshape(len(records), 4, -1)
+        stamps = np.array([record[2] for record in records])
+        self._parts.append((stamps, states, samples))
+
+    def _memory_of(self, samples: Samples) -> bytes:
+        """Return the four columns of the controller in a cycle as doubles.
+
+        They are NaN if it did not run, or has columns of another length.
+        """
+        sample = samples.get(self._controller)
+        memory = b"" if sample is None else unpack_sample(sample).memory()
+        return memory if len(memory) == len(self._blank) else self._blank
 
     def trace(self, *, is_live: bool = False) -> Trace:
         """Return everything taken so far, one cycle at least.
@@ -64,14 +73,24 @@ class TraceRecorder:
                 late; a stepped station has one per period.
         """
         period = self._facade.loop.period
-        joined = {
-            name: np.concatenate([part[name] for part in self._parts])
-            for name in self._parts[0]
-        }
-        stamps = joined.pop("stamp")
+        stamps, states, samples = (
+            np.concatenate(parts) for parts in zip(*self._parts, strict=True)
+        )
         joints = [self._facade.joint_names[column] for column in self._columns]
         if is_live:
             time: Array = stamps - stamps[0]
         else:
             time = np.array([cycle * period for cycle in range(len(stamps))])
-        return Trace(tuple(joints), period, time, **joined)
+        position, velocity, effort = np.moveaxis(states, 1, 0)
+        desired, _, error, output = np.moveaxis(samples, 1, 0)
+        return Trace(
+            joints=tuple(joints),
+            period=period,
+            time=time,
+            position=position,
+            velocity=velocity,
+            effort=effort,
+            desired=desired,
+            error=error,
+            output=output,
+        )

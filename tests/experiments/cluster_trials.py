@@ -44,16 +44,18 @@ def main() -> None:
             n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
         ) as cluster,
         Results.create(Path(sys.argv[1]), "tune", first.setup, {}) as results,
-        ClusterExecutor(cluster.scheduler_address, first.setup.text) as executor,
+        ClusterExecutor(
+            cluster.scheduler_address, first.setup.text, look_after=0.0
+        ) as executor,
     ):
 
         def disturb(progress: Progress) -> None:
-            if progress.ended == 9 and not lost:
+            if progress.ended >= 9 and not lost:
                 worker = results.rows()[-1].result.worker
                 lost.append(int(worker.rpartition(":")[2]))
                 os.kill(lost[0], signal.SIGKILL)
                 cluster.scale(3)
-            if progress.ended == 14:  # the search goes on without them until here
+            if progress.ended >= 14:  # the search goes on without them until here
                 cluster.wait_for_workers(3, timeout=60)
 
         tuned = tune(first, GAINS, GOAL, SEARCH, results, executor, disturb)

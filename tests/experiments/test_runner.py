@@ -127,7 +127,7 @@ class Dying(InThisProcess):
         self.deaths = deaths
 
     def submit(self, fn, /, *args, **kwargs):
-        load = json.loads(args[1])["parameters"]["load"]
+        load = json.loads(args[1][0])["parameters"]["load"]
         if self.deaths.get(load, 0) > 0:
             self.deaths[load] -= 1
             future = Future()

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from station.experiments import workers
-from station.experiments.workers import compare, identity, run_trial
+from station.experiments.workers import compare, identity, run_trials
 from station.trials.errors import WorkerMismatchError
 
 
@@ -25,5 +25,5 @@ def test_a_worker_with_another_mujoco_runs_no_trial(step, monkeypatch):
     monkeypatch.setattr(workers, "_checked", set())
 
     with pytest.raises(WorkerMismatchError, match=r"has mujoco 2\.3\.7; the"):
-        run_trial(step.setup.text, step.to_json(), expected)
+        run_trials(step.setup.text, [step.to_json()], expected)
     assert workers._checked == set()

@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from typing_extensions import override
 
-from station.core.clock import Clock, SystemClock
+from station.core.clock import Clock, ManualClock, SystemClock
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
@@ -115,6 +115,7 @@ class ControlLoop(ControlCycle):
             times=self._meter.times,
             records=self.snapshots,
             now=None if isinstance(clock, SystemClock) else clock.now,
+            virtual=clock if type(clock) is ManualClock else None,
             pack=self._joints.pack,
             watch=watch_of(hw),
             waiting=self._operations.waiting,
@@ -188,8 +189,12 @@ class ControlLoop(ControlCycle):
         if self._state is LoopState.RUNNING:
             self._state = LoopState.STOPPED
 
-    def step(self, cycles: int = 1) -> None:
+    def step(self, cycles: int = 1, tick: float = 0.0) -> None:
         """Run `cycles` cycles now, without waiting for the clock.
+
+        Args:
+            cycles: How many.
+            tick: By how much a manual clock is advanced before each of them [s].
 
         Raises:
             LoopError: The thread runs.
@@ -201,9 +206,11 @@ class ControlLoop(ControlCycle):
             )
         while cycles > 0:
             if not self.late_cycles:
-                cycles -= self.run(cycles, self.period)
+                cycles -= self.run(cycles, self.period, tick)
                 continue
             cycles -= 1
+            if isinstance(self.clock, ManualClock):
+                self.clock.advance(tick)
             late = self._take_late_cycles()
             self._meter.woke(late * self.period / self.pace.real_time_factor, late)
             self.run_one((1 + late) * self.period)
