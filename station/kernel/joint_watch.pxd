@@ -1,8 +1,21 @@
+from station.kernel.arm_chain cimport place_links, twist_of, zero_jacobian
+from station.kernel.functions cimport square_root
 from station.kernel.joint_memory cimport JointMemory
+from station.kernel.rigid_motion cimport compose, rotation_between
+
+cdef double _CERTAIN
 
 cdef class JointWatch:
     cdef readonly Py_ssize_t size
     cdef JointMemory memory
+    cdef double[::1] chain
+    cdef double[::1] tool
+    cdef double[::1] links
+    cdef double[::1] flange
+    cdef double[::1] pose
+    cdef double[::1] desired
+    cdef double[::1] jacobian
+    cdef double[::1] twist
     cdef double[::1] lower
     cdef double[::1] upper
     cdef double[::1] velocity
@@ -17,3 +30,8 @@ cdef class JointWatch:
     cdef public double room
     cdef readonly double total_power
     cpdef bint is_quiet(self, bint is_following)
+    cdef bint is_slow(self)
+    cdef bint is_close(self)
+    cdef void place(self, double[::1] q, double[::1] pose) noexcept
+
+cdef double _length(double[::1] vector) noexcept

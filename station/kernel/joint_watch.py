@@ -1,9 +1,20 @@
-"""Watch the measured state of an arm: a quick check of every cycle."""
+"""Watch the measured state of an arm: a quick check of every cycle.
+
+The quickest check adds up speeds and deviations of the joints: no point of the arm can
+be faster, or further away, than if all joints turned about the same axis. An arm that
+moves quickly fails it; its end effector is computed then.
+"""
 
 from collections.abc import Iterable, Sequence
 
-from station.kernel.doubles import own
+from station.kernel.arm_chain import new_links, place_links, twist_of, zero_jacobian
+from station.kernel.doubles import Doubles, own, zeros
+from station.kernel.functions import square_root
 from station.kernel.joint_memory import JointMemory
+from station.kernel.rigid_motion import compose, rotation_between
+
+_CERTAIN = 1.0 - 1e-9
+"""What is below this share of a limit is below the limit, however it is rounded."""
 
 
 class JointWatch:
@@ -11,6 +22,8 @@ class JointWatch:
 
     Args:
         memory: State of the joints.
+        chain: The arm's chain of n joints, see `arm_chain`.
+        tool: Pose of the end effector in the flange's frame, 16 numbers; kept.
         lower: Lowest positions [rad], shape (n,).
         upper: Highest positions [rad].
         velocity: Largest speeds [rad/s].
@@ -31,6 +44,8 @@ class JointWatch:
     def __init__(
         self,
         memory: JointMemory,
+        chain: Doubles,
+        tool: Doubles,
         *,
         lower: Iterable[float],
         upper: Iterable[float],
@@ -44,6 +59,14 @@ class JointWatch:
     ) -> None:
         self.memory = memory
         self.size = memory.size
+        self.chain = chain
+        self.tool = tool
+        self.links = new_links(chain)
+        self.flange = self.links[16 * self.size :]
+        self.pose = zeros(16)
+        self.desired = zeros(16)
+        self.jacobian = zeros(6 * self.size)
+        self.twist = zeros(6)
         self.lower = own(lower)
         self.upper = own(upper)
         self.velocity = own(velocity)
@@ -91,10 +114,45 @@ class JointWatch:
         self.room -= total * self.reach_in_a_cycle
         if not is_good or not self.room > 0.0:
             return False
-        if not total * self.reach < self.speed or not power < self.power:
+        if not power < self.power:
             return False
-        return not is_following or not (
+        is_slow = total * self.reach < self.speed
+        is_close = not is_following or not (
             away * self.reach > self.translation
             or away > self.rotation
             or away > self.elbow
         )
+        if is_slow and is_close:
+            return True
+        self.place(q, self.pose)
+        return (is_slow or self.is_slow()) and (is_close or self.is_close())
+
+    def is_slow(self) -> bool:
+        """Return whether the end effector, which `place` has placed, is slow enough."""
+        zero_jacobian(self.links, self.pose, self.jacobian)
+        twist_of(self.jacobian, self.memory.dtheta, self.twist)
+        return _length(self.twist) < _CERTAIN * self.speed
+
+    def is_close(self) -> bool:
+        """Return whether the placed end effector is close to the desired motion."""
+        memory, pose, desired = self.memory, self.pose, self.desired
+        if not abs(memory.positions[2] - memory.q_d[2]) < _CERTAIN * self.elbow:
+            return False
+        self.place(memory.q_d, desired)
+        way = self.twist
+        for i in range(3):
+            way[i] = desired[12 + i] - pose[12 + i]
+        if not _length(way) < _CERTAIN * self.translation:
+            return False
+        rotation_between(pose, desired, way)
+        return _length(way) < _CERTAIN * self.rotation
+
+    def place(self, q: Doubles, pose: Doubles) -> None:
+        """Write the poses of the links, and the one of the end effector to `pose`."""
+        place_links(self.chain, q, self.links)
+        compose(self.flange, self.tool, pose)
+
+
+def _length(vector: Doubles) -> float:
+    x, y, z = vector[0], vector[1], vector[2]
+    return square_root(x * x + y * y + z * z)

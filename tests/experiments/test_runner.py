@@ -245,3 +245,42 @@ def test_processes_give_the_same_numbers(results, trials, world):
     for trial in trials:
         assert results.find(trial.hash).metrics == world.run(trial).metrics
     assert {row.result.worker for row in results.rows()}
+
+
+class Tasks(InThisProcess):
+    """Notes how many trials are in each task."""
+
+    worker_count = 2
+
+    def __init__(self):
+        self.sizes = []
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.sizes.append(len(args[1]))
+        return super().submit(fn, *args, **kwargs)
+
+
+def quick_trials(step, count):
+    script = step.script.model_copy(update={"duration": 0.02})
+    short = Trial(step.setup, script)
+    return [short.with_parameters({"load": n / 1000}) for n in range(count)]
+
+
+def test_short_trials_travel_together_and_the_last_ones_are_spread(results, step):
+    tasks = Tasks()
+    progress = Runner(results, tasks).run(quick_trials(step, 60), 60)
+
+    assert progress.ended == len(results.rows()) == sum(tasks.sizes) == 60
+    # How long they take is not known at first; 8 tasks are in hand.
+    assert tasks.sizes[:8] == [1] * 8
+    assert max(tasks.sizes) > 1
+    assert tasks.sizes[-1] == 1
+
+
+def test_generation_of_a_large_search_is_spread_over_all_workers(results, step):
+    runner = Runner(results, tasks := Tasks())
+    runner.run(quick_trials(step, 2), 1000)
+
+    runner.run(quick_trials(step, 8), 1000)
+
+    assert tasks.sizes == [1] * 8

@@ -74,6 +74,8 @@ class Arm:
         put(self.motors.damping, [30.0] * SIZE)
         self.watch = part("joint_watch").JointWatch(
             self.memory,
+            CHAIN,
+            doubles(IDENTITY),
             **bounds,
             **speeds,
             torque=[87.0] * SIZE,

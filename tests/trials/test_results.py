@@ -6,6 +6,7 @@ import sqlite3
 import subprocess
 import sys
 import textwrap
+from dataclasses import replace
 
 import pytest
 
@@ -152,3 +153,19 @@ def test_experiments_of_one_second_have_different_names(tmp_path):
     assert len(found) > 1
     assert all(file_of(name, tmp_path).stem == name for name in found)
     assert all(name.startswith("sweep-20") for name in found)
+
+
+def test_trials_that_ended_together_are_kept_together_or_not_at_all(results, step):
+    heavy = step.with_parameters({"load": 1.0})
+    results.add(step, result_of(step))
+
+    assert results.add_all([
+        (step, result_of(step)),
+        (heavy, result_of(heavy)),
+    ]) == [False, True]
+
+    other = step.with_parameters({"load": 2.0})
+    broken = replace(result_of(heavy), seconds=object())
+    with pytest.raises(ExperimentError, match="Nothing more can be kept"):
+        results.add_all([(other, result_of(other)), (heavy, broken)])
+    assert results.find(other.hash) is None

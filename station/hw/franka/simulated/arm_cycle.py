@@ -78,7 +78,7 @@ class ArmCycle:
         )
         self.cartesian = _cartesian_step(state, self.memory, check, limits, period)
         self.motors = JointMotors(self.memory, simulator, period)
-        self.watch = _watch(self.memory, limits, thresholds, period)
+        self.watch = _watch(state, self.memory, limits, thresholds, period)
         self.log = CycleLog(self.memory)
         self.step = ArmStep(
             self.memory,
@@ -123,11 +123,17 @@ def _cartesian_step(
 
 
 def _watch(
-    memory: JointMemory, limits: ArmLimits, thresholds: SupervisorLimits, period: float
+    state: RobotState,
+    memory: JointMemory,
+    limits: ArmLimits,
+    thresholds: SupervisorLimits,
+    period: float,
 ) -> JointWatch:
     slack = thresholds.position_tolerance
     return JointWatch(
         memory,
+        CHAIN,
+        state.doubles("F_T_EE"),
         lower=[value - slack for value in limits.lower],
         upper=[value + slack for value in limits.upper],
         velocity=[value * thresholds.velocity_factor for value in limits.velocity],
