@@ -2,26 +2,17 @@ cimport cython
 from station.kernel.controller_round cimport ControllerRound
 from station.kernel.durations cimport CycleTimes
 from station.kernel.flags cimport StopFlag
-from station.kernel.stages cimport RobotWatch, Stage
+from station.kernel.stages cimport Stage
 from station.kernel.wall_time cimport VirtualTime, wall_time
-
-cdef class Records:
-    cdef readonly Py_ssize_t capacity
-    cdef readonly list slots
-    cdef readonly tuple newest
-    @cython.locals(cycle=Py_ssize_t)
-    cpdef push(self, tuple record)
 
 cdef class ControlCycle:
     cdef public Stage reading
     cdef ControllerRound updating
     cdef public Stage writing
     cdef CycleTimes times
-    cdef Records records
     cdef object now
     cdef VirtualTime virtual
-    cdef object pack
-    cdef RobotWatch watch
+    cdef object refresh
     cdef object waiting
     cdef StopFlag latch
     cdef unsigned char[::1] stop_flags

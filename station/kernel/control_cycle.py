@@ -1,17 +1,14 @@
 """One cycle of the control loop: read, update, write, and note what was."""
 
 from collections.abc import Callable, Sized
-from typing import Any, Protocol
+from typing import Protocol
 
 from station.kernel.controller_round import ControllerRound
 from station.kernel.durations import CycleTimes
 from station.kernel.flags import StopFlag
-from station.kernel.stages import RobotWatch, Stage
+from station.kernel.records import Records
+from station.kernel.stages import Stage
 from station.kernel.wall_time import VirtualTime, wall_time
-
-Record = tuple[int, int, float, float, str, Any, dict[str, Any]]
-"""A cycle as it is left behind: its number, the epoch, time [s], period [s], the mode
-of the robot, the joint states, and the samples of the controllers."""
 
 
 class Tap(Protocol):
@@ -19,29 +16,6 @@ class Tap(Protocol):
 
     def take(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
         """Sample a cycle."""
-
-
-class Records:
-    """The last records, in a ring.
-
-    Args:
-        capacity: How many are kept, >= 2.
-
-    Attributes:
-        slots: The ring; the record of a cycle is at its number modulo the capacity.
-        newest: The newest record; None before the first one.
-    """
-
-    def __init__(self, capacity: int) -> None:
-        self.capacity = capacity
-        self.slots: list[Record | None] = [None] * capacity
-        self.newest: Record | None = None
-
-    def push(self, record: Record) -> None:
-        """Add the next cycle; control thread only, cycles without gaps."""
-        cycle = record[0]
-        self.slots[cycle % self.capacity] = record
-        self.newest = record
 
 
 class ControlCycle:
@@ -55,8 +29,8 @@ class ControlCycle:
         records: Where every cycle is left.
         now: Returns wall time [s]; None takes the clock of the system.
         virtual: Wall time if that is virtual; `now` is not asked then.
-        pack: Returns the present joint states.
-        watch: Tells the robot's mode.
+        refresh: Brings the joint states that the records read up to date; None if
+            they always are.
         waiting: What is to be done between two cycles; empty in a usual cycle.
         latch: Its `pending` tells whether everything is to be stopped.
         stop_flags: `stop_flags[0]` is not 0 while a watchdog asks for a stop.
@@ -80,8 +54,7 @@ class ControlCycle:
         records: Records,
         now: Callable[[], float] | None,
         virtual: VirtualTime | None = None,
-        pack: Callable[[], object],
-        watch: RobotWatch,
+        refresh: Callable[[], None] | None,
         waiting: Sized,
         latch: StopFlag,
         stop_flags: memoryview,
@@ -90,11 +63,10 @@ class ControlCycle:
         self.updating = updating
         self.writing = writing
         self.times = times
-        self.records = records
+        updating.leave_in(records)
         self.now = now
         self.virtual = virtual
-        self.pack = pack
-        self.watch = watch
+        self.refresh = refresh
         self.waiting = waiting
         self.latch = latch
         self.stop_flags = stop_flags
@@ -167,8 +139,8 @@ class ControlCycle:
     def leave(self, period: float) -> None:
         """Leave a record of the cycle."""
         cycle, epoch, time = self.cycle, self.epoch, self.time
-        samples = self.updating.samples()
-        record = (cycle, epoch, time, period, self.watch.mode(), self.pack(), samples)
-        self.records.push(record)
+        if self.refresh is not None:
+            self.refresh()
+        self.updating.leave(cycle, epoch, time, period)
         for tap in self.taps:
             tap.take(cycle, epoch, time, period)

@@ -2,6 +2,7 @@ cimport cython
 from station.kernel.command_pieces cimport CommandPieces, Piece
 from station.kernel.durations cimport Durations
 from station.kernel.flags cimport OwnerFlags
+from station.kernel.records cimport Records
 from station.kernel.sample_columns cimport SampleColumns
 from station.kernel.stages cimport RobotWatch, Stage
 from station.kernel.usual_update cimport UsualUpdate
@@ -17,13 +18,16 @@ cdef class ControllerTurn:
     cdef list pieces
     cdef UsualUpdate usual
     cdef SampleColumns sampled
+    cdef Py_ssize_t place
 
 cdef class ControllerRound(Stage):
     cdef readonly OwnerFlags gate
     cdef RobotWatch watch
     cdef object running
     cdef tuple contained
-    cdef public list turns
+    cdef readonly list turns
+    cdef tuple layout
+    cdef Records records
     cdef public CommandPieces kept
     cdef public double update_budget
     cdef public long long cycle
@@ -39,5 +43,8 @@ cdef class ControllerRound(Stage):
     cpdef update_all(self, double time, double period)
     @cython.locals(begin=double, duration=double, is_finite=bint, piece=Piece)
     cpdef update_one(self, ControllerTurn turn, double time, double period)
-    @cython.locals(turn=ControllerTurn, sampled=SampleColumns)
-    cpdef dict samples(self)
+    cpdef leave_in(self, Records records)
+    @cython.locals(turn=ControllerTurn, sampled=SampleColumns, at=Py_ssize_t, room=Py_ssize_t, width=Py_ssize_t, size=Py_ssize_t)
+    cpdef take_turns(self, list turns)
+    @cython.locals(turn=ControllerTurn, sampled=SampleColumns, records=Records, at=Py_ssize_t, is_running=bint)
+    cpdef leave(self, long long cycle, long long epoch, double time, double period)

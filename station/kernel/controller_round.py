@@ -7,6 +7,7 @@ import cython
 from station.kernel.command_pieces import CommandPieces, Piece
 from station.kernel.durations import Durations
 from station.kernel.flags import OwnerFlags
+from station.kernel.records import Layout, Records
 from station.kernel.sample_columns import SampleColumns
 from station.kernel.stages import RobotWatch, Stage
 from station.kernel.usual_update import UsualUpdate
@@ -54,6 +55,7 @@ class ControllerTurn:
         self.pieces = pieces
         self.usual = usual
         self.sampled = sampled
+        self.place = -1
 
 
 class ControllerRound(Stage):
@@ -67,7 +69,8 @@ class ControllerRound(Stage):
         contained: Exceptions that end only the controller that raises them.
 
     Attributes:
-        turns: The controllers that run, in the order of loading.
+        turns: The controllers that run, in the order of loading; see `take_turns`.
+        layout: Where their samples are in a row of the records.
         kept: The commands that are written anew at the end of a cycle.
         update_budget: How long an update may take [s]; infinite without a budget.
         cycle: Number of cycles.
@@ -91,6 +94,8 @@ class ControllerRound(Stage):
         self.running = running
         self.contained = contained
         self.turns: list[ControllerTurn] = []
+        self.layout: Layout = ()
+        self.records = Records(2)
         self.kept = CommandPieces([])
         self.update_budget = _INF
         self.cycle = 0
@@ -182,20 +187,50 @@ class ControllerRound(Stage):
         ):
             self.attend(one, time, duration, is_finite)
 
+    def leave_in(self, records: Records) -> None:
+        """Leave the cycles in these records from now on."""
+        self.records = records
+        self.take_turns(self.turns)
+
+    def take_turns(self, turns: list[ControllerTurn]) -> None:
+        """Update these controllers from now on, in their order."""
+        layout = []
+        at, room = 0, self.records.room
+        for turn in turns:
+            turn.place, width, size = -1, 0, 0
+            sampled = turn.sampled
+            if sampled is not None and at + 1 + sampled.width <= room:
+                turn.place, width, size = at, sampled.width, sampled.size
+                at += 1 + width
+            layout.append((turn.name, turn.place, width, size))
+        self.turns, self.layout = turns, tuple(layout)
+
     def now(self) -> float:
         """Return wall time [s]."""
         return wall_time() if self.stopwatch is None else self.stopwatch()
 
-    def samples(self) -> dict[str, Any]:
-        """Return what each running controller did last, by name.
+    def leave(self, cycle: int, epoch: int, time: float, period: float) -> None:
+        """Leave a row of the cycle: joints, and what each running controller did last.
 
-        It is what `SampleColumns` has packed, or the controller's own sample.
+        Args:
+            cycle: Number of the cycle.
+            epoch: The station's epoch.
+            time: Station time [s].
+            period: Time since the last cycle [s].
         """
-        found: dict[str, Any] = {}
+        records = self.records
+        at = records.begin(cycle, epoch, time, period, self.watch.mode())
+        objects: dict[str, object] | None = None
         for turn in self.turns:
             controller = turn.controller
+            is_running = controller.state is self.running
             sampled = turn.sampled
-            sample = controller.sample if sampled is None else sampled.newest
-            if sample is not None and controller.state is self.running:
-                found[turn.name] = sample
-        return found
+            if sampled is not None and turn.place >= 0:
+                records.add(at + turn.place, sampled, is_running)
+            elif is_running:
+                sample = controller.sample if sampled is None else sampled.newest
+                if sample is not None:
+                    if objects is None:
+                        objects = {}
+                    objects[turn.name] = sample
+        records.end(cycle, self.layout, objects)

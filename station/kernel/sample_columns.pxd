@@ -8,9 +8,9 @@ cdef class Column:
 cdef class SampleColumns:
     cdef tuple views
     cdef list columns
-    cdef Py_ssize_t size
+    cdef readonly Py_ssize_t size
     cdef double[::1] row
-    cdef Py_ssize_t width
-    cdef readonly object newest
-    @cython.locals(at=Py_ssize_t, column=Column, text=cython.p_char)
+    cdef readonly Py_ssize_t width
+    cdef readonly double stamp
+    @cython.locals(at=Py_ssize_t, column=Column)
     cpdef keep(self, double stamp)

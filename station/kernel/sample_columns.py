@@ -7,9 +7,6 @@ import cython
 from station.kernel.copying import copy_into
 from station.kernel.doubles import Doubles, zeros
 
-if cython.compiled:
-    from cython.cimports.cpython.bytes import PyBytes_FromStringAndSize
-
 PackedColumns = tuple[float, bytes, int]
 """Station time [s], the columns one after the other as doubles of the machine, and the
 length n of each of the first four."""
@@ -31,7 +28,8 @@ class SampleColumns:
             then whatever the controller adds.
 
     Attributes:
-        newest: What was packed last; None before the first time. Any thread.
+        row: What was packed last, shape (width,).
+        stamp: Station time at which it was [s]; NaN before the first time.
     """
 
     def __init__(self, columns: Sequence[Doubles]) -> None:
@@ -40,7 +38,15 @@ class SampleColumns:
         self.size = len(columns[0])
         self.row = zeros(sum(len(view) for view in columns))
         self.width = len(self.row)
-        self.newest: PackedColumns | None = None
+        self.stamp = float("nan")
+
+    @property
+    def newest(self) -> PackedColumns | None:
+        """What was packed last; None before the first time. Any thread."""
+        stamp = self.stamp
+        if stamp != stamp:
+            return None
+        return stamp, memoryview(self.row).tobytes(), self.size
 
     def keep(self, stamp: float) -> None:
         """Pack the columns.
@@ -53,11 +59,7 @@ class SampleColumns:
             for column in self.columns:
                 copy_into(self.row, at, column.values, column.size)
                 at += column.size
-            text = cython.cast(cython.p_char, cython.address(self.row[0]))
-            self.newest = (
-                stamp,
-                PyBytes_FromStringAndSize(text, 8 * self.width),
-                self.size,
-            )
         else:
-            self.newest = (stamp, b"".join(self.views), self.size)
+            # At once, for readers in other threads.
+            self.row[:] = memoryview(b"".join(self.views)).cast("d")
+        self.stamp = stamp

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from station.core.control.controller import unpack_sample
-from station.core.hardware.interfaces.joint_group import packed_memory
 from station.core.loop.snapshot import Record
 
 _HEAD = struct.Struct("<QQddII")
@@ -91,13 +90,12 @@ class RowPacker:
         Args:
             record: The cycle as the ring of snapshots has it.
         """
-        cycle, epoch, time, period, mode, packed, samples = record
+        cycle, epoch, time, period, mode, joints, samples = record
         pieces = [unpack_sample(one).memory() for one in samples.values()]
         key = (mode, tuple(samples), tuple(map(len, pieces)))
         index = self._indices.get(key)
         if index is None:
             index = self._add_form(*key)
-        joints = packed_memory(packed)
         head = _HEAD.pack(cycle, epoch, time, period, index, len(joints))
         return b"".join((head, joints, *pieces))
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from station.core.control.controller import unpack_sample
 from station.core.facade.station import Station
-from station.core.hardware.interfaces.joint_group import packed_memory
-from station.core.loop.snapshot import Samples
+from station.core.loop.snapshot import Rows, Samples
 from station.trials.trace import Array, Trace
 
 _REFLEX = "reflex"
@@ -40,21 +39,26 @@ class TraceRecorder:
 
     def take(self) -> None:
         """Take the cycles since the last call; the ring keeps 4096."""
-        records, lost = self._facade.snapshots.records_since(self._cycle)
-        self.lost += lost
-        if not records:
+        rows = self._facade.snapshots.rows_since(self._cycle)
+        self.lost += rows.lost
+        if not rows.modes:
             return
-        self._cycle = records[-1][0]
-        modes = [record[4] for record in records]
-        for before, mode in pairwise([self._mode, *modes]):
+        self._cycle = int(rows.numbers[-1, 0])
+        for before, mode in pairwise([self._mode, *rows.modes]):
             self.reflexes += mode == _REFLEX != before
-        self._mode = modes[-1]
-        states = np.frombuffer(b"".join(packed_memory(one[5]) for one in records))
-        states = states.reshape(len(records), 3, -1)[:, :, self._columns]
-        rows = b"".join(self._memory_of(record[6]) for record in records)
-        samples = np.frombuffer(rows).reshape(len(records), 4, -1)
-        stamps = np.array([record[2] for record in records])
-        self._parts.append((stamps, states, samples))
+        self._mode = rows.modes[-1]
+        states = rows.states_of_joints()[:, :, self._columns]
+        self._parts.append((rows.numbers[:, 2], states, self._samples_of(rows)))
+
+    def _samples_of(self, rows: Rows) -> Array:
+        """Return the columns of the controller's samples, shape (k, 4, n)."""
+        shape = (len(rows.modes), 4, len(self._joints))
+        found = rows.columns_of(self._controller, shape[2])
+        if found is None:
+            samples = [rows.record(k)[6] for k in range(shape[0])]
+            memory = b"".join(map(self._memory_of, samples))
+            found = np.frombuffer(memory).reshape(shape)
+        return found
 
     def _memory_of(self, samples: Samples) -> bytes:
         """Return the four columns of the controller in a cycle as doubles.

@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from station.core.clock import ManualClock, SystemClock
+from tests.core.loop.one_joint import OneJoint, make_loop
 
 
 def test_the_manual_clock_stands_still_until_it_is_advanced():
@@ -72,3 +73,18 @@ def test_a_deadline_that_has_passed_is_not_slept_for():
     clock.sleep_until(before - 100.0)
 
     assert clock.now() - before < 1.0
+
+
+def test_virtual_time_passes_before_each_cycle_that_is_stepped():
+    seen = []
+
+    class Watching(OneJoint):
+        def read(self, time, period):
+            seen.append(loop.clock.now())
+
+    loop = make_loop(Watching(), clock=ManualClock(10.0))
+    loop.step(2, tick=0.25)
+    loop.late_cycles = 1
+    loop.step(tick=0.25)
+
+    assert seen == [10.25, 10.5, 10.75]

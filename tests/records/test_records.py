@@ -28,7 +28,7 @@ def _doubles(memory):
 
 def test_a_row_keeps_a_cycle():
     packer = RowPacker(["a", "b"], {"arm": ["a", "b"], "other": []}.get)
-    packed = ([1.0, 2.0], [3.0, 4.0], [5.0, 6.0])
+    packed = array("d", [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).tobytes()
     sample = ControllerSample(0.5, [1.0, 2.0], [3.0, 4.0], [5.0, 6.0], [7.0, 8.0])
     one = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
 

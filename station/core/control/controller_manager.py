@@ -17,7 +17,7 @@ from station.core.clock import Clock
 from station.core.control.controller import (
     ControllerBase,
     ControllerSample,
-    unpack_sample,
+    ControllerState,
 )
 from station.core.control.controller_factory import ControllerFactory
 from station.core.control.controller_loader import ControllerLoader
@@ -185,8 +185,12 @@ class ControllerManager:
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""
-        samples = self._runner.samples().items()
-        return {name: unpack_sample(each) for name, each in samples}
+        found = {
+            one.info.name: one.controller.sample
+            for one in self._runner.loaded
+            if one.controller.state is ControllerState.RUNNING
+        }
+        return {name: sample for name, sample in found.items() if sample is not None}
 
     def running_names(self) -> list[str]:
         """Return the names of the running controllers; takes no lock."""

@@ -130,7 +130,7 @@ class ControllerRunner(ControllerRound):
 
     def _note_running(self) -> None:
         self.kept = self.lifecycle.gate.kept
-        self.turns = [one.turn() for one in self.lifecycle.gate.running]
+        self.take_turns([one.turn() for one in self.lifecycle.gate.running])
 
     def _update_after(
         self,

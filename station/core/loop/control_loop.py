@@ -27,7 +27,6 @@ from station.core.hardware.robot_hw import (
     RobotClock,
     RobotHW,
     reading_of,
-    watch_of,
     writing_of,
 )
 from station.core.hardware.services import InterruptibleServices, find_services
@@ -108,6 +107,9 @@ class ControlLoop(ControlCycle):
         self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
+        # One full sample for every joint, and as many numbers again.
+        room = 64 + 8 * len(self._joints.names)
+        self.snapshots.prepare(self._joints.pieces, room)
         super().__init__(
             reading=reading_of(hw),
             updating=manager.updating(),
@@ -116,8 +118,7 @@ class ControlLoop(ControlCycle):
             records=self.snapshots,
             now=None if isinstance(clock, SystemClock) else clock.now,
             virtual=clock if type(clock) is ManualClock else None,
-            pack=self._joints.pack,
-            watch=watch_of(hw),
+            refresh=self._joints.refresh,
             waiting=self._operations.waiting,
             latch=self.stop_latch,
             stop_flags=self.heartbeat.flags,

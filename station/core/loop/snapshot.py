@@ -1,10 +1,15 @@
 """What a cycle left behind, kept in a ring: one writer, any number of readers."""
 
+from array import array
+from dataclasses import dataclass
+from math import isnan
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from station.core.control.controller import ControllerSample, unpack_sample
-from station.core.hardware.interfaces.joint_group import Packed, unpack
-from station.kernel.control_cycle import Records
+from station.kernel.records import HEAD, Layout, Records
 from station.kernel.sample_columns import PackedColumns
 
 
@@ -35,19 +40,89 @@ class Snapshot(NamedTuple):
 
 
 Samples = dict[str, ControllerSample | PackedColumns]
-Record = tuple[int, int, float, float, str, Packed, Samples]
-"""A cycle as the control thread leaves it; what is packed still is."""
+Record = tuple[int, int, float, float, str, bytes, Samples]
+"""A cycle before its numbers are made lists: a snapshot whose joint states are the
+bytes of doubles, positions, velocities and efforts one after the other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Cycles as the control thread has left them, k of them.
+
+    Attributes:
+        numbers: Their rows, see `station.kernel.records`, shape (k, width).
+        states: How many of a row's numbers are states of joints, 3 n.
+        modes: The robot's mode in each.
+        layouts: Where the samples are in each row.
+        objects: Samples that are objects, by name.
+        lost: How many cycles were overwritten before.
+    """
+
+    numbers: NDArray[np.float64]
+    states: int
+    modes: list[str]
+    layouts: list[Layout]
+    objects: list[dict[str, object] | None]
+    lost: int
+
+    def states_of_joints(self) -> NDArray[np.float64]:
+        """Return positions, velocities and efforts, shape (k, 3, n)."""
+        states = self.numbers[:, HEAD : HEAD + self.states]
+        return states.reshape(len(states), 3, -1)
+
+    def columns_of(self, controller: str, size: int) -> NDArray[np.float64] | None:
+        """Return the first four columns of a controller's samples at once.
+
+        Args:
+            controller: Its name.
+            size: Length n of each column.
+
+        Returns:
+            Shape (k, 4, n), NaN where it did not run; None if that needs a closer look:
+            its samples are objects, lie elsewhere in some rows, or have another size.
+        """
+        layout = self.layouts[0]
+        if any(other is not layout for other in self.layouts):
+            return None
+        for name, place, _, length in layout:
+            if name == controller and place >= 0 and length == size:
+                at = HEAD + self.states + place
+                found = self.numbers[:, at + 1 : at + 1 + 4 * size]
+                found = np.where(np.isnan(self.numbers[:, at : at + 1]), np.nan, found)
+                return found.reshape(len(found), 4, size)
+        return None
+
+    def record(self, index: int) -> Record:
+        """Return one of the cycles."""
+        row = self.numbers[index]
+        cycle, epoch, stamp, period = row[:HEAD].tolist()
+        samples: Samples = {}
+        begin = HEAD + self.states
+        objects = self.objects[index] or {}
+        for name, place, width, size in self.layouts[index]:
+            if place < 0:
+                sample = objects.get(name)
+                if isinstance(sample, (ControllerSample, tuple)):
+                    samples[name] = sample
+                continue
+            at = begin + place
+            if not isnan(row[at]):
+                columns = row[at + 1 : at + 1 + width].tobytes()
+                samples[name] = (float(row[at]), columns, size)
+        states = row[HEAD:begin].tobytes()
+        mode = self.modes[index]
+        return int(cycle), int(epoch), stamp, period, mode, states, samples
 
 
 class SnapshotRing(Records):
-    """Keeps the last `capacity` snapshots without a lock.
+    """Keeps the last `capacity` cycles without a lock.
 
-    The control thread puts one record in per cycle; a reader makes a snapshot of it. A
-    reader copies references and then looks whether the writer has overtaken it, so that
-    it either gets every cycle or learns how many it lost.
+    The control thread leaves one row per cycle; a reader makes a snapshot of it. A
+    reader copies rows and then looks whether the writer has overtaken it, so that it
+    either gets every cycle or learns how many it lost.
 
     Args:
-        capacity: Number of snapshots kept, >= 2.
+        capacity: Number of cycles kept, >= 2.
     """
 
     def __init__(self, capacity: int = 4096) -> None:
@@ -55,8 +130,16 @@ class SnapshotRing(Records):
 
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
-        latest = self.newest
-        return None if latest is None else _unpack(latest)
+        while newest := self.newest:
+            slot = newest % self.capacity
+            one = slice(slot, slot + 1)
+            found = (self.modes[one], self.layouts[one], self.objects[one])
+            begin = slot * self.width
+            row = self.memory[begin : begin + self.width].tobytes()
+            numbers = np.frombuffer(row).reshape(1, -1)
+            if numbers[0, 0] == newest:  # or it has been overwritten meanwhile
+                return _unpack(Rows(numbers, self.states, *found, 0).record(0))
+        return None
 
     def read_since(self, cycle: int) -> tuple[list[Snapshot], int]:
         """Return the snapshots after `cycle`, oldest first, and how many were lost.
@@ -68,29 +151,46 @@ class SnapshotRing(Records):
         return [_unpack(record) for record in records], lost
 
     def records_since(self, cycle: int) -> tuple[list[Record], int]:
-        """Return the records after `cycle` as they are; see `read_since`.
+        """Return the records after `cycle`; see `read_since`.
 
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.
         """
-        latest = self.newest
-        if latest is None or latest[0] <= cycle:
-            return [], 0
-        newest = latest[0]
-        first = max(cycle + 1, newest - self.capacity + 1)
-        found = [
-            record
-            for number in range(first, newest + 1)
-            if (record := self.slots[number % self.capacity]) is not None
-            and record[0] == number
-        ]
-        return found, newest - cycle - len(found)
+        rows = self.rows_since(cycle)
+        return [rows.record(k) for k in range(len(rows.modes))], rows.lost
+
+    def rows_since(self, cycle: int) -> Rows:
+        """Return the cycles after `cycle` as they are; see `read_since`.
+
+        Args:
+            cycle: Number of the last cycle the reader has seen; 0 for none.
+        """
+        newest, capacity = self.newest, self.capacity
+        first = max(cycle + 1, newest - capacity + 1)
+        wanted = np.arange(first, newest + 1)
+        slots = wanted % capacity
+        chosen = slots.tolist()
+        modes = [self.modes[slot] for slot in chosen]
+        layouts = [self.layouts[slot] for slot in chosen]
+        objects = [self.objects[slot] for slot in chosen]
+        # The rows last: what was overwritten meanwhile has another number.
+        numbers = np.asarray(self.memory).reshape(capacity, -1)[slots]
+        whole = numbers[:, 0] == wanted
+        if not whole.all():
+            kept = np.flatnonzero(whole).tolist()
+            modes, layouts = [modes[k] for k in kept], [layouts[k] for k in kept]
+            objects, numbers = [objects[k] for k in kept], numbers[whole]
+        lost = max(newest - cycle, 0) - len(numbers)
+        return Rows(numbers, self.states, modes, layouts, objects, lost)
 
 
 def _unpack(record: Record) -> Snapshot:
-    cycle, epoch, stamp, period, mode, packed, samples = record
-    position, velocity, effort = unpack(packed)
+    cycle, epoch, stamp, period, mode, states, samples = record
+    numbers = array("d", states).tolist()
+    n = len(numbers) // 3
     found = {name: unpack_sample(each) for name, each in samples.items()}
     return Snapshot(
-        cycle, epoch, stamp, period, mode, position, velocity, effort, found
+        *(cycle, epoch, stamp, period, mode),
+        *(numbers[:n], numbers[n : 2 * n], numbers[2 * n :]),
+        found,
     )

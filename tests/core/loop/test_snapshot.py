@@ -1,17 +1,27 @@
 """The snapshot ring: every cycle readable, loss detected."""
 
-from station.core.loop.snapshot import Record, SnapshotRing
+from array import array
+
+import pytest
+
+from station.core.control.controller import ControllerSample
+from station.core.loop.snapshot import SnapshotRing
+from station.kernel.doubles import doubles
+from station.kernel.sample_columns import SampleColumns
+
+STATES = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)  # positions, velocities, efforts of two joints
 
 
-def _snapshot(cycle: int) -> Record:
-    packed = ([float(cycle)], [], [])
-    return cycle, 1, cycle * 0.001, 0.001, "idle", packed, {}
+def _push(ring: SnapshotRing, cycle: int, mode: str = "idle") -> None:
+    ring.begin(cycle, 1, cycle * 0.001, 0.001, mode)
+    ring.end(cycle, (), None)
 
 
 def _ring(capacity: int, cycles: int) -> SnapshotRing:
     ring = SnapshotRing(capacity)
+    ring.prepare([doubles(STATES)], 0)
     for cycle in range(1, cycles + 1):
-        ring.push(_snapshot(cycle))
+        _push(ring, cycle)
     return ring
 
 
@@ -21,10 +31,21 @@ def test_an_empty_ring_has_no_latest_snapshot():
     assert ring.read_since(0) == ([], 0)
 
 
+def test_a_snapshot_has_what_the_cycle_has_left():
+    snapshot = _ring(4, 5).latest()
+
+    assert (snapshot.cycle, snapshot.epoch, snapshot.mode) == (5, 1, "idle")
+    assert (snapshot.stamp, snapshot.period) == (0.005, 0.001)
+    assert snapshot.position == [1.0, 2.0]
+    assert snapshot.velocity == [3.0, 4.0]
+    assert snapshot.effort == [5.0, 6.0]
+    assert snapshot.samples == {}
+
+
 def test_a_reader_that_keeps_up_gets_every_cycle_once():
     ring = _ring(8, 5)
     first, lost_first = ring.read_since(0)
-    ring.push(_snapshot(6))
+    _push(ring, 6)
     second, lost_second = ring.read_since(first[-1].cycle)
     assert [s.cycle for s in first + second] == [1, 2, 3, 4, 5, 6]
     assert (lost_first, lost_second) == (0, 0)
@@ -40,9 +61,34 @@ def test_nothing_new_is_not_a_loss():
     assert _ring(4, 3).read_since(3) == ([], 0)
 
 
-def test_a_slot_overwritten_while_reading_counts_as_lost():
+@pytest.mark.parametrize("is_whole", [False, True])
+def test_a_cycle_overwritten_while_reading_counts_as_lost(is_whole):
     ring = _ring(4, 4)
-    ring.slots[1 % 4] = _snapshot(5)  # the writer is one slot ahead of `newest`
+    # What a reader finds that looked at `newest` before the writer went on.
+    ring.memory[1 * ring.width] = 5.0 if is_whole else 0.0
     snapshots, lost = ring.read_since(0)
     assert [s.cycle for s in snapshots] == [2, 3, 4]
     assert lost == 1
+
+
+def test_samples_are_read_from_the_row_or_as_the_objects_they_are():
+    ring, sampled = SnapshotRing(4), SampleColumns([doubles([1.0, 2.0])] * 4)
+    ring.prepare([], 1 + sampled.width)
+    mine = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
+    layout = (("arm", 0, sampled.width, sampled.size), ("mine", -1, 0, 0))
+    sampled.keep(0.25)
+    for cycle, is_there in ((1, True), (2, False)):
+        ring.add(ring.begin(cycle, 1, 0.001, 0.001, "idle"), sampled, is_there)
+        ring.end(cycle, layout, {"mine": mine} if is_there else None)
+
+    (first, second), _ = ring.read_since(0)
+
+    assert list(first.samples) == ["arm", "mine"]
+    assert first.samples["arm"].stamp == 0.25
+    assert first.samples["arm"].columns == ([1.0, 2.0],) * 4
+    assert first.samples["mine"] is mine
+    assert second.samples == {}
+    columns = ring.rows_since(0).columns_of("arm", 2)
+    assert columns[0].tolist() == [[1.0, 2.0]] * 4
+    assert columns[1].tobytes() == array("d", [float("nan")] * 8).tobytes()
+    assert ring.rows_since(0).columns_of("mine", 1) is None

@@ -7,12 +7,10 @@ other group accesses the joints one by one, with the same result.
 
 from array import array
 from collections.abc import Callable, Sequence
-from typing import TypeAlias, cast
-
-import numpy as np
+from typing import cast
 
 from station.core.hardware.interfaces.joint import JointHandle, JointStateHandle
-from station.kernel.doubles import Doubles, Storage
+from station.kernel.doubles import Doubles, Storage, zeros
 
 
 def _common_slice(storages: list[Storage], indices: list[int]) -> slice | None:
@@ -22,6 +20,19 @@ def _common_slice(storages: list[Storage], indices: list[int]) -> slice | None:
     if not same or indices != list(range(first, first + len(indices))):
         return None
     return slice(first, first + len(indices))
+
+
+def _pieces(
+    storages: list[Storage], indices: list[int]
+) -> list[tuple[Storage, int, int]]:
+    """Return the parts of storages in which the slots lie side by side, in order."""
+    found: list[tuple[Storage, int, int]] = []
+    for storage, index in zip(storages, indices, strict=True):
+        if found and found[-1][0] is storage and found[-1][2] == index:
+            found[-1] = (storage, found[-1][1], index + 1)
+        else:
+            found.append((storage, index, index + 1))
+    return found
 
 
 def _list_reader(storage: list[float], piece: slice) -> Callable[[], list[float]]:
@@ -34,6 +45,7 @@ class _Column:
     Attributes:
         read: Return the values, shape (n,), a new list.
         view: The values themselves, if they lie side by side in a block of doubles.
+        pieces: The values, part after part; None for one that is in a list.
     """
 
     def __init__(self, storages: list[Storage], indices: list[int]) -> None:
@@ -41,6 +53,10 @@ class _Column:
         self._slice = _common_slice(storages, indices)
         self._list: list[float] | None = None
         self.view: Doubles | None = None
+        self.pieces = [
+            None if isinstance(storage, list) else storage[begin:end]
+            for storage, begin, end in _pieces(storages, indices)
+        ]
         self.read: Callable[[], list[float]] = self._read_slots
         if self._slice is not None and storages:
             storage = storages[0]
@@ -64,27 +80,6 @@ class _Column:
                 storage[index] = value
 
 
-Packed: TypeAlias = bytes | tuple[list[float], list[float], list[float]]
-"""Positions, velocities and efforts of several joints at one time, as they are quickest
-to keep: the bytes of doubles one after the other, or three lists."""
-
-
-def packed_memory(packed: Packed) -> bytes:
-    """Return positions, velocities and efforts as doubles, one after the other."""
-    if isinstance(packed, bytes):
-        return packed
-    return b"".join(array("d", column).tobytes() for column in packed)
-
-
-def unpack(packed: Packed) -> tuple[list[float], list[float], list[float]]:
-    """Return positions, velocities and efforts, shape (n,) each."""
-    if not isinstance(packed, bytes):
-        return packed
-    together = array("d", packed).tolist()
-    size = len(together) // 3
-    return together[:size], together[size : 2 * size], together[2 * size :]
-
-
 class JointStateGroup:
     """Reads the states of several joints, in the order of `handles`.
 
@@ -95,7 +90,9 @@ class JointStateGroup:
         get_efforts: Return the efforts [Nm or N], shape (n,), a new list.
         positions: The positions themselves, if the robot keeps them side by side in a
             block of doubles; otherwise None. The same for `velocities` and `efforts`.
-        pack: Return the present states, which are unpacked when somebody reads them.
+        pieces: Where the states are, positions, velocities and efforts one after the
+            other: memory of the robot, as few pieces as it allows, or copies.
+        refresh: Brings copies up to date; None if there are none.
     """
 
     def __init__(self, handles: Sequence[JointStateHandle]) -> None:
@@ -109,35 +106,21 @@ class JointStateGroup:
         self.get_positions = position.read
         self.get_velocities = velocity.read
         self.get_efforts = effort.read
-        together = _side_by_side([position.view, velocity.view, effort.view])
-        self.pack: Callable[[], Packed] = (
-            self._pack_columns if together is None else together.tobytes
+        columns = (position, velocity, effort)
+        found = [piece for column in columns for piece in column.pieces]
+        self._columns = columns if None in found else ()
+        size = len(handles)
+        self._copies = [zeros(size) for _ in self._columns]
+        self.pieces: list[Doubles] = self._copies or [
+            piece for piece in found if piece is not None
+        ]
+        self.refresh: Callable[[], None] | None = (
+            self._refresh if self._columns else None
         )
 
-    def _pack_columns(self) -> Packed:
-        return self.get_positions(), self.get_velocities(), self.get_efforts()
-
-
-def _side_by_side(views: list[Doubles | None]) -> Doubles | None:
-    """Return the memory of some views that follow one another; None if they do not."""
-    first = views[0]
-    if first is None or any(view is None for view in views):
-        return None
-    block = memoryview(first.obj).cast("B").cast("d")
-    size = len(first)
-    start = _offset(first, block)
-    for number, view in enumerate(views):
-        if view is None or view.obj is not first.obj:
-            return None
-        if len(view) != size or _offset(view, block) != start + number * size:
-            return None
-    return block[start : start + len(views) * size]
-
-
-def _offset(view: Doubles, block: Doubles) -> int:
-    """Return the index in a block at which a view begins."""
-    begin = np.asarray(view).ctypes.data - np.asarray(block).ctypes.data
-    return begin // view.itemsize
+    def _refresh(self) -> None:
+        for copy, column in zip(self._copies, self._columns, strict=True):
+            copy[:] = array("d", column.read())
 
 
 class JointGroup(JointStateGroup):

@@ -8,6 +8,7 @@ from station.core.hardware.interfaces import (
     JointStateGroup,
     JointStateHandle,
 )
+from station.kernel.doubles import doubles
 
 
 def handles(indices, command_indices=None):
@@ -83,3 +84,33 @@ def test_a_wrong_number_of_commands_is_refused_and_changes_nothing(count):
         group.set_commands([1.0] * count)
 
     assert group.get_commands() == [0.0, 0.0]
+
+
+def of_memory(memory, indices):
+    parts = memory[:4], memory[4:8], memory[8:]
+    return [JointStateHandle(f"j{index}", *parts, index) for index in indices]
+
+
+@pytest.mark.parametrize(("indices", "pieces"), [([0, 1, 2], 3), ([0, 1, 3], 6)])
+def test_states_in_memory_are_read_in_place_in_few_pieces(indices, pieces):
+    memory = doubles(range(12))
+    group = JointStateGroup(of_memory(memory, indices))
+
+    assert len(group.pieces) == pieces
+    assert group.refresh is None
+    memory[4] = 40.0
+    states = [value for piece in group.pieces for value in piece]
+    expected = [*(first + i for first in (0, 4, 8) for i in indices)]
+    expected[3] = 40.0
+    assert states == expected
+
+
+def test_states_in_lists_are_copied_when_asked():
+    joints = [*handles([0, 1]), *of_memory(doubles(range(12)), [3])]
+    group = JointStateGroup(joints)
+    joints[0].position_storage[0] = 7.0
+
+    group.refresh()
+
+    found = [piece.tolist() for piece in group.pieces]
+    assert found == [[7.0, 0.2, 3.0], [1.0, 2.0, 7.0], [5.0, 6.0, 11.0]]
