@@ -1,3 +1,4 @@
+cimport cython
 from station.kernel.arm_step cimport ArmStep
 from station.kernel.finger_motor cimport FingerSensor
 from station.kernel.finite_check cimport FiniteCheck
@@ -27,6 +28,7 @@ cdef class SimulatedCycles(Cycles):
     cdef object supervise
     cdef readonly long long cycle
     cdef readonly long long seen
+    @cython.locals(found=int, unusual=int, steps="long long", time=double)
     cpdef read(self)
 
 cdef class ArmReading(Stage):

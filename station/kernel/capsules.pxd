@@ -2,6 +2,8 @@ cimport cython
 
 from station.kernel.functions cimport square_root
 
+cdef double _PARALLEL
+
 cpdef void place_segments(
     double[::1] capsules, long[::1] owners, double[::1] links, double[::1] segments
 ) noexcept

@@ -5,6 +5,8 @@ from station.kernel.inverse_kinematics cimport InverseKinematics
 from station.kernel.joint_memory cimport JointMemory
 from station.kernel.rigid_motion cimport displace, twist_between
 
+cdef double UNIT_TOLERANCE
+
 cpdef bint is_transform(double[::1] pose) noexcept
 
 cdef class CartesianStep:

@@ -2,6 +2,8 @@ from station.kernel.arm_chain cimport place_links, torques_of, zero_jacobian
 from station.kernel.rigid_motion cimport compose, twist_between
 from station.kernel.wrench_equation cimport WrenchEquation
 
+cdef double _LARGEST_STEP
+
 cdef class InverseKinematics:
     cdef double[::1] chain
     cdef double[::1] q

@@ -1,3 +1,4 @@
+cimport cython
 from station.kernel.arm_chain cimport place_links, twist_of, zero_jacobian
 from station.kernel.functions cimport square_root
 from station.kernel.joint_memory cimport JointMemory
@@ -29,9 +30,12 @@ cdef class JointWatch:
     cdef double elbow
     cdef public double room
     cdef readonly double total_power
+    @cython.locals(i=Py_ssize_t, position=double, velocity=double, torque=double, total=double, power=double, away=double, is_good=bint, is_slow=bint, is_close=bint)
     cpdef bint is_quiet(self, bint is_following)
     cdef bint is_slow(self)
+    @cython.locals(i=Py_ssize_t)
     cdef bint is_close(self)
     cdef void place(self, double[::1] q, double[::1] pose) noexcept
 
+@cython.locals(x=double, y=double, z=double)
 cdef double _length(double[::1] vector) noexcept

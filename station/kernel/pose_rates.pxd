@@ -1,6 +1,8 @@
 from station.kernel.functions cimport square_root
 from station.kernel.rigid_motion cimport displace, rotation_between, twist_between
 
+cdef double _TINY
+
 cpdef void limit_vector(
     double[::1] vector,
     Py_ssize_t start,

@@ -1,5 +1,7 @@
 from station.kernel.functions cimport arctangent, cosine, sine, square_root
 
+cdef double SMALL
+
 cpdef void compose(double[::1] first, double[::1] second, double[::1] result) noexcept
 cpdef void rotation_between(
     double[::1] first, double[::1] second, double[::1] result
