@@ -22,7 +22,9 @@ patiently() {
     "$python" -m pytest -m "$marks" --last-failed --last-failed-no-failures none "$@"
 }
 
-unset STATION_COMPILED
+# Each worker and each station imports some thousand modules: Python keeps what it has
+# compiled of them, even where the environment says otherwise.
+unset STATION_COMPILED PYTHONDONTWRITEBYTECODE
 "$python" -m station.kernel.build --optional >/dev/null
 if "$python" -c 'import sys, station.kernel; sys.exit(not station.kernel.STATUS.is_compiled)'; then
     export STATION_COMPILED=1
@@ -41,7 +43,8 @@ quick)
     fi
     ;;
 slow)
-    patiently slow auto "$@"
+    # A file is run by one worker: its stations and pages are started once.
+    patiently slow auto --dist loadfile --no-loadscope-reorder "$@"
     ;;
 *) say "quick or slow, not $which" && exit 2 ;;
 esac

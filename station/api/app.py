@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
+from starlette.routing import BaseRoute
 
 import station as package
 from station.api import docs_page, index
@@ -106,13 +108,25 @@ def create_app(
         station, slow_after=slow_after, max_clients=max_streams
     )
     add_error_handlers(app)
-    app.include_router(api_router)
+    app.router.routes.extend(_shared_routes())
     app.include_router(robots.declared(station), prefix=PREFIX)
-    app.include_router(login_page)
-    app.include_router(docs_page.router)
-    app.include_router(index.router)
-    app.include_router(metrics.router)
     app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
     app.add_middleware(Audit, repeats=event_recorder.repeats)
     app.add_middleware(RequestId)
     return app
+
+
+@cache
+def _shared_routes() -> tuple[BaseRoute, ...]:
+    """Return the routes that the applications of all stations have.
+
+    FastAPI works out at the first requests how each route is called, which takes half
+    a second for all of them: the applications of a process share the outcome.
+    """
+    shared = APIRouter(generate_unique_id_function=operation_id)
+    shared.include_router(api_router)
+    shared.include_router(login_page)
+    shared.include_router(docs_page.router)
+    shared.include_router(index.router)
+    shared.include_router(metrics.router)
+    return tuple(shared.routes)

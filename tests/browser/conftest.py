@@ -30,9 +30,9 @@ ARTIFACTS = Path("artifacts")
 _READY_LINES = 20
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
-    """Debian's chromium without a GPU; its compiled shaders serve a module."""
+    """Debian's chromium without a GPU; its compiled shaders serve all modules."""
     if not Path(CHROMIUM).exists():
         pytest.fail(f"{CHROMIUM} is missing; install Debian's package `chromium`")
     with sync_playwright() as playwright:
