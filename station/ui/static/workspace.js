@@ -248,7 +248,7 @@ function start() {
     openDock("timeline");
     element("dock-timeline").choose("alarms");
   });
-  watchScene(element("view"), element("progress"));
+  watchScene(element("view"), element("progress"), () => store.docks?.triangles ?? null);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);
 }
