@@ -81,6 +81,7 @@ class Dashboard:
 
     Attributes:
         views: What each session sees in the 3D view.
+        triangles: How many triangles the drawn robots have.
     """
 
     def __init__(
@@ -108,6 +109,7 @@ class Dashboard:
         else:
             not_drawn = self._draw(robot, beside) or not_drawn
         placed = _placed(() if self._scene is None else (robot, *beside))
+        self.triangles = sum(one.model.triangles() for one in placed)
         pushing = Pushing(push, self._reporter.refused)
         self.views = SceneViews(placed, session_key, pushing)
         self._trails = Trails(placed)

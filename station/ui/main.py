@@ -272,7 +272,7 @@ def _gateway(
             bar=dashboard.bar,
             relay=relay,
             api=forwarded,
-            workspace=WorkspaceParts(dashboard.view, access),
+            workspace=WorkspaceParts(dashboard.view, access, dashboard.triangles),
             views=dashboard.shown_views(),
             origins=OriginPolicy(config.host, config.host_names),
             sessions=logged_in,

@@ -62,6 +62,10 @@ class RobotModel:
     root: str = ""
     moves: bool = False
 
+    def triangles(self) -> int:
+        """Return how many triangles the visual meshes have."""
+        return sum(len(mesh.faces) for mesh in self.drawing.scene.geometry.values())
+
     def joint_limits(self) -> dict[str, tuple[float, float]]:
         """Return the position limits of the joints that are not mimic joints.
 

@@ -42,10 +42,12 @@ class WorkspaceParts:
     Attributes:
         view: Returns what is known of the station; callable by any thread.
         access: The credentials of the sessions at the station.
+        triangles: How many triangles the drawn robots have.
     """
 
     view: Callable[[], StationView]
     access: SessionAccess
+    triangles: int = 0
 
 
 class WorkspaceRoutes:
@@ -78,7 +80,8 @@ class WorkspaceRoutes:
     async def _state(self, request: "Request") -> Response:
         if self._find(request) is None:
             return _no_session()
-        return JSONResponse(workspace_state(self._parts.view()))
+        state = workspace_state(self._parts.view())
+        return JSONResponse({**state, "triangles": self._parts.triangles})
 
     async def _example(self, request: "Request") -> Response:
         """Answer a free name, and parameters with which a type loads on this robot."""

@@ -149,8 +149,9 @@ def test_a_controller_is_started_by_clicking_and_a_slider_moves_the_joint(
     viser_page.open_tab("Tune")
     viser_page.frame.get_by_text("p [Nm/rad]").wait_for()
     command = idle.controller_state(CONTROLLER).desired
-    idle.command(CONTROLLER, [command[0] + 0.1, *command[1:]])
-    page.wait_for_timeout(2500)
+    told = command[0] + 0.1
+    idle.command(CONTROLLER, [told, *command[1:]])
+    assert _wait_until(lambda: abs(_position(idle, "panda_joint1") - told) < 0.01)
     keep_screenshot(page, "dashboard_tune.png")
 
 

@@ -105,10 +105,16 @@ def test_every_number_of_a_stream_can_be_plotted_and_is_kept(workspace):
     box.locator(".picker > summary").click()
 
 
+def _answers_ghost(method):
+    """Return whether a response is that of a request about the ghost."""
+    return lambda r: r.url.endswith("/ui/ghost") and r.request.method == method
+
+
 def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):
     page = workspace.page
     recording = enabled.recordings.start()
-    page.wait_for_timeout(1000)
+    began = enabled.status().cycle
+    assert wait_until(lambda: enabled.status().cycle > began + 500)
     enabled.recordings.stop(recording.identifier)
     workspace.button("timeline", "Recordings").click()
     name = f"Replay {recording.identifier}"
@@ -118,13 +124,13 @@ def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):
     slider = workspace.dock("timeline").get_by_label("Time of the replay")
     slider.wait_for()
     before = enabled.last_command(CONTROLLER).last
-    slider.press("End")
-    page.wait_for_timeout(500)
-    workspace.button("timeline", "End replay").click()
-    page.wait_for_timeout(300)
+    with page.expect_response(_answers_ghost("POST")) as shown:
+        slider.press("End")
+    assert shown.value.ok
+    with page.expect_response(_answers_ghost("DELETE")) as hidden:
+        workspace.button("timeline", "End replay").click()
+    assert hidden.value.ok
     assert enabled.last_command(CONTROLLER).last == before
-    assert any(m == "POST" and u.endswith("/ui/ghost") for m, u in sent)
-    assert any(m == "DELETE" and u.endswith("/ui/ghost") for m, u in sent)
     assert not [u for m, u in sent if m != "GET" and "/api/v1/" in u]
 
 

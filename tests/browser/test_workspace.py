@@ -265,7 +265,8 @@ def test_the_layout_is_kept_in_this_browser(workspace):
 def test_nothing_is_cut_off(workspace, size):
     page = workspace.page
     page.set_viewport_size({"width": size[0], "height": size[1]})
-    page.wait_for_timeout(400)
+    page.wait_for_function("(width) => innerWidth === width", arg=size[0])
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(done))")
     keep_screenshot(page, f"workspace_{size[0]}x{size[1]}.png")
     wide = page.evaluate("() => document.documentElement.scrollWidth - innerWidth")
     stop = page.locator("#stop").bounding_box()

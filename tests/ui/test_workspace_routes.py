@@ -55,7 +55,7 @@ class _Bench:
         self.sessions = Sessions()
         self.session = None
         self.view = _running()
-        parts = WorkspaceParts(lambda: self.view, _Access(self.client))
+        parts = WorkspaceParts(lambda: self.view, _Access(self.client), 1500)
         self.routes = WorkspaceRoutes(parts, self.sessions, self._find).routes()
 
     def _find(self, connection):
@@ -128,6 +128,10 @@ def test_nothing_is_done_without_a_session(browser, bench):
 
 def test_the_state_names_what_takes_values(browser):
     assert browser.get("/state").json()["operated"]["names"] == ["arm"]
+
+
+def test_the_state_says_how_many_triangles_the_robots_have(browser):
+    assert browser.get("/state").json()["triangles"] == 1500
 
 
 def test_an_example_has_a_free_name_and_the_same_parameters_twice(browser):

@@ -121,6 +121,16 @@ function chooseDock() {
     section.classList.toggle("chosen", section.dataset.dock === layout.dock);
 }
 
+// A real robot has nothing to simulate, so its page has no such dock.
+function showSimulation() {
+  const { boot_id: known, simulation } = store.docks;
+  const absent = Boolean(known) && !simulation;
+  for (const part of document.querySelectorAll('[data-dock="simulation"]')) part.hidden = absent;
+  if (!absent || layout.dock !== "simulation") return;
+  layout.dock = "joints";
+  chooseDock();
+}
+
 /** Unfold a dock and bring it into view. */
 export function openDock(id) {
   layout.dock = id;
@@ -241,6 +251,7 @@ function start() {
   element("enable").addEventListener("click", enableSliders);
   store.addEventListener("docks", showEnable);
   store.addEventListener("docks", showTrouble);
+  store.addEventListener("docks", showSimulation);
   store.start();
   setInterval(showAge, 100);
   control.start();
@@ -248,7 +259,7 @@ function start() {
     openDock("timeline");
     element("dock-timeline").choose("alarms");
   });
-  watchScene(element("view"), element("progress"));
+  watchScene(element("view"), element("progress"), () => store.docks?.triangles ?? null);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);
 }

@@ -32,6 +32,15 @@ export function sharedPrefix(names) {
   return shared.slice(0, shared.lastIndexOf("_") + 1);
 }
 
+const SUFFIX = "_joint"; // says nothing where all joints have it
+
+/** Return how to name each of these joints in few characters: a map by their names. */
+export function shortNames(joints) {
+  const prefix = sharedPrefix(joints);
+  const suffixed = joints.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX));
+  return new Map(joints.map((joint) => [joint, joint.slice(prefix.length, suffixed ? -SUFFIX.length : undefined)]));
+}
+
 /** Read a number as people type it, or null; a comma counts as the decimal point. */
 export function typed(text) {
   const clean = text.trim().replace(",", ".").replace("−", "-");

@@ -163,7 +163,7 @@ export class Plot {
       pen.moveTo(LEFT, y(v));
       pen.lineTo(width, y(v));
       pen.stroke();
-      pen.fillText(number(v, Math.min(digits, 5)), LEFT - 5, y(v));
+      pen.fillText(number(v, Math.min(digits, 5)), LEFT - 5, Math.max(y(v), 6));
     }
     pen.textAlign = "center";
     pen.textBaseline = "alphabetic";

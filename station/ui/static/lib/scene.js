@@ -3,30 +3,30 @@ import { show } from "./dom.js";
 
 const LOOK_MS = 250;
 const LONG_MS = 15000;
-const A_ROBOT = 20000; // triangles; the floor and the axes have far fewer
-const SETTLED_LOOKS = 12;
+const SETTLED_LOOKS = 40; // what is out of sight is not drawn, and not waited for
 
-/** Say what of the 3D view is still loading until the robot is drawn. */
-export function watchScene(view, line) {
+/** Say what of the 3D view is still loading until all `triangles()` of the robots are drawn. */
+export function watchScene(view, line, triangles) {
   const began = Date.now();
-  let last = 0;
+  let drawn = 0; // the most triangles of a picture; some show the background alone
   let same = 0;
   const look = () => {
     const inside = view.contentWindow;
     foldNotice(inside.document);
-    const triangles = inside.__viserTestpoints?.rendererInfo?.render?.triangles ?? 0;
-    same = triangles > 0 && triangles === last ? same + 1 : 0;
-    last = triangles;
-    if (triangles > A_ROBOT || same > SETTLED_LOOKS) {
+    const now = inside.__viserTestpoints?.rendererInfo?.render?.triangles ?? 0;
+    const wanted = triangles();
+    same = drawn > 0 && now <= drawn ? same + 1 : 0;
+    drawn = Math.max(drawn, now);
+    if (drawn > 0 && wanted !== null && (drawn >= wanted || same > SETTLED_LOOKS)) {
       line.hidden = true;
       return;
     }
     const late = Date.now() - began > LONG_MS ? " This takes long; everything else works already." : "";
     const step = !inside.__viserTestpoints
       ? "Loading the 3D view …"
-      : triangles === 0
+      : drawn === 0
         ? "3D view: connecting …"
-        : `3D view: loading the robot (${triangles.toLocaleString("en")} triangles so far) …`;
+        : `3D view: loading the robots (${drawn.toLocaleString("en")}${wanted ? ` of ${wanted.toLocaleString("en")}` : ""} triangles) …`;
     show(line, step + late);
     setTimeout(look, LOOK_MS);
   };

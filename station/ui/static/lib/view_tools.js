@@ -77,9 +77,11 @@ function pushTools(tell) {
   const refresh = () => {
     const arms = store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : [];
     toggle.disabled = !arms.length || !store.isOperator;
-    toggle.title = arms.length
-      ? "Pull the robot with the pointer, in simulation"
-      : "Only a simulated Franka arm can be pushed";
+    toggle.title = !arms.length
+      ? "Only a simulated Franka arm can be pushed"
+      : store.isOperator
+        ? "Pull the robot with the pointer, in simulation"
+        : "This session only watches. An operator's session can push";
     arm.hidden = arms.length < 2;
     if (arms.join() === arm.dataset.arms) return;
     arm.dataset.arms = arms.join();

@@ -1,12 +1,11 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { h, holdButton, kept, number, sharedPrefix, show, typed } from "../lib/dom.js";
+import { h, holdButton, kept, number, shortNames, show, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { desk, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 const DEGREES = 180 / Math.PI;
-const SUFFIX = "_joint"; // says nothing where all joints have it
 const NEAR_LIMIT = 0.05; // part of the range at each end
 
 class Joints extends Panel {
@@ -133,25 +132,26 @@ class Joints extends Panel {
   }
 
   showState() {
-    const { operated, enabling } = store.docks ?? { operated: { reason: "" } };
+    show(this.state, this.stateText());
+    this.state.classList.toggle("warn", Boolean(store.docks?.operated.reason) && store.isOperator);
+  }
+
+  stateText() {
+    if (!store.docks) return "";
+    const { operated, enabling } = store.docks;
+    if (!store.isOperator) return "This session only watches. An operator's session moves joints.";
+    if (operated.reason) {
+      const offered = enabling?.name && !enabling.reason;
+      return offered ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view." : operated.reason;
+    }
     const going = desk.state.remaining ?? 0;
-    const offered = enabling?.name && !enabling.reason && store.isOperator;
-    const text = operated.reason
-      ? offered
-        ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view."
-        : operated.reason
-      : going > 1e-6
-        ? `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`
-        : `${operated.names.join(" and ")} ${operated.names.length > 1 ? "take" : "takes"} values: type one and press Enter, or hold − and +.`;
-    show(this.state, text);
-    this.state.classList.toggle("warn", Boolean(operated.reason));
+    if (going > 1e-6) return `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`;
+    return `${operated.names.join(" and ")} ${operated.names.length > 1 ? "take" : "takes"} values: type one and press Enter, or hold − and +.`;
   }
 
   buildRows(names) {
     this.rows.clear();
-    const prefix = sharedPrefix(names);
-    const end = names.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX)) ? -SUFFIX.length : undefined;
-    this.body.replaceChildren(...names.map((joint) => this.makeRow(joint, joint.slice(prefix.length, end))));
+    this.body.replaceChildren(...[...shortNames(names)].map(([joint, label]) => this.makeRow(joint, label)));
   }
 
   makeRow(joint, label) {

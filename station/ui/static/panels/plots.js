@@ -1,6 +1,6 @@
 // Plots: any channels of the streams, several plots, pause, zoom, cursor, markers, CSV.
 import { Channels, described, numbersIn, sample, sources } from "../lib/channels.js";
-import { h, kept, sharedPrefix, show } from "../lib/dom.js";
+import { h, kept, shortNames, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History, Plot, download } from "../lib/plot.js";
 import { follow } from "../lib/station.js";
@@ -60,10 +60,10 @@ class Plots extends Panel {
     this.streamed.want(this.wanted ?? []);
     const before = [...this.channels.keys()].join();
     this.channels.clear();
-    const prefix = sharedPrefix(joints);
+    const names = shortNames(joints);
     const units = { position: ["q", "rad"], velocity: ["dq", "rad/s"], effort: ["τ", "Nm"] };
     for (const [quantity, [symbol, unit]] of Object.entries(units))
-      for (const joint of joints) this.channels.set(`${quantity}/${joint}`, { label: `${symbol} ${joint.slice(prefix.length)}`, unit, group: "joint_states" });
+      for (const joint of joints) this.channels.set(`${quantity}/${joint}`, { label: `${symbol} ${names.get(joint)}`, unit, group: "joint_states" });
     for (const { arm_id: arm } of arms) {
       const prefixed = arms.length > 1 ? `${arm} ` : "";
       for (let i = 0; i < 7; i += 1) this.channels.set(`${arm}/tau_ext_hat_filtered/${i}`, { label: `${prefixed}τext joint${i + 1}`, unit: "Nm", group: arm });
@@ -72,7 +72,7 @@ class Plots extends Panel {
     }
     for (const field of Object.keys(SAMPLE_UNITS))
       for (const element of operated.elements)
-        this.channels.set(`sample/${field}/${element.name}`, { label: `${field} ${element.name.slice(prefix.length)}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit });
+        this.channels.set(`sample/${field}/${element.name}`, { label: `${field} ${names.get(element.name) ?? element.name}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit });
     for (const end of this.endsOfSamples ?? []) end();
     this.endsOfSamples = operated.names.map((name) => follow(`controller_state/${name}`, "rate=30", (frame) => this.hearSample(frame)));
     if (before !== [...this.channels.keys()].join()) for (const entry of this.plots) this.apply(entry);
@@ -111,7 +111,9 @@ class Plots extends Panel {
   addPlot(keys, xy = false, span = 10) {
     const canvas = h("canvas", { tabIndex: 0, title: "Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Drag while paused: move in time." });
     canvas.setAttribute("role", "img");
-    const legend = h("div", { class: "legend" });
+    const legend = h("div", { class: "legend", tabIndex: 0 }); // long names are scrolled to
+    legend.setAttribute("role", "group");
+    legend.setAttribute("aria-label", "Channels of the plot");
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     const entry = { keys, plot: new Plot(canvas), legend };
     Object.assign(entry.plot, { xy, span });

@@ -24,7 +24,7 @@ class Simulation extends Panel {
     this.arm.setAttribute("aria-label", "Arm of the fault or push");
     this.fault = h("select", {}, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
     this.fault.setAttribute("aria-label", "Fault");
-    this.force = h("input", { class: "value wide", value: "0, 0, 20" });
+    this.force = h("input", { class: "value force", value: "0, 0, 20" });
     this.force.setAttribute("aria-label", "Force of the push, x, y, z [N]");
     this.controls = h(
       "div",
@@ -36,8 +36,7 @@ class Simulation extends Panel {
       h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s", () => this.push()), this.force, " N"),
       h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one", () => this.inject()), this.fault, button("End faults", "End all faults and pushes", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
     );
-    this.real = h("p", { class: "hint", hidden: true }, "This is a real robot: there is nothing to simulate.");
-    this.append(this.controls, this.real);
+    this.append(this.controls);
   }
 
   async act(path, body) {
@@ -69,9 +68,7 @@ class Simulation extends Panel {
 
   refresh() {
     const { simulation, arms } = store.docks;
-    this.controls.hidden = !simulation;
-    this.real.hidden = Boolean(simulation);
-    if (!simulation) return;
+    if (!simulation) return; // the dock goes, too
     show(this.state, `${simulation.paused ? "⏸ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
     show(this.pause, simulation.paused ? "Resume" : "Pause");
     this.step.disabled = !simulation.paused || !store.isOperator;
@@ -80,6 +77,7 @@ class Simulation extends Panel {
     this.listed = key;
     this.keyframe.replaceChildren(h("option", { value: "" }, "start"), ...simulation.keyframes.map((name) => h("option", {}, name)));
     this.arm.replaceChildren(...arms.map((arm) => h("option", {}, arm.arm_id)));
+    this.arm.hidden = arms.length < 2;
     for (const line of this.querySelectorAll(".arms")) line.hidden = !arms.length;
   }
 }
