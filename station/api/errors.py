@@ -334,16 +334,15 @@ def _allowed(request: Request) -> dict[str, str]:
     without parameters, as `/controllers/switch`, has its own methods alone, not those
     of the controller that might have that name.
     """
-    paths = request.app.openapi()["paths"]
+    paths: dict[str, set[str]] = request.app.methods_by_path()
     if request.url.path in paths:
-        allowed = sorted(method.upper() for method in paths[request.url.path])
-        return {"Allow": ", ".join(allowed)}
+        return {"Allow": ", ".join(sorted(paths[request.url.path]))}
     methods: set[str] = set()
-    for template, operations in paths.items():
+    for template, own in paths.items():
         rest = template.replace("{path}", "{topic}").split("{topic}")
         pattern = ".+".join(re.sub(r"\\{\w+\\}", "[^/]+", re.escape(p)) for p in rest)
         if re.fullmatch(pattern, request.url.path):
-            methods |= {method.upper() for method in operations}
+            methods |= own
     return {"Allow": ", ".join(sorted(methods))}
 
 
@@ -352,7 +351,7 @@ def _http_remedy(request: Request, status: int) -> str:
     remedy = HTTP_REMEDIES.get(status, "See /docs.")
     if status != 404:
         return remedy
-    paths = [each for each in request.app.openapi()["paths"] if "{" not in each]
+    paths = [each for each in request.app.methods_by_path() if "{" not in each]
     return f"{errors.suggest(request.url.path, paths)} {remedy}"
 
 

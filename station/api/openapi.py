@@ -3,7 +3,7 @@
 from typing import Any
 
 from fastapi import FastAPI
-from fastapi.routing import APIRoute
+from fastapi.routing import APIRoute, iter_route_contexts
 from typing_extensions import override
 
 from station.api.audit import REPLAYED_HEADER
@@ -82,6 +82,21 @@ def operation_id(route: APIRoute) -> str:
 
 class StationApi(FastAPI):
     """A FastAPI whose document says that every error is a problem document."""
+
+    def methods_by_path(self) -> dict[str, set[str]]:
+        """Return the methods of each path in the document, which is not made for it.
+
+        Making the document takes half a second, too long for an answer that only names
+        paths: other requests would wait.
+        """
+        found: dict[str, set[str]] = {}
+        for route in iter_route_contexts(self.routes):
+            path, methods = route.path_format, route.methods
+            if not isinstance(route.original_route, APIRoute) or not path:
+                continue  # a WebSocket, or a page
+            if route.include_in_schema and methods:
+                found.setdefault(path, set()).update(methods)
+        return found
 
     @override
     def openapi(self) -> dict[str, Any]:

@@ -22,3 +22,14 @@ def test_the_body_limit_can_be_set(station, authenticator):
     with httpx.Client(transport=AppTransport(app), base_url="http://127.0.0.1") as http:
         answer = http.post("/api/v1/login", json={"token": "x"})
     assert answer.status_code == 413
+
+
+def test_paths_are_known_without_the_document():
+    app = create_app(make_station(), Authenticator())
+
+    document = app.openapi()["paths"]
+
+    assert app.methods_by_path() == {
+        path: {method.upper() for method in operations}
+        for path, operations in document.items()
+    }
