@@ -14,7 +14,6 @@ from station.app.fci_run import FciRobotError, model_library_of, protocols_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
-from station.core.loop.scheduling import ordinary_priority
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_door import (
@@ -82,7 +81,8 @@ class FciBeside:
             page = SharedPage(shared, PAGE_BYTES)
             self._hand = HandGuest(hand, page, may_move=self._may_move)
         self._pipe, other = socket.socketpair()
-        with other, ordinary_priority():
+        with other:
+            # It has the scheduling of the station's threads: a message every 1 ms.
             inherited = (other.fileno(), memory)
             self._process = subprocess.Popen(
                 [

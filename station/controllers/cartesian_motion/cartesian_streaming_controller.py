@@ -29,6 +29,8 @@ class CartesianStreamingController(CartesianMotionController):
     holds.
     """
 
+    sampled: SampleColumns
+
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         super().init(hw, params)
@@ -40,7 +42,7 @@ class CartesianStreamingController(CartesianMotionController):
         self._desired, self._actual, self._errors = zeros(7), zeros(7), zeros(7)
         self._quaternion = self._desired[3:]
         self._compared = JointErrors(self._desired, self._actual, self._errors)
-        self.sampled = self._columns = SampleColumns((
+        self.sampled = SampleColumns((
             self._desired,
             self._actual,
             self._errors,
@@ -78,4 +80,4 @@ class CartesianStreamingController(CartesianMotionController):
         self.model.write_pose(Frame.END_EFFECTOR, self._actual_pose)
         numbers_of(self._actual_pose, near, self._actual)
         self._compared.compare()
-        self._columns.keep(time)
+        self.sampled.keep(time)

@@ -114,8 +114,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
 
     joints: list[JointDescription]
     execution: TrajectoryExecution
+    sampled: SampleColumns
     _adapter: HardwareInterfaceAdapter
-    _columns: SampleColumns
     _usual: UsualUpdate | None
 
     @classmethod
@@ -157,12 +157,12 @@ class JointTrajectoryController(Controller[InterfaceT]):
             tracking.rate_errors,
             self.execution.times_from_start,
         )
-        self.sampled = self._columns = SampleColumns(columns)
+        self.sampled = SampleColumns(columns)
         self._usual = None
         if is_in_force(self._adapter, "command_law", "update_command"):
             law = self._adapter.command_law()
             if law is not None and not tracking.memory.is_copy:
-                self._usual = self.execution.update_by(law, self._columns)
+                self._usual = self.execution.update_by(law, self.sampled)
         self.goals = FollowJointTrajectoryPort(
             self.execution,
             read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names),
@@ -215,7 +215,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self._adapter.update_command(period)
         if memory.is_copy:
             memory.write()
-        self._columns.keep(time)
+        self.sampled.keep(time)
 
     @property
     def trajectory_state(self) -> JointTrajectoryState | None:

@@ -64,13 +64,13 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     longest_timeout: ClassVar[float] = LONGEST_TIMEOUT
     limits: AxisLimits
     generator: MotionGenerator
+    sampled: SampleColumns
     _pids: JointPidGroup | None
     _desired: Doubles
     _desired_rates: Doubles
     _errors: JointErrors
     _rate_errors: JointErrors
     _error_column: Doubles
-    _columns: SampleColumns
     _max_lead: list[float]
 
     @classmethod
@@ -121,7 +121,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         )
         self._error_column = errors
         columns = (self._desired, memory.positions, errors, memory.commands)
-        self.sampled = self._columns = SampleColumns(columns)
+        self.sampled = SampleColumns(columns)
 
     def steer(self, set_point: list[float], period: float) -> None:
         """Set the target of the generator in this cycle.
@@ -174,7 +174,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
             pids.group.compute_with_rates(period)
         if memory.is_copy:
             memory.write()
-        self._columns.keep(time)
+        self.sampled.keep(time)
 
     def _runs_away(self, set_point: list[float]) -> bool:
         """Return whether a joint is too far behind and would fall behind further."""
