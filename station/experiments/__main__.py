@@ -7,6 +7,7 @@ lines of JSON. SIGINT ends the experiment; the trials that run may end.
 
 import json
 import os
+import signal
 import sys
 import threading
 import time
@@ -85,6 +86,8 @@ class Reporter:
 def main() -> int:
     """Run the experiment that the standard input describes; return the exit code."""
     be_polite(NICENESS)
+    # It is how the station cancels; a program in the background would ignore it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     # What a library prints must not come between the lines that are told.
     told = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
