@@ -161,8 +161,9 @@ class InProcessStation:
         while cycles > 0:
             ahead = min(cycles, _DRAIN - loop.cycle % _DRAIN)
             loop.step(ahead, tick)
-            self._recorder.drain()
             cycles -= ahead
+            if loop.cycle % _DRAIN == 0:
+                self._recorder.drain()
 
     @contextmanager
     def record(

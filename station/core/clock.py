@@ -3,6 +3,7 @@
 import threading
 import time
 from abc import ABC, abstractmethod
+from typing import final
 
 from typing_extensions import override
 
@@ -64,6 +65,7 @@ class ManualClock(VirtualTime, Clock):
     def __init__(self, start: float = 7_654_321.0) -> None:
         super().__init__(start)
 
+    @final
     @override
     def now(self) -> float:
         return self.seconds

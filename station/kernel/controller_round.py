@@ -199,9 +199,9 @@ class ControllerRound(Stage):
         for turn in turns:
             turn.place, width, size = -1, 0, 0
             sampled = turn.sampled
-            if sampled is not None and at + 1 + sampled.width <= room:
+            if sampled is not None and at + sampled.width <= room:
                 turn.place, width, size = at, sampled.width, sampled.size
-                at += 1 + width
+                at += width
             layout.append((turn.name, turn.place, width, size))
         self.turns, self.layout = turns, tuple(layout)
 

@@ -17,9 +17,9 @@ _HEAD = HEAD
 _NAN = float("nan")
 
 Layout = tuple[tuple[str, int, int, int], ...]
-"""Where the samples are in a row: name of the controller, index of the sample's station
-time, which the columns follow, number of the columns' doubles, and the length n of each
-of the first four columns. The index is -1 if the sample is an object."""
+"""Where the samples are in a row: name of the controller, index of the sample, how many
+doubles it has, and the length n of each of its first four columns. A sample begins with
+its station time, which the columns follow. The index is -1 if it is an object."""
 
 
 class StatePiece:
@@ -105,8 +105,9 @@ class Records:
 
     def add(self, at: int, sampled: SampleColumns, is_there: bool) -> None:  # noqa: FBT001 - a C function
         """Write a sample to its place in `rows`; its time is NaN if it is not there."""
-        self.rows[at] = sampled.stamp if is_there else _NAN
-        copy_into(self.rows, at + 1, sampled.row, sampled.width)
+        copy_into(self.rows, at, sampled.row, sampled.width)
+        if not is_there:
+            self.rows[at] = _NAN
 
     def end(
         self, cycle: int, layout: Layout, objects: dict[str, object] | None

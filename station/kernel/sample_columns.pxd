@@ -11,6 +11,6 @@ cdef class SampleColumns:
     cdef readonly Py_ssize_t size
     cdef double[::1] row
     cdef readonly Py_ssize_t width
-    cdef readonly double stamp
+    cdef double[::1] stamp
     @cython.locals(at=Py_ssize_t, column=Column)
     cpdef keep(self, double stamp)

@@ -1,6 +1,7 @@
 """What a controller did in a cycle: columns of doubles, packed once a cycle."""
 
 from collections.abc import Sequence
+from math import isnan
 
 import cython
 
@@ -28,25 +29,26 @@ class SampleColumns:
             then whatever the controller adds.
 
     Attributes:
-        row: What was packed last, shape (width,).
-        stamp: Station time at which it was [s]; NaN before the first time.
+        row: What was packed last, shape (width,): station time [s], which is NaN before
+            the first time, then the columns.
     """
 
     def __init__(self, columns: Sequence[Doubles]) -> None:
-        self.views = tuple(columns)
-        self.columns = [Column(view) for view in columns]
+        self.stamp = zeros(1)
+        self.views = (self.stamp, *columns)
+        self.columns = [Column(view) for view in self.views]
         self.size = len(columns[0])
-        self.row = zeros(sum(len(view) for view in columns))
+        self.row = zeros(sum(len(view) for view in self.views))
+        self.row[0] = float("nan")
         self.width = len(self.row)
-        self.stamp = float("nan")
 
     @property
     def newest(self) -> PackedColumns | None:
         """What was packed last; None before the first time. Any thread."""
-        stamp = self.stamp
-        if stamp != stamp:
-            return None
-        return stamp, memoryview(self.row).tobytes(), self.size
+        # Copied at once: the control thread may pack the next columns meanwhile.
+        packed = memoryview(self.row).tobytes()
+        (stamp,) = memoryview(packed[:8]).cast("d")
+        return None if isnan(stamp) else (stamp, packed[8:], self.size)
 
     def keep(self, stamp: float) -> None:
         """Pack the columns.
@@ -54,6 +56,7 @@ class SampleColumns:
         Args:
             stamp: Station time [s].
         """
+        self.stamp[0] = stamp
         if cython.compiled:
             at = 0
             for column in self.columns:
@@ -62,4 +65,3 @@ class SampleColumns:
         else:
             # At once, for readers in other threads.
             self.row[:] = memoryview(b"".join(self.views)).cast("d")
-        self.stamp = stamp

@@ -4,9 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from station.core.control.controller import unpack_sample
 from station.core.facade.station import Station
-from station.core.loop.snapshot import Rows, Samples
 from station.trials.trace import Array, Trace
 
 _REFLEX = "reflex"
@@ -31,7 +29,6 @@ class TraceRecorder:
         self._joints = facade.manager.get_controller(controller).joint_names
         self._columns = [names.index(joint) for joint in self._joints if joint in names]
         self._cycle = facade.loop.cycle
-        self._blank = np.full(4 * len(self._joints), np.nan).tobytes()
         self._parts: list[tuple[Array, Array, Array]] = []
         self._mode = ""
         self.reflexes = 0
@@ -48,26 +45,8 @@ class TraceRecorder:
             self.reflexes += mode == _REFLEX != before
         self._mode = rows.modes[-1]
         states = rows.states_of_joints()[:, :, self._columns]
-        self._parts.append((rows.numbers[:, 2], states, self._samples_of(rows)))
-
-    def _samples_of(self, rows: Rows) -> Array:
-        """Return the columns of the controller's samples, shape (k, 4, n)."""
-        shape = (len(rows.modes), 4, len(self._joints))
-        found = rows.columns_of(self._controller, shape[2])
-        if found is None:
-            samples = [rows.record(k)[6] for k in range(shape[0])]
-            memory = b"".join(map(self._memory_of, samples))
-            found = np.frombuffer(memory).reshape(shape)
-        return found
-
-    def _memory_of(self, samples: Samples) -> bytes:
-        """Return the four columns of the controller in a cycle as doubles.
-
-        They are NaN if it did not run, or has columns of another length.
-        """
-        sample = samples.get(self._controller)
-        memory = b"" if sample is None else unpack_sample(sample).memory()
-        return memory if len(memory) == len(self._blank) else self._blank
+        samples = rows.columns_of(self._controller, len(self._joints))
+        self._parts.append((rows.numbers[:, 2], states, samples))
 
     def trace(self, *, is_live: bool = False) -> Trace:
         """Return everything taken so far, one cycle at least.

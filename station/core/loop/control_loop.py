@@ -107,7 +107,7 @@ class ControlLoop(ControlCycle):
         self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
-        # One full sample for every joint, and as many numbers again.
+        # Four columns for every joint, twice; what does not fit is kept as objects.
         room = 64 + 8 * len(self._joints.names)
         self.snapshots.prepare(self._joints.pieces, room)
         super().__init__(
@@ -117,7 +117,7 @@ class ControlLoop(ControlCycle):
             times=self._meter.times,
             records=self.snapshots,
             now=None if isinstance(clock, SystemClock) else clock.now,
-            virtual=clock if type(clock) is ManualClock else None,
+            virtual=clock if isinstance(clock, ManualClock) else None,
             refresh=self._joints.refresh,
             waiting=self._operations.waiting,
             latch=self.stop_latch,

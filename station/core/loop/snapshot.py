@@ -2,6 +2,7 @@
 
 from array import array
 from dataclasses import dataclass
+from itertools import groupby
 from math import isnan
 from typing import NamedTuple
 
@@ -70,27 +71,38 @@ class Rows:
         states = self.numbers[:, HEAD : HEAD + self.states]
         return states.reshape(len(states), 3, -1)
 
-    def columns_of(self, controller: str, size: int) -> NDArray[np.float64] | None:
-        """Return the first four columns of a controller's samples at once.
+    def columns_of(self, controller: str, size: int) -> NDArray[np.float64]:
+        """Return the first four columns of a controller's samples, shape (k, 4, n).
+
+        They are NaN where it did not run, and where its columns have another length.
 
         Args:
             controller: Its name.
             size: Length n of each column.
-
-        Returns:
-            Shape (k, 4, n), NaN where it did not run; None if that needs a closer look:
-            its samples are objects, lie elsewhere in some rows, or have another size.
         """
-        layout = self.layouts[0]
-        if any(other is not layout for other in self.layouts):
-            return None
-        for name, place, _, length in layout:
-            if name == controller and place >= 0 and length == size:
-                at = HEAD + self.states + place
-                found = self.numbers[:, at + 1 : at + 1 + 4 * size]
-                found = np.where(np.isnan(self.numbers[:, at : at + 1]), np.nan, found)
-                return found.reshape(len(found), 4, size)
-        return None
+        found = np.full((len(self.layouts), 4 * size), np.nan)
+        # A layout holds until other controllers run.
+        for _, group in groupby(range(len(found)), lambda k: id(self.layouts[k])):
+            rows = list(group)
+            for name, place, _, length in self.layouts[rows[0]]:
+                if name != controller:
+                    continue
+                if place < 0:
+                    self._copy_objects(controller, rows, found)
+                elif length == size:
+                    at = HEAD + self.states + place
+                    ran = [k for k in rows if not isnan(self.numbers[k, at])]
+                    found[ran] = self.numbers[ran, at + 1 : at + 1 + 4 * size]
+        return found.reshape(len(found), 4, size)
+
+    def _copy_objects(
+        self, controller: str, rows: list[int], found: NDArray[np.float64]
+    ) -> None:
+        for k in rows:
+            sample = self.record(k)[-1].get(controller)
+            memory = b"" if sample is None else unpack_sample(sample).memory()
+            if len(memory) == found[k].nbytes:
+                found[k] = np.frombuffer(memory)
 
     def record(self, index: int) -> Record:
         """Return one of the cycles."""
@@ -107,7 +119,7 @@ class Rows:
                 continue
             at = begin + place
             if not isnan(row[at]):
-                columns = row[at + 1 : at + 1 + width].tobytes()
+                columns = row[at + 1 : at + width].tobytes()
                 samples[name] = (float(row[at]), columns, size)
         states = row[HEAD:begin].tobytes()
         mode = self.modes[index]
@@ -131,14 +143,9 @@ class SnapshotRing(Records):
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
         while newest := self.newest:
-            slot = newest % self.capacity
-            one = slice(slot, slot + 1)
-            found = (self.modes[one], self.layouts[one], self.objects[one])
-            begin = slot * self.width
-            row = self.memory[begin : begin + self.width].tobytes()
-            numbers = np.frombuffer(row).reshape(1, -1)
-            if numbers[0, 0] == newest:  # or it has been overwritten meanwhile
-                return _unpack(Rows(numbers, self.states, *found, 0).record(0))
+            found, _ = self.read_since(newest - 1)
+            if found:  # or it has been overwritten meanwhile
+                return found[-1]
         return None
 
     def read_since(self, cycle: int) -> tuple[list[Snapshot], int]:

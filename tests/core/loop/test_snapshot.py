@@ -2,6 +2,7 @@
 
 from array import array
 
+import numpy as np
 import pytest
 
 from station.core.control.controller import ControllerSample
@@ -73,7 +74,7 @@ def test_a_cycle_overwritten_while_reading_counts_as_lost(is_whole):
 
 def test_samples_are_read_from_the_row_or_as_the_objects_they_are():
     ring, sampled = SnapshotRing(4), SampleColumns([doubles([1.0, 2.0])] * 4)
-    ring.prepare([], 1 + sampled.width)
+    ring.prepare([], sampled.width)
     mine = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
     layout = (("arm", 0, sampled.width, sampled.size), ("mine", -1, 0, 0))
     sampled.keep(0.25)
@@ -91,4 +92,7 @@ def test_samples_are_read_from_the_row_or_as_the_objects_they_are():
     columns = ring.rows_since(0).columns_of("arm", 2)
     assert columns[0].tolist() == [[1.0, 2.0]] * 4
     assert columns[1].tobytes() == array("d", [float("nan")] * 8).tobytes()
-    assert ring.rows_since(0).columns_of("mine", 1) is None
+    mine = ring.rows_since(0).columns_of("mine", 1)
+    assert mine[0].tolist() == [[1.0], [2.0], [3.0], [4.0]]
+    assert mine[1].tobytes() == array("d", [float("nan")] * 4).tobytes()
+    assert np.isnan(ring.rows_since(0).columns_of("arm", 3)).all()

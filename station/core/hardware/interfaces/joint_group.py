@@ -13,15 +13,6 @@ from station.core.hardware.interfaces.joint import JointHandle, JointStateHandle
 from station.kernel.doubles import Doubles, Storage, zeros
 
 
-def _common_slice(storages: list[Storage], indices: list[int]) -> slice | None:
-    """Return the slice that covers all slots in order, or None if there is none."""
-    first = indices[0] if indices else 0
-    same = all(storage is storages[0] for storage in storages)
-    if not same or indices != list(range(first, first + len(indices))):
-        return None
-    return slice(first, first + len(indices))
-
-
 def _pieces(
     storages: list[Storage], indices: list[int]
 ) -> list[tuple[Storage, int, int]]:
@@ -50,15 +41,16 @@ class _Column:
 
     def __init__(self, storages: list[Storage], indices: list[int]) -> None:
         self._slots = list(zip(storages, indices, strict=True))
-        self._slice = _common_slice(storages, indices)
+        pieces = _pieces(storages, indices)
+        self._slice = slice(*pieces[0][1:]) if len(pieces) == 1 else None
         self._list: list[float] | None = None
         self.view: Doubles | None = None
         self.pieces = [
             None if isinstance(storage, list) else storage[begin:end]
-            for storage, begin, end in _pieces(storages, indices)
+            for storage, begin, end in pieces
         ]
         self.read: Callable[[], list[float]] = self._read_slots
-        if self._slice is not None and storages:
+        if self._slice is not None:
             storage = storages[0]
             if isinstance(storage, list):
                 self._list = storage
