@@ -3,6 +3,7 @@
 from station.controllers.franka_arm.arm_handles import (
     ARM_ID,
     JOINT_NAMES,
+    LARGEST_STEP,
     claim_torques,
     find_model,
     find_state,
@@ -16,6 +17,7 @@ from station.controllers.franka_arm.pose_port import PosePort
 __all__ = [
     "ARM_ID",
     "JOINT_NAMES",
+    "LARGEST_STEP",
     "PosePort",
     "claim_torques",
     "find_model",

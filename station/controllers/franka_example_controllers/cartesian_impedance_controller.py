@@ -7,8 +7,6 @@ a set-point of 7 numbers that may expire, and the stiffnesses are run-time param
 
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.controllers.forward_command_controller.command_timeout import (
@@ -28,10 +26,6 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
     Stiffness,
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
-from station.controllers.franka_example_controllers.quaternion import (
-    error_between,
-    quaternion_of,
-)
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter
@@ -84,7 +78,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
             claim_torques(hw, names),
             find_state(hw, arm_id),
             find_model(hw, arm_id),
-            _rotation_error,
+            is_angle=False,
         )
         self.joint_names = names
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
@@ -110,12 +104,3 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
                 gains["nullspace_stiffness"],
             )
         )
-
-
-def _rotation_error(
-    R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
-    desired: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the rotation error as the vector part of a quaternion, shape (3,)."""
-    result: NDArray[np.float64] = -R @ error_between(quaternion_of(R), desired)
-    return result

@@ -8,7 +8,6 @@ the robot description.
 """
 
 from collections.abc import Mapping
-from math import atan2
 from typing import ClassVar
 
 import numpy as np
@@ -36,7 +35,6 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
-    error_between,
     matrix_of,
     quaternion_of,
 )
@@ -105,7 +103,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
                 claim_torques(hw, names),
                 find_state(hw, arm_id),
                 find_model(hw, arm_id),
-                _rotation_error,
+                is_angle=True,
             )
             self.joint_names += names
         left, right = (f"{ARM_ID.inside(arm).read_str(params)}_link0" for arm in ARMS)
@@ -182,17 +180,3 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
             "position": center[:3, 3].tolist(),
             "orientation": quaternion_of(center[:3, :3]).tolist(),
         }
-
-
-def _rotation_error(
-    R: NDArray[np.float64],  # noqa: N803 - a rotation matrix
-    desired: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the rotation vector from the desired rotation, shape (3,)."""
-    missing = error_between(quaternion_of(R), desired)
-    sine = float(np.linalg.norm(missing))
-    if sine == 0.0:
-        return np.zeros(3)
-    cosine = abs(float(quaternion_of(R) @ desired))
-    result: NDArray[np.float64] = -(2.0 * atan2(sine, cosine) / sine) * (R @ missing)
-    return result

@@ -1,12 +1,10 @@
 """Quaternions w x y z, as NumPy arrays of shape (4,) and unit length."""
 # ruff: noqa: N803 - R is a rotation matrix.
 
-from math import acos, sin, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-
-_CLOSE = 0.9995
 
 
 def quaternion_of(R: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -34,38 +32,4 @@ def matrix_of(q: NDArray[np.float64]) -> NDArray[np.float64]:
     w, v = q[0], q[1:]
     skew = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
     result: NDArray[np.float64] = np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew
-    return result
-
-
-def error_between(
-    actual: NDArray[np.float64], desired: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the vector part of conj(actual) * desired, shape (3,).
-
-    The vector is in the axes of `actual`, and belongs to the shorter rotation.
-    """
-    if actual @ desired < 0.0:
-        desired = -desired
-    w, v = actual[0], actual[1:]
-    result: NDArray[np.float64] = (
-        w * desired[1:] - desired[0] * v - np.cross(v, desired[1:])
-    )
-    return result
-
-
-def slerp(
-    first: NDArray[np.float64], second: NDArray[np.float64], share: float
-) -> NDArray[np.float64]:
-    """Return the rotation at `share`, 0 to 1, of the shorter way to `second`."""
-    cosine = float(first @ second)
-    if cosine < 0.0:
-        second, cosine = -second, -cosine
-    if cosine > _CLOSE:
-        mixed = first + share * (second - first)
-    else:
-        angle = acos(cosine)
-        mixed = (
-            sin((1.0 - share) * angle) * first + sin(share * angle) * second
-        ) / sin(angle)
-    result: NDArray[np.float64] = mixed / np.linalg.norm(mixed)
     return result

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from station.controllers.franka_example_controllers.quaternion import (
-    error_between,
     matrix_of,
     quaternion_of,
-    slerp,
 )
 
 AXES = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, -0.8)]
@@ -35,19 +33,3 @@ def test_matrix_is_that_of_the_rotation(axis):
     turned = rotation(axis, 0.7)
 
     assert matrix_of(quaternion_of(turned)) == pytest.approx(turned)
-
-
-def test_error_leads_from_one_to_the_other_the_short_way():
-    first = quaternion_of(rotation(AXES[0], 0.2))
-    second = -quaternion_of(rotation(AXES[0], 0.6))
-
-    assert error_between(first, second) == pytest.approx([sin(0.2), 0.0, 0.0])
-
-
-@pytest.mark.parametrize("angle", [0.01, 1.5])
-def test_slerp_goes_evenly(angle):
-    first = quaternion_of(rotation(AXES[3], 0.0))
-    second = quaternion_of(rotation(AXES[3], angle))
-
-    expected = quaternion_of(rotation(AXES[3], 0.25 * angle))
-    assert slerp(first, -second, 0.25) == pytest.approx(expected, abs=1e-6)

@@ -1,0 +1,213 @@
+"""A spring between the end effector of an arm and an equilibrium pose.
+
+    tau = J^T (-K e - D J dq) + (1 - J^T (J^T)^+) (k (q_n - q) - 2 sqrt(k) dq) + c
+
+J is the Jacobian of the end effector and (J^T)^+ the pseudo-inverse of its transpose
+with the damped singular values s / (s^2 + 0.2^2); e is the pose error; K is the
+stiffness and D = 2 sqrt(K) the damping; q_n are the joint positions at the start, to
+which a spring of stiffness k pulls in the null space; c are the Coriolis torques.
+Stiffnesses and equilibrium approach their targets through a low-pass filter, because a
+jump would make the torques jump.
+
+The projection J^T (J^T)^+ is J^T (J J^T + 0.2^2)^-1 J, which needs no singular values.
+
+Source: franka_ros@c11f000 franka_example_controllers,
+src/cartesian_impedance_example_controller.cpp and
+dual_arm_cartesian_impedance_example_controller.cpp, the part that both share.
+"""
+
+from station.kernel.doubles import Doubles, zeros
+from station.kernel.functions import arctangent, sine, square_root
+from station.kernel.rigid_motion import quaternion_of
+from station.kernel.wrench_equation import WrenchEquation
+
+# Share of the distance to a new target that is covered per cycle.
+_FILTER = 0.005
+_INVERSE_DAMPING = 0.2 * 0.2
+# Cosine of half an angle above which turning evenly is as good as a straight line.
+_CLOSE = 0.9995
+
+
+class PoseSpring:
+    """The torques of one spring; every array is kept and not copied.
+
+    Args:
+        q: Measured joint positions [rad], shape (n,).
+        dq: Measured joint velocities [rad/s], shape (n,).
+        pose: Measured pose of the end effector in the base frame, 16 numbers.
+        last_torques: Torques commanded in the last cycle [Nm], shape (n,).
+        largest_step: Largest change of a torque per cycle [Nm], > 0.
+        is_angle: Whether the rotation error is a rotation vector; otherwise it is the
+            vector part of a quaternion.
+
+    Attributes:
+        jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
+            column-major; brought up to date by the caller.
+        coriolis: Coriolis torques [Nm], shape (n,); brought up to date by the caller.
+        equilibrium: Position [m], then unit quaternion x y z w, shape (7,).
+        target: What the equilibrium approaches, shape (7,).
+        stiffness: Against translations [N/m] and rotations [Nm/rad], and of the joints
+            in the null space [Nm/rad], shape (3,), >= 0.
+        wanted: What the stiffnesses approach, shape (3,), >= 0.
+        torques: The torques [Nm], shape (n,).
+    """
+
+    def __init__(
+        self,
+        q: Doubles,
+        dq: Doubles,
+        pose: Doubles,
+        last_torques: Doubles,
+        largest_step: float,
+        is_angle: bool,  # noqa: FBT001 - positional for the compiler
+    ) -> None:
+        size = len(q)
+        self.size = size
+        self.q = q
+        self.dq = dq
+        self.pose = pose
+        self.last_torques = last_torques
+        self.largest_step = largest_step
+        self.is_angle = is_angle
+        self.jacobian = zeros(6 * size)
+        self.coriolis = zeros(size)
+        self.torques = zeros(size)
+        self.equilibrium = zeros(7)
+        self.target = zeros(7)
+        self.stiffness = zeros(3)
+        self.wanted = zeros(3)
+        self.damping = zeros(2)
+        self.rest = zeros(size)
+        self.stray = zeros(size)
+        self.error = zeros(6)
+        self.wrench = zeros(6)
+        self.quaternion = zeros(4)
+        self.equation = WrenchEquation()
+
+    def begin(self, nullspace: float) -> None:
+        """Make the present pose the equilibrium, and start without stiffness.
+
+        Args:
+            nullspace: Stiffness of the null space from the start on [Nm/rad], >= 0.
+        """
+        quaternion_of(self.pose, self.quaternion)
+        for k in range(3):
+            self.equilibrium[k] = self.pose[12 + k]
+        for k in range(4):
+            self.equilibrium[3 + k] = self.quaternion[k]
+        for k in range(7):
+            self.target[k] = self.equilibrium[k]
+        self.stiffness[0], self.stiffness[1], self.stiffness[2] = 0.0, 0.0, nullspace
+        self.damping[0], self.damping[1] = 0.0, 0.0
+        for joint in range(self.size):
+            self.rest[joint] = self.q[joint]
+
+    def run(self) -> None:
+        """Write the torques of this cycle, then move on towards the targets."""
+        self.measure()
+        self.command()
+        self.approach()
+
+    def measure(self) -> None:
+        """Write the pose error in the axes of the base, position [m] first."""
+        error, own, actual = self.error, self.equilibrium, self.quaternion
+        for k in range(3):
+            error[k] = self.pose[12 + k] - own[k]
+        quaternion_of(self.pose, actual)
+        ax, ay, az, aw = actual[0], actual[1], actual[2], actual[3]
+        x, y, z, w = own[3], own[4], own[5], own[6]
+        cosine = ax * x + ay * y + az * z + aw * w
+        if cosine < 0.0:
+            x, y, z, w, cosine = -x, -y, -z, -w, -cosine
+        # The vector part of desired * conj(actual).
+        ex = aw * x - w * ax + ay * z - az * y
+        ey = aw * y - w * ay + az * x - ax * z
+        ez = aw * z - w * az + ax * y - ay * x
+        share = -1.0
+        if self.is_angle:
+            size = square_root(ex * ex + ey * ey + ez * ez)
+            share = -2.0
+            if size > 0.0:
+                share = -2.0 * arctangent(size, cosine) / size
+        error[3], error[4], error[5] = share * ex, share * ey, share * ez
+
+    def command(self) -> None:
+        """Write the torques that belong to the error."""
+        jacobian, dq, wrench, stray = self.jacobian, self.dq, self.wrench, self.stray
+        translational, rotational = self.stiffness[0], self.stiffness[1]
+        nullspace = self.stiffness[2]
+        slowing = -2.0 * square_root(nullspace)
+        u, v, w, x, y, z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for joint in range(self.size):
+            k, rate = 6 * joint, dq[joint]
+            pull = nullspace * (self.rest[joint] - self.q[joint]) + slowing * rate
+            stray[joint] = pull
+            j0, j1, j2 = jacobian[k], jacobian[k + 1], jacobian[k + 2]
+            j3, j4, j5 = jacobian[k + 3], jacobian[k + 4], jacobian[k + 5]
+            u, v, w = u + j0 * rate, v + j1 * rate, w + j2 * rate
+            x, y, z = x + j3 * rate, y + j4 * rate, z + j5 * rate
+            a, b, c = a + j0 * pull, b + j1 * pull, c + j2 * pull
+            d, e, f = d + j3 * pull, e + j4 * pull, f + j5 * pull
+        # What pulls in the null space, less the wrench to which that is equal.
+        wrench[0], wrench[1], wrench[2] = a, b, c
+        wrench[3], wrench[4], wrench[5] = d, e, f
+        if nullspace != 0.0 and self.equation.factorise(jacobian, _INVERSE_DAMPING):
+            self.equation.solve(wrench, wrench)
+        slowing, error, largest = self.damping[0], self.error, self.largest_step
+        a = -translational * error[0] - slowing * u - wrench[0]
+        b = -translational * error[1] - slowing * v - wrench[1]
+        c = -translational * error[2] - slowing * w - wrench[2]
+        slowing = self.damping[1]
+        d = -rotational * error[3] - slowing * x - wrench[3]
+        e = -rotational * error[4] - slowing * y - wrench[4]
+        f = -rotational * error[5] - slowing * z - wrench[5]
+        for joint in range(self.size):
+            k = 6 * joint
+            torque = (
+                jacobian[k] * a
+                + jacobian[k + 1] * b
+                + jacobian[k + 2] * c
+                + jacobian[k + 3] * d
+                + jacobian[k + 4] * e
+                + jacobian[k + 5] * f
+                + stray[joint]
+                + self.coriolis[joint]
+            )
+            last = self.last_torques[joint]
+            step = torque - last
+            if step > largest:
+                step = largest
+            elif step < -largest:
+                step = -largest
+            self.torques[joint] = last + step
+
+    def approach(self) -> None:
+        """Move stiffnesses and equilibrium on towards their targets."""
+        own, target, stiffness = self.equilibrium, self.target, self.stiffness
+        for k in range(3):
+            stiffness[k] += _FILTER * (self.wanted[k] - stiffness[k])
+            own[k] += _FILTER * (target[k] - own[k])
+        for k in range(2):
+            damping = 2.0 * square_root(self.wanted[k])
+            self.damping[k] += _FILTER * (damping - self.damping[k])
+        ax, ay, az, aw = own[3], own[4], own[5], own[6]
+        x, y, z, w = target[3], target[4], target[5], target[6]
+        cosine = ax * x + ay * y + az * z + aw * w
+        if cosine < 0.0:
+            x, y, z, w, cosine = -x, -y, -z, -w, -cosine
+        first, second = 1.0 - _FILTER, _FILTER
+        if not cosine > _CLOSE:
+            # Half the angle between the rotations.
+            size = square_root(1.0 - cosine * cosine)
+            angle = arctangent(size, cosine)
+            first, second = sine(first * angle) / size, sine(second * angle) / size
+        x, y, z, w = (
+            first * ax + second * x,
+            first * ay + second * y,
+            first * az + second * z,
+            first * aw + second * w,
+        )
+        size = square_root(x * x + y * y + z * z + w * w)
+        if size > 0.0:
+            own[3], own[4], own[5], own[6] = x / size, y / size, z / size, w / size
