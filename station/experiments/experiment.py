@@ -130,12 +130,14 @@ class TuneExperiment(Experiment):
         base: Trial,
         gains: Gains,
         start: Mapping[str, float],
+        ranges: Mapping[str, tuple[float, float]],
     ) -> None:
         super().__init__(request, base, gains)
         self._search = Search(request.trials, request.seed)
         prefix = f"gains/{request.controller}/"
         chosen = tunable_gains(_of_joints(start, request.joints), request.gains)
         self._gains = {f"{prefix}{name}": value for name, value in chosen.items()}
+        self._ranges = {f"{prefix}{name}": ranges[name] for name in chosen}
         self._goal = _goal(request)
         for metric in (*self._goal.weights, *(b.metric for b in self._goal.bounds)):
             check_measured(metric, base.script)
@@ -163,6 +165,7 @@ class TuneExperiment(Experiment):
         self.tuned = tune(
             *(self._first, self._gains, self._goal, self._search),
             *(results, executor, watch),
+            ranges=self._ranges,
         )
         return self.tuned.progress
 
@@ -236,7 +239,8 @@ def prepare(
             if not name.startswith((f"scale/{controller}/", f"gains/{controller}/"))
         }
         base = Trial(setup, script, {**kept, **_changed(controller, start, configured)})
-        return TuneExperiment(request, base, configured, start)
+        ranges = world.gain_ranges(controller)
+        return TuneExperiment(request, base, configured, start, ranges)
 
 
 def _rescaled(

@@ -96,6 +96,15 @@ class TrialWorld:
         self._check_loaded(controller)
         return dict(self._gains.get(controller, {}))
 
+    def gain_ranges(self, controller: str) -> dict[str, tuple[float, float]]:
+        """Return the smallest and the largest allowed value of a controller's gains.
+
+        Raises:
+            ControllerNotFoundError: No controller of that name is loaded.
+        """
+        schema = self.station.facade.tuning.gains(controller).schema
+        return {name: (each.minimum, each.maximum) for name, each in schema.items()}
+
     def all_gains(self) -> dict[str, dict[str, float]]:
         """Return the gains of the configuration, by controller and name."""
         return {name: dict(values) for name, values in self._gains.items()}

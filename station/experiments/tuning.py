@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _STRICTNESS = 10.0
 _STRICTER = 1.3
 _KEPT = 0.4
+_INSIDE = 1e-3
 
 
 @dataclass(slots=True)
@@ -112,6 +113,8 @@ def tune(
     results: Results,
     executor: Executor,
     watch: Watcher = lambda _: None,
+    *,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> Tuned:
     """Search for the gains with the lowest cost.
 
@@ -127,12 +130,15 @@ def tune(
         results: Where the trials are kept.
         executor: Where they run.
         watch: Is told after every trial.
+        ranges: Smallest and largest allowed value of gains, by parameter; a gain that
+            is not among them may have any.
 
     Raises:
         ExperimentError: The first trial fails, or lacks a metric of the goal.
         KeyboardInterrupt: Ctrl-C came before the end of the first trial.
     """
-    strategy = _strategy(len(gains), search)
+    space = _Space(gains, ranges or {}, search)
+    strategy = space.strategy()
     runner = Runner(
         results, executor, lambda p: watch(_of_search(p, results, search.trials))
     )
@@ -142,7 +148,7 @@ def tune(
         if len(seen) + strategy.popsize > search.trials:
             return found
         points = strategy.ask()
-        candidates = [_at(point, first, gains) for point in points]
+        candidates = [first.with_parameters(space.gains_at(p)) for p in points]
         best_before = found.best
         progress = runner.run(candidates, search.trials)
         found.progress = _of_search(progress, results, search.trials)
@@ -186,22 +192,55 @@ def _begin(
     return Tuned(first, begun, first, begun, cost, progress, stopped)
 
 
-def _strategy(count: int, search: Search) -> "cma.CMAEvolutionStrategy":
-    """Return the search over the logarithms of so many factors, which begin at 1."""
-    import cma
+class _Space:
+    """Where a search looks: the logarithms of factors on the gains.
 
-    edge = math.log(search.farthest)
-    # A seed of 0 means the clock to cma.
-    options = {"seed": search.seed + 1, "bounds": [-edge, edge], "verbose": -9}
-    return cma.CMAEvolutionStrategy([0.0] * count, search.spread, options)
+    Args:
+        gains: The gains at which it begins, by parameter, > 0.
+        ranges: Their smallest and largest values, as far as there are any.
+        search: How the search is done.
+    """
 
+    def __init__(
+        self,
+        gains: Mapping[str, float],
+        ranges: Mapping[str, tuple[float, float]],
+        search: Search,
+    ) -> None:
+        self._gains = gains
+        self._search = search
+        self._bounds: list[tuple[float, float]] = []
+        for name, value in gains.items():
+            low, high = ranges.get(name, (0.0, math.inf))
+            least, most = value / search.farthest, value * search.farthest
+            self._bounds.append((max(low, least), min(high, most)))
 
-def _at(point: Iterable[float], first: Trial, gains: Mapping[str, float]) -> Trial:
-    """Return the trial at a point: the logarithms of factors on the gains."""
-    return first.with_parameters({
-        name: float(f"{gains[name] * math.exp(x):.6g}")
-        for name, x in zip(gains, point, strict=True)
-    })
+    def strategy(self) -> "cma.CMAEvolutionStrategy":
+        """Return the search, which begins where all factors are 1."""
+        import cma
+
+        begin = self._gains.values()
+        edges = [
+            # It cannot begin on an edge; `gains_at` does not go beyond it.
+            (min(math.log(low / x), -_INSIDE), max(math.log(high / x), _INSIDE))
+            for x, (low, high) in zip(begin, self._bounds, strict=True)
+        ]
+        lows, highs = (list(each) for each in zip(*edges, strict=True))
+        # A seed of 0 means the clock to cma.
+        options = {"seed": self._search.seed + 1, "bounds": [lows, highs]}
+        return cma.CMAEvolutionStrategy(
+            [0.0] * len(lows), self._search.spread, {**options, "verbose": -9}
+        )
+
+    def gains_at(self, point: Iterable[float]) -> dict[str, float]:
+        """Return the gains at a point, with six digits."""
+        found = {}
+        for (name, value), x, (low, high) in zip(
+            self._gains.items(), point, self._bounds, strict=True
+        ):
+            gain = float(f"{value * math.exp(x):.6g}")
+            found[name] = min(max(gain, low), high)
+        return found
 
 
 def _judge(

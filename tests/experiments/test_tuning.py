@@ -54,6 +54,23 @@ def test_search_improves_and_goes_on_after_it_was_killed(step, tmp_path):
     assert sorted(resumed) == sorted(hashes)
 
 
+def test_no_gain_leaves_its_range(step, tmp_path):
+    goal = Goal(bounds=(Bound("violations", 0.0),))
+    p, d = GAINS
+    ranges = {p: (110.0, 125.0), d: (10.0, GAINS[d])}  # d begins at its largest value
+    with Results.create(tmp_path / "in.sqlite", "tune", step.setup, {}) as results:
+        tune(
+            *(step.with_parameters(GAINS), GAINS, goal, Search(20), results),
+            InThisProcess(),
+            ranges=ranges,
+        )
+        tried = [dict(row.parameters) for row in results.rows()]
+
+    assert len({each[p] for each in tried}) > 5
+    for name, (low, high) in ranges.items():
+        assert all(low <= each[name] <= high for each in tried)
+
+
 def test_search_that_begins_with_a_failure_is_refused(step, tmp_path):
     with pytest.raises(ExperimentError, match=r"first trial .* has failed.*'weight'"):
         search(step.with_parameters({"weight": 1.0}), tmp_path / "bad.sqlite")
