@@ -5,7 +5,7 @@ from station.kernel.inverse_kinematics cimport InverseKinematics
 from station.kernel.joint_memory cimport JointMemory
 from station.kernel.rigid_motion cimport displace, twist_between
 
-cdef double UNIT_TOLERANCE
+cdef double UNIT_TOLERANCE, _STILL_STEP, _STILL_VELOCITY, _STILL_ACCELERATION
 
 cpdef bint is_transform(double[::1] pose) noexcept
 
@@ -26,12 +26,15 @@ cdef class CartesianStep:
     cdef readonly double[::1] command
     cdef public Py_ssize_t size
     cdef public bint has_elbow
+    cdef public bint is_settled
     cdef readonly double[::1] next_pose
     cdef readonly double[::1] next_twist
     cdef readonly double[::1] next_elbow
     cdef readonly double[::1] target
 
     cpdef bint follow(self)
+    cpdef bint repeats(self) noexcept
+    cpdef bint is_still(self) noexcept
     cpdef bint plan(self) noexcept
     cpdef void plan_twist(self, double[::1] twist) noexcept
     cpdef bint admits_twist(self) noexcept

@@ -19,6 +19,11 @@ UNIT_TOLERANCE = 1e-5
 """Largest deviation from 1 of the length of a row or a column of a rotation."""
 TWIST_SIZE = 6
 """How many numbers of a command are a twist; any other command is a pose."""
+# Below these the motion has ended: change of a joint in a cycle [rad]; velocity [m/s,
+# rad/s] and acceleration [m/s^2, rad/s^2] of end effector and elbow.
+_STILL_STEP = 1e-12
+_STILL_VELOCITY = 1e-9
+_STILL_ACCELERATION = 1e-6
 
 
 def is_transform(pose: Doubles) -> bool:
@@ -71,6 +76,7 @@ class CartesianStep:
         next_twist: The twist that leads there [m/s, rad/s], shape (6,).
         next_elbow: Position, velocity and acceleration of joint 3 that follow.
         target: The joints' next positions [rad], shape (n,).
+        is_settled: Whether the joints rest where the pose of the last cycle is.
     """
 
     def __init__(
@@ -110,6 +116,7 @@ class CartesianStep:
         self.next_pose = kinematics.target
         self.next_twist = zeros(6)
         self.next_elbow = zeros(3)
+        self.is_settled = False
 
     def follow(self) -> bool:
         """Follow the command, and write the joints' next positions as their target.
@@ -118,13 +125,48 @@ class CartesianStep:
             Whether that was done. If not, the command must be looked at, and the
             motion has not changed.
         """
-        if self.has_elbow or not self.plan() or not self.admits_twist():
+        if self.has_elbow:
+            return False
+        if self.is_settled and self.repeats():
+            for i in range(self.memory.size):
+                self.target[i] = self.memory.q_d[i]
+            return True
+        if not self.plan() or not self.admits_twist():
             return False
         self.rest_elbow()
         self.move_joints()
         if not self.check.admit_positions():
             return False
         self.accept()
+        self.is_settled = self.is_still()
+        return True
+
+    def repeats(self) -> bool:
+        """Return whether the command is the pose of the last cycle."""
+        if self.size == TWIST_SIZE:
+            return False
+        for i in range(16):
+            if self.command[i] != self.pose[i]:
+                return False
+        return True
+
+    def is_still(self) -> bool:
+        """Return whether nothing moves after the last `accept`."""
+        if not (
+            -_STILL_VELOCITY < self.elbow_velocity[0] < _STILL_VELOCITY
+            and -_STILL_ACCELERATION < self.elbow_acceleration[0] < _STILL_ACCELERATION
+        ):
+            return False
+        for i in range(6):
+            if not (
+                -_STILL_VELOCITY < self.twist[i] < _STILL_VELOCITY
+                and -_STILL_ACCELERATION < self.acceleration[i] < _STILL_ACCELERATION
+            ):
+                return False
+        step = self.kinematics.step
+        for i in range(self.memory.size):
+            if not -_STILL_STEP < step[i] < _STILL_STEP:
+                return False
         return True
 
     def plan(self) -> bool:
@@ -204,6 +246,7 @@ class CartesianStep:
 
     def accept(self) -> None:
         """Make the next pose, twist and elbow the last ones."""
+        self.is_settled = False
         twist, acceleration, new = self.twist, self.acceleration, self.next_twist
         following = self.next_elbow
         for i in range(6):

@@ -3,6 +3,7 @@ from station.kernel.arm_step cimport ArmStep
 from station.kernel.command_rates cimport CommandRates
 from station.kernel.enforced_limits cimport EnforcedLimits
 from station.kernel.finite_check cimport FiniteCheck
+from station.kernel.pose_sending cimport PoseSend
 
 cdef class Receiver:
     cdef object function
@@ -40,5 +41,6 @@ cdef class CommandSending:
     cdef public list sends
     cdef public CommandRates goals
     cdef public bint is_cartesian
+    cdef public PoseSend pose_send
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits, one=JointSend)
     cpdef send_limited(self, double period)

@@ -10,6 +10,7 @@ from station.kernel.doubles import Doubles
 if TYPE_CHECKING:
     from station.kernel.enforced_limits import EnforcedLimits
     from station.kernel.finite_check import FiniteCheck
+    from station.kernel.pose_sending import PoseSend
 
 
 class Receiver:
@@ -133,6 +134,8 @@ class CommandSending:
         sends: What is sent for the joints.
         goals: Notes positions as goals before they are limited; None for nothing.
         is_cartesian: Whether poses or twists are sent.
+        pose_send: Sends a pose in a usual cycle; None if `send_end_effector` always
+            has to.
     """
 
     def __init__(self) -> None:
@@ -141,6 +144,7 @@ class CommandSending:
         self.sends: list[JointSend] = []
         self.goals: CommandRates | None = None
         self.is_cartesian = False
+        self.pose_send: PoseSend | None = None
 
     def refuse(self) -> None:
         """End the motion, because a command is not finite."""
@@ -169,5 +173,5 @@ class CommandSending:
                 limits.enforce(period)
         for one in self.sends:
             one.send()
-        if self.is_cartesian:
+        if self.is_cartesian and (self.pose_send is None or not self.pose_send.send()):
             self.send_end_effector(True)  # noqa: FBT003 - as `send`

@@ -118,3 +118,63 @@ def test_rest_is_followed(size):
     assert motion.step.follow()
     assert [*motion.memory.target] == pytest.approx(START, abs=1e-9)
     assert [*motion.parts["pose"]] == pytest.approx(POSE, abs=1e-12)
+
+
+def settled_motion():
+    """Return a motion that has come to rest where its command is."""
+    from station.kernel import cartesian_step
+
+    motion = Motion(cartesian_step)
+    motion.step.size = 16
+    put(motion.step.command, POSE)
+    for _ in range(5):
+        assert motion.step.follow()
+        motion.memory.q_d[:] = motion.memory.target
+    return motion
+
+
+def test_a_pose_that_was_reached_asks_for_no_motion():
+    motion = settled_motion()
+    before, kinematics = motion.everything(), [*motion.step.next_pose]
+    assert motion.step.is_settled
+    put(motion.step.next_pose, [7.0] * 16)  # nobody computes a next pose
+
+    assert motion.step.follow()
+    assert motion.everything() == before
+    assert [*motion.step.next_pose] == [7.0] * 16 != kinematics
+
+
+@pytest.mark.parametrize("change", ["pose", "twist", "elbow", "extrapolation"])
+def test_whatever_else_comes_is_computed(change):
+    motion = settled_motion()
+    step = motion.step
+    put(step.next_pose, [7.0] * 16)
+    if change == "pose":
+        step.command[12] += 1e-9
+        assert step.follow()
+        assert not step.is_settled  # it moves
+    elif change == "twist":
+        step.size = 6
+        put(step.command[:6], [0.0] * 6)
+        assert step.follow()
+    elif change == "elbow":
+        step.has_elbow = True
+        assert not step.follow()
+        return
+    else:
+        step.extrapolate()
+        step.accept()
+        assert not step.is_settled
+        assert step.follow()
+    assert [*step.next_pose] == pytest.approx(
+        [*step.command] if change == "pose" else POSE
+    )
+
+
+def test_rest_is_told_from_a_slow_motion():
+    motion = settled_motion()
+    for _ in range(3):  # 1 um/s
+        motion.step.command[12] += 1e-9
+        assert motion.step.follow()
+        motion.memory.q_d[:] = motion.memory.target
+    assert not motion.step.is_settled

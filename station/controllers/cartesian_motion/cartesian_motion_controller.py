@@ -120,6 +120,11 @@ class CartesianMotionController(MultiInterfaceController):
         self._obstacle, self._until = Obstacle.NONE, 0.0
         self._joint: str | None = None
 
+    @property
+    def is_free(self) -> bool:
+        """Whether `published` names no obstacle."""
+        return self._obstacle is Obstacle.NONE
+
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
         """Return the port that receives the set-points.
 

@@ -13,10 +13,11 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.numerics.rigid_motion import pose_of
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
-from station.kernel.doubles import doubles, zeros
-from station.kernel.joint_errors import JointErrors
+from station.kernel.doubles import zeros
+from station.kernel.pose_sample import PoseSample, RestingPose
 from station.kernel.rigid_motion import numbers_of
 from station.kernel.sample_columns import SampleColumns
+from station.kernel.usual_update import UsualUpdate
 
 
 class CartesianStreamingController(CartesianMotionController):
@@ -37,17 +38,15 @@ class CartesianStreamingController(CartesianMotionController):
         self._followed: list[float] = []
         self._resting: list[float] = []
         self._target: list[float] = []
-        self._near = doubles([0.0, 0.0, 0.0, 1.0])
-        self._actual_pose = zeros(16)
-        self._desired, self._actual, self._errors = zeros(7), zeros(7), zeros(7)
-        self._quaternion = self._desired[3:]
-        self._compared = JointErrors(self._desired, self._actual, self._errors)
-        self.sampled = SampleColumns((
-            self._desired,
-            self._actual,
-            self._errors,
-            self._desired,
-        ))
+        self._sample_of_pose = PoseSample(
+            self.generator.pose, self.model.pose_source(Frame.END_EFFECTOR)
+        )
+        self.sampled = self._sample_of_pose.sampled
+        self._usual = RestingPose(self._watched.news, self._sample_of_pose)
+
+    @override
+    def usual_update(self) -> UsualUpdate:
+        return self._usual
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -58,7 +57,8 @@ class CartesianStreamingController(CartesianMotionController):
     @override
     def rest(self) -> list[float]:
         resting = zeros(7)
-        numbers_of(self.generator.resting_pose(), self._near, resting)
+        near = self._sample_of_pose.near
+        numbers_of(self.generator.resting_pose(), near, resting)
         self._resting = [*resting]
         return self._resting
 
@@ -73,11 +73,11 @@ class CartesianStreamingController(CartesianMotionController):
         self.generator.go_to(self._target)
 
     @override
+    def starting(self, time: float) -> None:
+        self._usual.is_resting = False
+        super().starting(time)
+
+    @override
     def keep_sample(self, time: float) -> None:
-        near, desired = self._near, self._desired
-        numbers_of(self.generator.pose, near, desired)
-        near[:] = self._quaternion
-        self.model.write_pose(Frame.END_EFFECTOR, self._actual_pose)
-        numbers_of(self._actual_pose, near, self._actual)
-        self._compared.compare()
-        self.sampled.keep(time)
+        self._sample_of_pose.keep(time)
+        self._usual.is_resting = self.generator.is_still and self.is_free

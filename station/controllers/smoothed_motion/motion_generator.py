@@ -20,6 +20,8 @@ from station.controllers.smoothed_motion.axis_limits import AxisLimits
 from station.core.errors import InvalidCommandError
 
 _NOMINAL_PERIOD = 0.001
+# Velocities and accelerations below this are rounding after a motion has ended.
+_AT_REST = 1e-12
 
 
 class MotionGenerator:
@@ -45,6 +47,8 @@ class MotionGenerator:
         self._size = size
         # The target velocities; empty while the target is a position.
         self._held: list[float] = []
+        # Whether Ruckig was told that the target is a position.
+        self._goes_to_positions = False
         self._period = _NOMINAL_PERIOD
         self._ruckig = Ruckig(size, _NOMINAL_PERIOD)
         self._input = InputParameter(size)
@@ -112,10 +116,12 @@ class MotionGenerator:
             positions: Target positions [rad or m], shape (n,).
         """
         self.is_still, self._held = False, []
-        self._input.control_interface = ControlInterface.Position
-        self._input.synchronization = Synchronization.Time
         self._input.target_position = positions
-        self._input.target_velocity = [0.0] * self._size
+        if not self._goes_to_positions:  # every assignment costs as much as a `put`
+            self._goes_to_positions = True
+            self._input.control_interface = ControlInterface.Position
+            self._input.synchronization = Synchronization.Time
+            self._input.target_velocity = [0.0] * self._size
 
     def go_at(self, velocities: list[float]) -> None:
         """Make velocities the target, which each axis reaches as soon as it can.
@@ -127,6 +133,7 @@ class MotionGenerator:
         if velocities is self._held or velocities == self._held:
             return
         self.is_still, self._held = False, velocities
+        self._goes_to_positions = False
         self._input.control_interface = ControlInterface.Velocity
         self._input.synchronization = Synchronization.No
         self._input.target_velocity = velocities
@@ -169,16 +176,23 @@ class MotionGenerator:
             # Rarely Ruckig finds no motion in which all axes arrive together, but finds
             # a motion in which each axis arrives by itself.
             self._input.synchronization = Synchronization.No
+            self._goes_to_positions = False
             result = self._ruckig.update(self._input, self._output)
         _check(result)
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity
-        self.is_still = not (any(self.velocities) or self._is_driven())
+        if self._held and not any(self._held) and self._has_ended():
+            self.velocities = [0.0] * self._size
+            self._input.current_velocity = self.velocities
+            self._input.current_acceleration = self.velocities
+            self.is_still = True
 
-    def _is_driven(self) -> bool:
-        """Return whether motion is wanted, or an axis accelerates."""
-        return not self._held or any(self._held) or any(self.accelerations)
+    def _has_ended(self) -> bool:
+        """Return whether no axis moves or accelerates, but for rounding."""
+        if max(map(abs, self.velocities)) > _AT_REST:
+            return False
+        return max(map(abs, self.accelerations)) <= _AT_REST
 
 
 def _check(result: Result) -> None:

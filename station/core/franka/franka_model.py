@@ -18,6 +18,7 @@ from station.core.hardware.interfaces.resource_manager import (
     ResourceHandle,
 )
 from station.kernel.doubles import Doubles, put
+from station.kernel.pose_sample import PoseSource
 
 GRAVITY_EARTH = (0.0, 0.0, -9.81)
 """Acceleration of gravity in the base frame of an upright arm [m/s^2]."""
@@ -118,16 +119,22 @@ class FrankaModel(ABC):
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
 
-    def write_pose(
-        self,
-        frame: Frame,
-        q: Sequence[float],
-        F_T_EE: Sequence[float],
-        EE_T_K: Sequence[float],
-        result: Doubles,
-    ) -> None:
-        """Write the pose of a frame, see `pose`, to `result`, 16 numbers."""
-        put(result, self.pose(frame, q, F_T_EE, EE_T_K))
+    def pose_source(
+        self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
+    ) -> PoseSource:
+        """Return what writes the pose of a frame, see `pose`, in every cycle.
+
+        Args:
+            frame: The frame.
+            q: Joint positions [rad], shape (7,); read in every cycle, as the others.
+            F_T_EE: End effector in the flange frame, 16 numbers.
+            EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
+        """
+
+        def write(result: Doubles) -> None:
+            put(result, self.pose(frame, q, F_T_EE, EE_T_K))
+
+        return PoseSource(write)
 
     @abstractmethod
     def zero_jacobian(
@@ -227,9 +234,9 @@ class FrankaModelHandle(ResourceHandle):
         """Return the pose of a frame in the base frame, 16 numbers."""
         return self.model.pose(frame, self._q, *self._frames)
 
-    def write_pose(self, frame: Frame, result: Doubles) -> None:
-        """Write the pose of a frame in the base frame to `result`, 16 numbers."""
-        self.model.write_pose(frame, self._q, *self._frames, result)
+    def pose_source(self, frame: Frame) -> PoseSource:
+        """Return what writes the pose of a frame in the base frame in every cycle."""
+        return self.model.pose_source(frame, self._q, *self._frames)
 
     def get_zero_jacobian(self, frame: Frame) -> list[float]:
         """Return the Jacobian of a frame in the axes of the base, 42 numbers."""

@@ -23,6 +23,7 @@ from station.hw.franka.arm.franka_kinematics import (
 )
 from station.hw.franka.arm.self_collision import clearance
 from station.kernel.doubles import put, zeros
+from station.kernel.pose_sample import PoseSource
 from tests.conformance.benches import JOINTS, POSE, panda
 from tests.hw.franka.cartesian_motions import PERIOD, Generator
 
@@ -37,8 +38,8 @@ class Kinematics:
     body_jacobian = staticmethod(body_jacobian)
 
     @staticmethod
-    def write_pose(frame, q, end_effector, stiffness, result):
-        put(result, frame_pose(frame, q, end_effector, stiffness))
+    def pose_source(*arguments):
+        return PoseSource(lambda result: put(result, frame_pose(*arguments)))
 
     @staticmethod
     def clearance(q):

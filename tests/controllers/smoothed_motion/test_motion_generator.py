@@ -141,3 +141,14 @@ def test_a_target_is_not_rest_even_where_the_axes_are(generator):
     generator.go_to([0.0, 0.5])
     run(generator, 10)
     assert not generator.is_still
+
+
+@pytest.mark.parametrize("cycles", range(1, 400, 37))
+def test_rounding_is_no_motion_whenever_it_braked(generator, cycles):
+    generator.go_to([0.3, 0.2])
+    run(generator, cycles)
+    generator.brake()
+    run(generator, 3000)
+
+    assert generator.is_still
+    assert generator.velocities == generator.accelerations == [0.0, 0.0]

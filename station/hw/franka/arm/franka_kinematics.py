@@ -120,27 +120,16 @@ def place_frame(
         EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
     """
     result = zeros(16)
-    write_frame(frame, links, F_T_EE, EE_T_K, result)
-    return result
-
-
-def write_frame(
-    frame: Frame,
-    links: Doubles,
-    F_T_EE: Sequence[float],
-    EE_T_K: Sequence[float],
-    result: Doubles,
-) -> None:
-    """Write the pose of a frame, see `place_frame`, to `result`, 16 numbers."""
     index = frame.index
     start = 16 * (index if index < DOF else DOF)
     pose = links[start : start + 16]
     if index <= DOF:
         result[:] = pose
-        return
+        return result
     rigid_motion.compose(pose, _view(F_T_EE), result)
     if frame is Frame.STIFFNESS:
         rigid_motion.compose(result, _view(EE_T_K), result)
+    return result
 
 
 def place_jacobian(frame: Frame, links: Doubles, pose: Doubles) -> Doubles:

@@ -20,6 +20,7 @@ from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.core.quick_way import is_in_force
 from station.hw.franka.arm.load import Load
 from station.kernel.arm_reading import CalledCycles, Cycles
+from station.kernel.arm_step import ArmStep
 from station.kernel.command_sending import Receiver
 from station.kernel.doubles import Storage
 
@@ -58,11 +59,13 @@ class Receivers(NamedTuple):
         positions: Takes positions [rad].
         velocities: Takes velocities [rad/s].
         torques: Takes torques [Nm].
+        step: The arithmetic of a simulated arm; None for any other arm.
     """
 
     positions: Receiver
     velocities: Receiver
     torques: Receiver
+    step: ArmStep | None = None
 
 
 class RobotArm(ABC):
@@ -356,6 +359,7 @@ def receivers_of(arm: RobotArm) -> Receivers:
         "command_joint_positions",
         "command_joint_velocities",
         "command_joint_torques",
+        "command_cartesian_pose",
     )
     return arm.receivers() if is_quick else _plain_receivers(arm)
 

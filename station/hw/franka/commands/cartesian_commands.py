@@ -16,7 +16,7 @@ from station.core.franka import (
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.robot_arm import RobotArm, receivers_of
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.pose_bridge import PoseBridge
 from station.hw.franka.commands.rate_limiter import (
@@ -30,6 +30,7 @@ from station.kernel.command_rates import filtered
 from station.kernel.doubles import Block, Doubles, doubles, put
 from station.kernel.finite_check import FiniteCheck
 from station.kernel.pose_rates import PoseRates
+from station.kernel.pose_sending import PoseSend
 
 # libfranka's margin for the rotation of a pose.
 _ROTATION_SHARE = 0.99
@@ -46,6 +47,7 @@ class CartesianCommands:
     Attributes:
         has_pose: Whether pose commands are taken.
         has_twist: Whether twist commands are taken.
+        pose_send: Sends a pose in a usual cycle; None if only `send` does.
     """
 
     def __init__(self, arm: RobotArm, arm_id: str, limits: ArmLimits) -> None:
@@ -71,6 +73,12 @@ class CartesianCommands:
             replace(limits.elbow, velocity=limits.limiter_elbow_velocity), losses
         )
         self._elbow = RateLimits(elbow.velocity, elbow.acceleration, elbow.jerk, 1.0)
+        step = receivers_of(arm).step
+        self.pose_send: PoseSend | None = None
+        if step is not None:
+            self.pose_send = PoseSend(
+                self._bridge, self._pose, self._pose_elbow, self._rates, step
+            )
         self._filters_first_pose = limits.filters_first_pose
         self._is_first = False
         self._settings: CommandSettings | None = None
@@ -105,6 +113,8 @@ class CartesianCommands:
             put(rest, [0.0] * len(rest))
         self._bridge.begin(self._pose, self._arm.state.elbow_d)
         self._is_first = True
+        if self.pose_send is not None:
+            self.pose_send.is_usual = False
 
     def checks(self) -> tuple[FiniteCheck, ...]:
         """Return what looks for commands that are not finite, for what is taken."""
@@ -139,6 +149,8 @@ class CartesianCommands:
             rates.filter_pose(_as_doubles(pose), passes)
             elbow = self._limited_elbow(bent, passes=passes)
             arm.command_cartesian_pose(rates.sent_pose, elbow)
+            if self.pose_send is not None:
+                self.pose_send.is_usual = not self.has_twist
         if self.has_twist:
             rates.filter_twist(self._twist)
             elbow = self._limited_elbow(self._twist_elbow, passes=False)

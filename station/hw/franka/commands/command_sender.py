@@ -66,6 +66,7 @@ class CommandSender(CommandSending):
         self.sends = self._sends_of_joints()
         self.goals = self._filter.rates if commands.has_positions else None
         self.is_cartesian = cartesian.has_pose or cartesian.has_twist
+        self.pose_send = cartesian.pose_send if cartesian.has_pose else None
         self._filter.begin(
             cutoff_frequency=settings.cutoff_frequency,
             rate_limiting=settings.rate_limiting,

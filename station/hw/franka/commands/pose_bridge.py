@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.commands.rate_limiter import PERIOD
+from station.kernel.doubles import doubles
+from station.kernel.pose_sending import PassedPoses
 
 FASTEST_RETURN = 25.0
 """Fastest decay rate of the offset between commanded and predicted poses [1/s]; the
@@ -29,19 +31,19 @@ class _Command(NamedTuple):
     def way_to(self, other: "_Command") -> list[float]:
         """Return twist and elbow that lead to another command, shape (7,)."""
         way = twist_between(self.pose, other.pose, 1.0)
-        # Elbows of different signs have no distance, and neither have missing elbows.
-        same = self.elbow[1:] == other.elbow[1:]
-        return [*way, other.elbow[0] - self.elbow[0] if same and self.elbow else 0.0]
+        # Elbows of different signs have no distance.
+        same = self.elbow[1] == other.elbow[1]
+        return [*way, other.elbow[0] - self.elbow[0] if same else 0.0]
 
     def moved(self, way: Sequence[float], cycles: int) -> "_Command":
         """Return the command of a later cycle, moved by a twist and an elbow."""
         pose, elbow = self.pose, self.elbow
-        bent = [elbow[0] + way[6], elbow[1]] if elbow and elbow[1] else elbow
+        bent = [elbow[0] + way[6], elbow[1]] if elbow[1] else elbow
         shifted = displace(pose, way[:3], way[3:6])
         return _Command(shifted, bent, self.cycle + cycles)
 
 
-class PoseBridge:
+class PoseBridge(PassedPoses):
     """Extrapolates poses between two commands, and returns to the commands smoothly.
 
     The arm takes a pose in each of its own cycles. A pose that stands still for some
@@ -56,19 +58,18 @@ class PoseBridge:
     """
 
     def __init__(self) -> None:
-        self.begin([], [])
+        super().__init__()
+        self.begin([0.0] * 16, [0.0] * 2)
 
     def begin(self, pose: Sequence[float], elbow: Sequence[float]) -> None:
         """Rest at a pose, 16 numbers, and an elbow, 2 numbers."""
-        rest = [_Command(list(pose), list(elbow), cycle) for cycle in (-2, -1, 0)]
-        # The last three commands, the newest last.
-        self._before, self._earlier, self._last = rest
-        self._cycle = 0
+        for self.cycle in (-2, -1, 0):
+            self.note(doubles(pose), doubles(elbow))
         # First and second difference of the prediction per cycle.
         self._step, self._bend = [0.0] * 7, [0.0] * 7
         self._offset, self._rate, self._rise = [0.0] * 7, [0.0] * 7, [0.0] * 7
         self._gain = FASTEST_RETURN * PERIOD
-        self._is_on_commands = True
+        self.is_on_commands = True
 
     def pass_on(
         self, pose: Sequence[float], elbow: Sequence[float]
@@ -81,55 +82,63 @@ class PoseBridge:
             pose: The commanded pose, 16 numbers.
             elbow: Position of joint 3 [rad] and sign of joint 4, or zeros, shape (2,).
         """
-        self._cycle += 1
-        command = _Command(list(pose), list(elbow), self._cycle)
-        is_known = self._cycle - self._before.cycle == 3  # one command in each cycle
+        self.cycle += 1
+        is_known = self.cycle - self.before_cycle == 3  # one command in each cycle
         expected = None if is_known else self._expected()
-        self._before, self._earlier, self._last = self._earlier, self._last, command
-        if not self._is_on_commands:
+        self.note(doubles(pose), doubles(elbow))
+        command = self._command(0)
+        if not self.is_on_commands:
             self._fade()
         if expected is not None:
             step, bend = self._step, self._bend
             self._estimate()
             self._leap(command.way_to(expected), step, bend)
-        return (pose, elbow) if self._is_on_commands else self._sent(command)
+        return (pose, elbow) if self.is_on_commands else self._sent(command)
 
     def bridge(self) -> tuple[list[float], list[float]]:
         """Return the pose and the elbow to send in an arm cycle without a command."""
-        if self._cycle == self._last.cycle:
+        if self.cycle == self.last_cycle:
             self._estimate()
             # The prediction keeps its velocity; its acceleration decays in the offset.
             bend, self._bend = self._bend, [0.0] * 7
             self._leap([0.0] * 7, self._step, bend)
-        self._cycle += 1
-        if not self._is_on_commands:
+        self.cycle += 1
+        if not self.is_on_commands:
             self._fade()
         return self._sent(self._expected())
+
+    def _command(self, age: int) -> _Command:
+        """Return the last command, or the one that was noted `age` commands before."""
+        cycles = (self.last_cycle, self.earlier_cycle, self.before_cycle)
+        place = (self.newest - age) % len(cycles)
+        pose = self.poses[16 * place : 16 * place + 16]
+        elbow = self.elbows[2 * place : 2 * place + 2]
+        return _Command([*pose], [*elbow], cycles[age])
 
     def _expected(self) -> _Command:
         """Advance the prediction by a cycle and return it."""
         if self._bend_counts():
             self._step = [v + a for v, a in zip(self._step, self._bend, strict=True)]
-        cycles = self._cycle - self._last.cycle
-        return self._last.moved([cycles * value for value in self._step], cycles)
+        cycles = self.cycle - self.last_cycle
+        return self._command(0).moved([cycles * value for value in self._step], cycles)
 
     def _bend_counts(self) -> bool:
-        return self._cycle - self._last.cycle == 1 and any(self._bend)
+        return self.cycle - self.last_cycle == 1 and any(self._bend)
 
     def _estimate(self) -> None:
         """Estimate velocity and acceleration of the prediction from three commands."""
-        first = self._earlier.cycle - self._before.cycle
-        second = self._last.cycle - self._earlier.cycle
-        before = self._before.way_to(self._earlier)
-        now = self._earlier.way_to(self._last)
+        last, earlier, before = (self._command(age) for age in range(3))
+        first = earlier.cycle - before.cycle
+        second = last.cycle - earlier.cycle
+        older, newer = before.way_to(earlier), earlier.way_to(last)
         # The mean velocity of a longer step is the velocity in its middle.
         self._bend = [
             2.0 * (v / second - u / first) / (first + second)
-            for u, v in zip(before, now, strict=True)
+            for u, v in zip(older, newer, strict=True)
         ]
         self._step = [
             v / second + 0.5 * (second - 1) * change
-            for v, change in zip(now, self._bend, strict=True)
+            for v, change in zip(newer, self._bend, strict=True)
         ]
 
     def _leap(
@@ -147,7 +156,7 @@ class PoseBridge:
             self._rate[i] += step[i] - self._step[i]
             self._rise[i] += bend[i] - self._bend[i]
         self._gain = _rate_of_return(self._offset, self._rate) * PERIOD
-        self._is_on_commands = False
+        self.is_on_commands = False
 
     def _fade(self) -> None:
         """Let the offset decay by a cycle; a negligible offset becomes zero."""
@@ -159,10 +168,10 @@ class PoseBridge:
             self._offset[i], self._rate[i], self._rise[i] = x + v, v, a
         if max(map(abs, (*self._offset, *self._rate, *self._rise))) < _NEGLIGIBLE:
             self._offset, self._rate, self._rise = [0.0] * 7, [0.0] * 7, [0.0] * 7
-            self._is_on_commands = True
+            self.is_on_commands = True
 
     def _sent(self, course: _Command) -> tuple[list[float], list[float]]:
-        if not self._is_on_commands:
+        if not self.is_on_commands:
             course = course.moved(self._offset, 0)
         return course.pose, course.elbow
 

@@ -9,13 +9,13 @@ from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
 from station.hw.franka.arm.franka_kinematics import (
     place_frame,
     place_jacobian,
-    write_frame,
 )
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.kernel.arm_chain import turn_to_inner_axes
 from station.kernel.doubles import Doubles, doubles
+from station.kernel.pose_sample import PoseSource
 
 
 class ArmModel(FrankaModel):
@@ -81,15 +81,12 @@ class ArmModel(FrankaModel):
         return [*place_frame(frame, self._dynamics.move_to(q), F_T_EE, EE_T_K)]
 
     @override
-    def write_pose(
-        self,
-        frame: Frame,
-        q: Sequence[float],
-        F_T_EE: Sequence[float],
-        EE_T_K: Sequence[float],
-        result: Doubles,
-    ) -> None:
-        write_frame(frame, self._dynamics.move_to(q), F_T_EE, EE_T_K, result)
+    def pose_source(
+        self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
+    ) -> PoseSource:
+        if frame is not Frame.END_EFFECTOR:
+            return super().pose_source(frame, q, F_T_EE, EE_T_K)
+        return self._dynamics.tool_pose_source(q, F_T_EE)
 
     @override
     def zero_jacobian(

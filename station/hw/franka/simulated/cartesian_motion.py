@@ -52,6 +52,7 @@ class CartesianMotion:
     def begin(self) -> None:
         """Start from the pose and the velocity of the desired joint motion."""
         self._end_effector.command_joint_motion()
+        self._step.is_settled = False
         self._is_first = True
 
     def plan(self, elbow: Elbow | None) -> list[ArmError]:

@@ -23,6 +23,7 @@ from station.hw.urdf_loader import load_urdf
 from station.kernel.arm_chain import new_links, place_links
 from station.kernel.arm_dynamics import ArmDynamics
 from station.kernel.doubles import Doubles, put, zeros
+from station.kernel.pose_sample import PoseSource, ToolPoseSource
 
 _NO_LOAD = Load()
 _MOMENTS = 10
@@ -132,6 +133,15 @@ class FrankaDynamics:
         """Return `links` at joint positions [rad], shape (7,)."""
         self._kernel.move_to(q)
         return self.links
+
+    def tool_pose_source(self, q: Doubles, tool: Doubles) -> PoseSource:
+        """Return what writes the pose of something that is fixed to the flange.
+
+        Args:
+            q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
+            tool: What is fixed, in the frame of the flange, 16 numbers.
+        """
+        return ToolPoseSource(self._kernel, q, self.links[16 * DOF :], tool)
 
     def _set(self, q: Sequence[float], load: Load) -> None:
         self._kernel.move_to(q)

@@ -226,7 +226,9 @@ class MotionFollower:
     def _follow_cartesian(self, *, arrived: bool) -> list[ArmError]:
         cartesian = self._cartesian
         if arrived:
-            errors = cartesian.plan(self._elbow)
+            errors = cartesian.plan(
+                self._elbow if self._end_effector.has_elbow else None
+            )
             if errors:
                 return errors
         else:

@@ -115,6 +115,7 @@ class SimulatedArm(RobotArm):
             JointReceiver(self.command_joint_positions, step, POSITIONS),
             JointReceiver(self.command_joint_velocities, step, VELOCITIES),
             TorqueReceiver(self.command_joint_torques, step),
+            step,
         )
 
     @override
