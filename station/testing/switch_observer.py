@@ -151,8 +151,9 @@ class SwitchObserver:
             return f"said to be as planned, +{_names(start)} -{_names(stop)}; {at}"
         if not result.ok and not result.failed:
             return f"said not to be as planned, without a reason; {at}"
-        if result.outcome is SwitchOutcome.ROLLED_BACK and not stop <= running:
-            return f"said to be rolled back to {_names(stop)}; {at}"
+        restored = stop - set(result.failed)
+        if result.outcome is SwitchOutcome.ROLLED_BACK and not restored <= running:
+            return f"said to be rolled back to {_names(restored)}; {at}"
         return None
 
     def find_wrong_commands(self) -> None:

@@ -113,15 +113,17 @@ def test_an_untrue_answer_is_found(bench, observer):
         outcome=SwitchOutcome.ROLLED_BACK,
         cycle=result.cycle - 1,
         ok=False,
-        failed={"a": "no bus"},
+        failed={"b": "no bus"},
         started=(),
     )
+    gone = replace(back, failed={"a": "it failed before"})
 
     assert observer.untruth(result) is None
     assert "without a reason" in str(observer.untruth(halted))
     assert "said to be stopped: a" in str(observer.untruth(stopped))
     assert "said to be started: a, b" in str(observer.untruth(other))
     assert "rolled back to a" in str(observer.untruth(back))
+    assert observer.untruth(gone) is None
     assert "as planned" in str(observer.untruth(replace(result, cycle=0, started=())))
 
 

@@ -258,7 +258,7 @@ class SwitchTransaction:
         done, _ = self._ask(self._hw.switch_result, "switch_result")
         if undone is None and done:
             # Those to be stopped have not noticed anything and run on.
-            pending.outcome = SwitchOutcome.ROLLED_BACK
+            self._end_rolled_back()
             return True
         for one in self._was_running:
             self._lifecycle.stop(one, time)
@@ -300,7 +300,7 @@ class SwitchTransaction:
 
     def _start_again(self, time: float) -> bool:
         pending = self._pending
-        pending.outcome = SwitchOutcome.ROLLED_BACK
+        self._end_rolled_back()
         for one in self._was_running:
             if one.controller.state is _RUNNING:
                 continue
@@ -309,6 +309,15 @@ class SwitchTransaction:
                 pending.outcome = SwitchOutcome.HALTED
                 pending.not_restored[one.info.name] = problem
         return True
+
+    def _end_rolled_back(self) -> None:
+        """Say that all is as before, but for who had failed before the switch began."""
+        pending = self._pending
+        pending.outcome = SwitchOutcome.ROLLED_BACK
+        for one in _once(pending.stop):
+            if one not in self._was_running:
+                reason = one.fault or "it did not run any more when the switch began"
+                pending.not_restored[one.info.name] = reason
 
     def _halt(self, time: float, problem: str) -> bool:
         """Take everybody in the switch off the hardware: the safe state."""

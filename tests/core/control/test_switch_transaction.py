@@ -281,3 +281,17 @@ def test_a_controller_that_fails_while_others_wait_is_not_started_again():
     assert not result.ok
     assert "update raised ZeroDivisionError" in result.failed["new"]
     assert result.started == ("more",)
+
+
+def test_who_failed_before_the_switch_began_is_named_when_it_is_taken_back():
+    bench = Bench(combined=False, runs=True)
+    bench.manager.get_controller("old").actions["update"] = lambda: 1 / 0
+    # The release of `old` works, the switch does not, taking it back does.
+    bench.scripts[0].begin("yes", [True, False, True])
+
+    result = bench.switch(["new"], ["old"], strictness=Strictness.BEST_EFFORT)
+
+    assert result.outcome is SwitchOutcome.ROLLED_BACK
+    assert bench.running() == set()
+    assert "division by zero" in result.failed["old"]
+    assert bench.observer.untruth(result) is None
