@@ -22,6 +22,7 @@ from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names
+from station.core.franka.franka_robot_state import PackedState
 from station.core.parameters import Parameters
 
 _PUBLISH_RATE = replace(
@@ -58,9 +59,6 @@ class FrankaStateController(Controller[FrankaStateInterface]):
     """Publishes the state of one arm; commands nothing.
 
     Parameters: `arm_id`; `joint_names`, 7 names; `publish_rate` [Hz], 30 by default.
-
-    Attributes:
-        franka_states: The last publication, a new object each time; None before that.
     """
 
     hardware_interface: ClassVar[type] = FrankaStateInterface
@@ -76,7 +74,9 @@ class FrankaStateController(Controller[FrankaStateInterface]):
         self.joint_names = read_arm_joints(params)
         self._timer = PublishTimer(_PUBLISH_RATE.read_float(params))
         self._handle: FrankaStateHandle = interface.get_handle(f"{self._arm_id}_robot")
-        self.franka_states: FrankaStates | None = None
+        # Number, time and state of the last publication, and what was made of it.
+        self._newest: tuple[int, float, PackedState] | None = None
+        self._made: tuple[object, FrankaStates | None] = (None, None)
         self._sequence = 0
 
     @override
@@ -88,10 +88,29 @@ class FrankaStateController(Controller[FrankaStateInterface]):
         """Publish when a publication is due."""
         if not self._timer.is_due(time):
             return
-        state = self._handle.get_robot_state().copy()
+        packed = self._handle.get_robot_state().packed()
+        self._newest = (self._sequence, time, packed)
+        self._sequence += 1
+
+    @property
+    def franka_states(self) -> FrankaStates | None:
+        """The last publication, the same object until the next; None before the first.
+
+        Any thread may ask; it is made then, and not in the control loop.
+        """
+        newest, made = self._newest, self._made
+        if newest is None or made[0] is not newest:
+            made = (newest, None if newest is None else self._publication(*newest))
+            self._made = made
+        return made[1]
+
+    def _publication(
+        self, sequence: int, time: float, packed: PackedState
+    ) -> FrankaStates:
+        state = RobotState.unpacked(packed)
         names, prefix = self.joint_names, self._arm_id
-        self.franka_states = FrankaStates(
-            sequence=self._sequence,
+        return FrankaStates(
+            sequence=sequence,
             stamp=time,
             state=state,
             joint_states=JointStates(time, names, state.q, state.dq, state.tau_J),
@@ -105,7 +124,6 @@ class FrankaStateController(Controller[FrankaStateInterface]):
                 (f"{prefix}_EE", f"{prefix}_K", state.EE_T_K),
             ),
         )
-        self._sequence += 1
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

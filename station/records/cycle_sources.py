@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 from typing_extensions import override
 
 from station.core.facade.station import Station
+from station.core.franka.franka_robot_state import PackedState
 from station.core.franka.franka_state import FrankaStateHandle, FrankaStateInterface
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -20,8 +21,6 @@ from station.core.loop.cycle_tap import CycleTap
 from station.records.cycle_messages import CycleMessages, Message
 
 SampleT = TypeVar("SampleT")
-PackedArm = tuple[bytes, tuple[float, ...], tuple[bool, ...]]
-"""An arm's state, as `RobotState.packed` returns it."""
 _INTERFACES: dict[str, type[JointCommandInterface]] = {
     "position": PositionJointInterface,
     "velocity": VelocityJointInterface,
@@ -119,7 +118,7 @@ class CommandSource(CycleSource[list[bytes]]):
             yield encoder.of_commands(quantity, time, names, commands)
 
 
-class ArmSource(CycleSource[PackedArm]):
+class ArmSource(CycleSource[PackedState]):
     """The whole state of an arm.
 
     Args:
@@ -133,12 +132,12 @@ class ArmSource(CycleSource[PackedArm]):
         super().__init__(station)
 
     @override
-    def sample(self) -> PackedArm:
+    def sample(self) -> PackedState:
         return self._handle.get_robot_state().packed()
 
     @override
     def message(
-        self, encoder: CycleMessages, time: float, sample: PackedArm
+        self, encoder: CycleMessages, time: float, sample: PackedState
     ) -> Iterator[Message]:
         yield encoder.of_arm(self._arm_id, time, sample)
 

@@ -115,7 +115,8 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self.tunables = Tunables(_SCHEMA, _DEFAULTS)
         self._right_to_left = self._left_to_center = np.eye(4)
         self._timer = PublishTimer(RATE_HZ)
-        self._centering_frame: dict[str, object] | None = None
+        # When it was published last, and the pose of the left end effector then.
+        self._published: tuple[float, NDArray[np.float64]] | None = None
 
     @override
     def starting(self, time: float) -> None:
@@ -145,13 +146,23 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
                 )
             )
         if self._timer.is_due(time):
-            self._publish(time)
+            self._published = (time, self._springs["left"].pose())
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
         """Return the topic `centering_frame`, in the form of a set-point."""
-        found = self._centering_frame
-        return {} if found is None else {"centering_frame": found}
+        if self._published is None:
+            return {}
+        time, left = self._published
+        center = left @ self._left_to_center
+        return {
+            "centering_frame": {
+                "stamp": time,
+                "frame_id": self._frame_id,
+                "position": center[:3, 3].tolist(),
+                "orientation": quaternion_of(center[:3, :3]).tolist(),
+            }
+        }
 
     def _center(self) -> list[float]:
         """Return the equilibrium of the centering frame in the form of a set-point."""
@@ -171,12 +182,3 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         right = right @ np.linalg.inv(self._right_to_left)
         for arm, pose in zip(ARMS, (left, right), strict=True):
             self._springs[arm].set_target(pose[:3, 3], quaternion_of(pose[:3, :3]))
-
-    def _publish(self, time: float) -> None:
-        center = self._springs["left"].pose() @ self._left_to_center
-        self._centering_frame = {
-            "stamp": time,
-            "frame_id": self._frame_id,
-            "position": center[:3, 3].tolist(),
-            "orientation": quaternion_of(center[:3, :3]).tolist(),
-        }

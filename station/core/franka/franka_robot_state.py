@@ -94,6 +94,8 @@ class _Mode:
 
 SCALARS = ("time", "control_command_success_rate", "m_ee", "m_load", "m_total")
 """Fields that are single numbers, in the order of `RobotState.packed`."""
+PackedState = tuple[bytes, tuple[float, ...], tuple[bool, ...]]
+"""An arm's state, as `RobotState.packed` returns it."""
 MODE = "robot_mode"
 """Part of the block that has the number of the mode."""
 
@@ -255,7 +257,7 @@ class RobotState:
         block: Block = self.__dict__["block"]
         return block.memory[: sum(_SIZES[name] for name in ("q", "dq", "tau_J"))]
 
-    def packed(self) -> tuple[bytes, tuple[float, ...], tuple[bool, ...]]:
+    def packed(self) -> PackedState:
         """Return a copy in three pieces, which takes a tenth of the time of `copy`.
 
         Returns:
@@ -272,6 +274,21 @@ class RobotState:
         )
         flags = (*self.current_errors, *self.last_motion_errors)
         return block.memory.tobytes(), scalars, flags
+
+    @classmethod
+    def unpacked(cls, packed: PackedState) -> "RobotState":
+        """Return the copy that `packed` has made, as `copy` would have returned it."""
+        memory, scalars, flags = packed
+        state = cls()
+        block: Block = state.__dict__["block"]
+        block.memory[:] = memoryview(memory).cast("d")
+        state.robot_mode = RobotMode(int(block[MODE][0]))
+        for name, value in zip(SCALARS, scalars, strict=True):
+            setattr(state, name, value)
+        count = len(flags) // 2
+        state.current_errors = list(flags[:count])
+        state.last_motion_errors = list(flags[count:])
+        return state
 
     def copy(self) -> "RobotState":
         """Return a copy that no longer changes, for other threads."""

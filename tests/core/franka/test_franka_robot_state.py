@@ -42,3 +42,23 @@ def test_sizes_are_libfrankas() -> None:
     assert len(state.K_F_ext_hat_K) == len(state.O_dP_EE_d) == 6
     assert len(state.I_total) == 9
     assert len(state.current_errors) == 41
+
+
+def test_a_packed_state_is_unpacked_as_it_was():
+    state = RobotState()
+    for index, each in enumerate(fields(state)):
+        value = getattr(state, each.name)
+        if isinstance(value, list) and isinstance(value[0], float):
+            setattr(state, each.name, [index + 0.1 * i for i in range(len(value))])
+        elif isinstance(value, float):
+            setattr(state, each.name, index + 0.5)
+    state.robot_mode = RobotMode.REFLEX
+    state.current_errors = [i % 3 == 0 for i in range(len(state.current_errors))]
+    state.last_motion_errors = [i % 2 == 0 for i in range(len(state.current_errors))]
+    packed, copy = state.packed(), state.copy()
+    put_back = RobotState.unpacked(packed)
+    state.q = [9.0] * 7
+
+    assert put_back == copy
+    assert put_back.robot_mode is RobotMode.REFLEX
+    assert put_back != state
