@@ -13,10 +13,10 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import mujoco
-from cases import CASES, MISSING, STATES, Case
+from cases import CASES, MISSING, SENT, STATES, Case
 from measuring import print_table, print_title, simulated_world
 from turns import Effort, Turns, ask_for_processor, measure_cold, measure_hot
 
@@ -38,8 +38,10 @@ class Bench:
 
     def __init__(self, case: Case) -> None:
         self.station = case.make()
-        self.cycle = self.station.loop.step
         self._robot = case.robot
+        self._steer = case.steer
+        self._send: Callable[[], None] | None = None
+        self._since = 0
         self._world = simulated_world(self.station)
         self._copy = mujoco.MjData(self._world.model)
         self._runs = case.runs
@@ -50,6 +52,20 @@ class Bench:
         model, data = self._world.model, self._copy
         for _ in range(steps):
             mujoco.mj_step(model, data)
+
+    def cycle(self, cycles: int) -> None:
+        """Run some cycles, and send set-points if the robot is steered."""
+        if self._send is None:
+            self.station.loop.step(cycles)
+            return
+        while cycles:
+            if self._since == SENT:
+                self._since = 0
+                self._send()
+            part = min(cycles, SENT - self._since)
+            self.station.loop.step(part)
+            self._since += part
+            cycles -= part
 
     def rows(self, temperatures: list[str], effort: Effort) -> Iterator[Row]:
         """Measure everything that runs on this robot."""
@@ -71,6 +87,9 @@ class Bench:
         self.station.simulation.reset()
         if names:
             self.station.switch_controllers(SwitchRequest(start=names))
+        self._send = None
+        if self._steer is not None:
+            self._send = self._steer(self.station, names[0])
         self.cycle(SETTLING)
         result = measure(self.step, self.cycle, self._begin, effort)
         if names:

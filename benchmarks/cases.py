@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
+from math import cos, pi, sin
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -11,12 +13,19 @@ from station.app.composition import compose
 from station.config import load_config
 from station.core.errors import StationError
 from station.core.facade.station import Station
+from station.core.franka.arms import Arms
 from station.core.hardware.interfaces import EffortJointInterface
+from station.kernel.doubles import doubles, zeros
+from station.kernel.rigid_motion import numbers_of
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PANDA_JOINTS = [f"joint{number}" for number in range(1, 8)]
 GAINS = [(600.0, 30.0)] * 4 + [(250.0, 10.0), (150.0, 10.0), (50.0, 5.0)]
 STATES = "joint_state_controller"
+SENT = 20
+"""Cycles from one set-point of a moving robot to the next."""
+RADIUS = 0.05
+"""Radius of the circle on which an end effector moves [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +37,30 @@ class Case:
         make: Builds the station.
         runs: Names of controllers that run together, by what the table calls them.
             None: every controller of the configuration, one after the other.
+        steer: Returns what sends a controller its next set-point, every `SENT` cycles;
+            None to let the robot rest.
     """
 
     robot: str
     make: Callable[[], Station]
     runs: dict[str, tuple[str, ...]] | None = None
+    steer: Callable[[Station, str], Callable[[], None]] | None = None
+
+
+def steer_on_a_circle(station: Station, controller: str) -> Callable[[], None]:
+    """Return what sends the next pose on a circle of 5 cm, once around in 3 s."""
+    state = Arms(station.robots).state("panda")
+    near, numbers = doubles([0.0, 0.0, 0.0, 1.0]), zeros(7)
+    numbers_of(doubles(state.O_T_EE), near, numbers)
+    x, y, *rest = numbers
+    angles = count(0.0, 2.0 * pi * SENT * 1e-3 / 3.0)
+
+    def send() -> None:
+        angle = next(angles)
+        pose = [x + RADIUS * (cos(angle) - 1.0), y + RADIUS * sin(angle), *rest]
+        station.motion.set_command(controller, pose)
+
+    return send
 
 
 def station_of(values: dict[str, object]) -> Station:
@@ -133,6 +161,12 @@ CASES: dict[str, Case] = {
             "effort group position": ("effort_group_position_controller",),
             "position joint trajectory": ("position_joint_trajectory_controller",),
         },
+    ),
+    "moving": Case(
+        "Panda that moves",
+        make_panda,
+        {"cartesian streaming": ("cartesian_streaming_controller",)},
+        steer_on_a_circle,
     ),
     "pandas2": _arms(2),
     "pandas4": _arms(4),
