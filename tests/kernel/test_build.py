@@ -7,6 +7,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 
 import pytest
 
+import station.kernel
 from station.kernel import build
 from station.kernel.build import BuildError
 from station.kernel.built import FAILURE, find_kernel
@@ -18,6 +19,10 @@ pytestmark = pytest.mark.usefixtures("environment")
 
 needs_compiler = pytest.mark.skipif(
     missing_tool() is not None, reason=str(missing_tool())
+)
+# One module shares what all modules of a compiled kernel have in common.
+needs_kernel = pytest.mark.skipif(
+    not station.kernel.STATUS.is_compiled, reason=station.kernel.STATUS.reason
 )
 
 
@@ -55,6 +60,7 @@ def compiled(monkeypatch):
 
 @pytest.mark.slow
 @needs_compiler
+@needs_kernel
 def test_sources_become_a_kernel_that_runs():
     directory = build.build()
 
