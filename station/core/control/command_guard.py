@@ -5,6 +5,7 @@ from collections.abc import Collection
 from numbers import Real
 
 from station.core.faults import CONTAINED
+from station.core.hardware.interfaces.actuator import ActuatorCommandInterface
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
@@ -182,12 +183,16 @@ def find_guards(
 def all_guards(hw: RobotHW) -> list[CommandGuard]:
     """Return a guard for every resource of the robot that takes commands.
 
+    But for actuators: their commands are written by the robot's own transmissions.
+
     Args:
         hw: The robot.
     """
     guards: list[CommandGuard] = []
     for interface_type in hw.interface_types():
         interface = hw.get(interface_type)
+        if isinstance(interface, ActuatorCommandInterface):
+            continue
         if isinstance(interface, HardwareResourceManager):
             name = interface_type_name(interface_type)
             resources = tuple(interface.get_names())
