@@ -1,3 +1,4 @@
+from station.kernel.arm_chain cimport torques_of, twist_of
 from station.kernel.functions cimport arctangent, sine, square_root
 from station.kernel.rigid_motion cimport quaternion_of
 from station.kernel.wrench_equation cimport WrenchEquation
@@ -23,6 +24,7 @@ cdef class PoseSpring:
     cdef double[::1] rest
     cdef double[::1] stray
     cdef double[::1] error
+    cdef double[::1] twist
     cdef double[::1] wrench
     cdef double[::1] quaternion
     cdef WrenchEquation equation

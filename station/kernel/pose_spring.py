@@ -16,6 +16,7 @@ src/cartesian_impedance_example_controller.cpp and
 dual_arm_cartesian_impedance_example_controller.cpp, the part that both share.
 """
 
+from station.kernel.arm_chain import torques_of, twist_of
 from station.kernel.doubles import Doubles, zeros
 from station.kernel.functions import arctangent, sine, square_root
 from station.kernel.rigid_motion import quaternion_of
@@ -80,6 +81,7 @@ class PoseSpring:
         self.rest = zeros(size)
         self.stray = zeros(size)
         self.error = zeros(6)
+        self.twist = zeros(6)
         self.wrench = zeros(6)
         self.quaternion = zeros(4)
         self.equation = WrenchEquation()
@@ -133,54 +135,39 @@ class PoseSpring:
 
     def command(self) -> None:
         """Write the torques that belong to the error."""
-        jacobian, dq, wrench, stray = self.jacobian, self.dq, self.wrench, self.stray
+        jacobian, twist, wrench, stray = (
+            self.jacobian,
+            self.twist,
+            self.wrench,
+            self.stray,
+        )
         translational, rotational = self.stiffness[0], self.stiffness[1]
-        nullspace = self.stiffness[2]
+        nullspace, largest = self.stiffness[2], self.largest_step
         slowing = -2.0 * square_root(nullspace)
-        u, v, w, x, y, z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for joint in range(self.size):
-            k, rate = 6 * joint, dq[joint]
-            pull = nullspace * (self.rest[joint] - self.q[joint]) + slowing * rate
-            stray[joint] = pull
-            j0, j1, j2 = jacobian[k], jacobian[k + 1], jacobian[k + 2]
-            j3, j4, j5 = jacobian[k + 3], jacobian[k + 4], jacobian[k + 5]
-            u, v, w = u + j0 * rate, v + j1 * rate, w + j2 * rate
-            x, y, z = x + j3 * rate, y + j4 * rate, z + j5 * rate
-            a, b, c = a + j0 * pull, b + j1 * pull, c + j2 * pull
-            d, e, f = d + j3 * pull, e + j4 * pull, f + j5 * pull
+            away = self.rest[joint] - self.q[joint]
+            stray[joint] = nullspace * away + slowing * self.dq[joint]
         # What pulls in the null space, less the wrench to which that is equal.
-        wrench[0], wrench[1], wrench[2] = a, b, c
-        wrench[3], wrench[4], wrench[5] = d, e, f
+        twist_of(jacobian, stray, wrench)
         if nullspace != 0.0 and self.equation.factorise(jacobian, _INVERSE_DAMPING):
             self.equation.solve(wrench, wrench)
-        slowing, error, largest = self.damping[0], self.error, self.largest_step
-        a = -translational * error[0] - slowing * u - wrench[0]
-        b = -translational * error[1] - slowing * v - wrench[1]
-        c = -translational * error[2] - slowing * w - wrench[2]
-        slowing = self.damping[1]
-        d = -rotational * error[3] - slowing * x - wrench[3]
-        e = -rotational * error[4] - slowing * y - wrench[4]
-        f = -rotational * error[5] - slowing * z - wrench[5]
+        twist_of(jacobian, self.dq, twist)
+        for k in range(3):
+            force = translational * self.error[k] + self.damping[0] * twist[k]
+            wrench[k] = -force - wrench[k]
+        for k in range(3, 6):
+            moment = rotational * self.error[k] + self.damping[1] * twist[k]
+            wrench[k] = -moment - wrench[k]
+        torques = self.torques
+        torques_of(jacobian, wrench, torques)
         for joint in range(self.size):
-            k = 6 * joint
-            torque = (
-                jacobian[k] * a
-                + jacobian[k + 1] * b
-                + jacobian[k + 2] * c
-                + jacobian[k + 3] * d
-                + jacobian[k + 4] * e
-                + jacobian[k + 5] * f
-                + stray[joint]
-                + self.coriolis[joint]
-            )
             last = self.last_torques[joint]
-            step = torque - last
+            step = torques[joint] + stray[joint] + self.coriolis[joint] - last
             if step > largest:
                 step = largest
             elif step < -largest:
                 step = -largest
-            self.torques[joint] = last + step
+            torques[joint] = last + step
 
     def approach(self) -> None:
         """Move stiffnesses and equilibrium on towards their targets."""
