@@ -18,8 +18,9 @@ _FIELD_OF_VIEW = 0.7  # [rad], vertical
 # Direction from the robot to the camera: to the right, in front and above.
 _FROM = np.array([0.76, -0.58, 0.293])
 _FROM /= np.linalg.norm(_FROM)
-# Distance of the camera over the least one from which all robots can be seen.
-_ROOM_AROUND = 1.2
+# Distance of the camera over the least one from which all robots can be seen; an arm
+# that moves shall stay in the picture.
+_ROOM_AROUND = 1.35
 _ASPECT = 1.35
 """Width over height of a picture that is not known yet; few browsers show less."""
 _LEAST_STAND = 0.05  # [m]
