@@ -84,9 +84,8 @@ def _announced(process):
     )
 
 
-@pytest.fixture
 def free_ports():
-    """Two ports at which nobody listens."""
+    """Return two ports at which nobody listens."""
     with socket.socket() as first, socket.socket() as second:
         first.bind(("127.0.0.1", 0))
         second.bind(("127.0.0.1", 0))
