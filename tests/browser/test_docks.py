@@ -20,7 +20,7 @@ def test_a_path_is_kept_by_the_station_and_played_in_a_loop(workspace, enabled):
         here = position(enabled, "panda_joint1")
         workspace.button("joints", "rad").click()
         workspace.type_into("joints", "Command of joint1", f"{here + 0.15:.3f}")
-        wait_until(lambda h=here: position(enabled, "panda_joint1") > h + 0.1)
+        assert wait_until(lambda h=here: position(enabled, "panda_joint1") > h + 0.1)
     with page.expect_response("**/ui/ghost") as ghost:
         workspace.button("move", "Preview").click()
     assert ghost.value.json() == {"shown": True}
