@@ -153,7 +153,7 @@ def test_a_touched_wall_shows_contacts_the_force_and_the_commanded_pose(
 ):
     before = view.evaluate(DRAWN)
     _lean_on_the_wall(page, workspace, at_rest)
-    assert wait_until(touching)
+    assert wait_until(touching, 30)
     found = words.wait_for(r"panda_\w+ touches wall, \d+ N")
     assert found.split()[0] in touching()
     assert words.wait_for("commanded pose")
