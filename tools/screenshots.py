@@ -1,6 +1,8 @@
 """Take pictures of every dock of the dashboard, to be looked at: `artifacts/docks/`.
 
-A station of its own is started and ended. `--readme` renews the picture of the docs;
+A station of its own is started and ended. Each size is a page of its own, whose docks
+are shown in turn, light and dark; three sizes take some three minutes without a GPU.
+`--readme` renews the picture of the docs;
 `--station examples/dual_panda.yaml` or `--station=--robot=ur5` shows another robot.
 """
 
@@ -23,6 +25,8 @@ PLACE = Path("artifacts/docks")
 README = Path("docs/images/dashboard.png")
 FLAGS = ["--no-sandbox", "--use-gl=swiftshader", "--enable-unsafe-swiftshader"]
 SCENE_MS = 90_000
+SETTLING_MS = 500  # the docks look at the station every 350 ms
+MOVING_MS = 1500
 NICENESS = 10
 NARROW = 700
 _READY_LINES = 20
@@ -61,13 +65,10 @@ def station(arguments: Sequence[str]) -> Iterator[str]:
             process.wait(15)
 
 
-def opened(browser: Browser, login: str, size: tuple[int, int], scheme: str) -> Page:
+def opened(browser: Browser, login: str, size: tuple[int, int]) -> Page:
     """Return the page, logged in, with the robot drawn and the tour skipped."""
     width, height = size
-    context = browser.new_context(
-        viewport={"width": width, "height": height},
-        color_scheme="dark" if scheme == "dark" else "light",
-    )
+    context = browser.new_context(viewport={"width": width, "height": height})
     page = context.new_page()
     page.set_default_timeout(SCENE_MS)
     page.goto(login)
@@ -111,36 +112,39 @@ def move(page: Page, size: tuple[int, int]) -> None:
     show_dock(page, "joints", size)
     page.wait_for_function("() => !document.querySelector('.joints input').disabled")
     fields = page.locator(".joints input")
-    for row, value in ((0, "18"), (3, "-100"), (0, "-10")):
+    for row, value in ((0, "18"), (3, "-100")):
         fields.nth(row).fill(value)
         fields.nth(row).press("Enter")
-        page.wait_for_timeout(2500)
+        page.wait_for_timeout(MOVING_MS)
 
 
-def take(page: Page, name: str) -> None:
-    """Keep a picture of the page."""
-    page.wait_for_timeout(600)
-    path = PLACE / f"{name}.png"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(page.screenshot())
+def take(page: Page, name: str, schemes: Sequence[str]) -> None:
+    """Keep a picture of the page, light and dark."""
+    page.wait_for_timeout(SETTLING_MS)
+    PLACE.mkdir(parents=True, exist_ok=True)
+    size = page.evaluate("() => `${innerWidth}x${innerHeight}`")
+    for scheme in schemes:
+        page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+        (PLACE / f"{name}-{size}-{scheme}.png").write_bytes(page.screenshot())
 
 
-def all_docks(browser: Browser, login: str, size: tuple[int, int], scheme: str) -> None:
+def all_docks(
+    browser: Browser, login: str, size: tuple[int, int], schemes: Sequence[str]
+) -> None:
     """Take a picture of the page as it opens, and of each dock."""
-    page = opened(browser, login, size, scheme)
-    end = f"{size[0]}x{size[1]}-{scheme}"
-    take(page, f"00-first-{end}")
+    page = opened(browser, login, size)
+    take(page, "00-first", schemes)
     move(page, size)
-    take(page, f"01-moving-{end}")
+    take(page, "01-moving", schemes)
     for i, dock in enumerate(docks(page)):
         show_dock(page, dock, size)
-        take(page, f"{i + 2:02}-{dock}-{end}")
+        take(page, f"{i + 2:02}-{dock}", schemes)
     page.context.close()
 
 
 def readme(browser: Browser, login: str) -> None:
     """Renew the picture of the docs: the robot, docks, and plots with data."""
-    page = opened(browser, login, SIZES[0], "light")
+    page = opened(browser, login, SIZES[0])
     page.locator("#enable").click()
     page.wait_for_function("() => !document.querySelector('.joints input').disabled")
     for joint, value in (("joint1", "25"), ("joint4", "-115"), ("joint1", "-5")):
@@ -180,8 +184,7 @@ def take_pictures(login: str, chosen: argparse.Namespace) -> None:
         else:
             widths = chosen.widths or [width for width, _ in SIZES]
             for size in (size for size in SIZES if size[0] in widths):
-                for scheme in chosen.schemes:
-                    all_docks(browser, login, size, scheme)
+                all_docks(browser, login, size, chosen.schemes)
         browser.close()
 
 

@@ -107,9 +107,10 @@ class Repeats:
         if not window.counted:
             return
         event = window.first
+        times = "once more" if window.counted == 1 else f"{window.counted} more times"
         self._log.record(
             event.kind,
-            f"{window.counted} more times within {WINDOW:.0f} s: {event.text}",
+            f"{times} within {WINDOW:.0f} s: {event.text}",
             severity=event.severity,
             what=event.what,
             result=event.result,

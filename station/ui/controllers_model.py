@@ -66,13 +66,28 @@ def startable_first(view: StationView) -> list[str]:
 
 
 def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
-    """Return the running controllers that hold a resource of this controller."""
-    wanted = resources_of(controller)
+    """Return the running controllers that hold a joint of this controller.
+
+    A Franka runs a motion of its hand beside torques of its joints, but the torques
+    alone decide where the arm goes: a controller of one kind holds the joints of the
+    other, so that whoever starts one of them is not left with an arm that ignores it.
+    """
+    wanted = _joints_of(view, controller)
     return tuple(
         other.name
         for other in view.controllers
-        if other.state == "running" and wanted & resources_of(other)
+        if other.state == "running" and wanted & _joints_of(view, other)
     )
+
+
+def _joints_of(view: StationView, controller: ControllerState) -> frozenset[str]:
+    """Return what a controller claims; a whole arm also as the joints of that arm."""
+    claimed = resources_of(controller)
+    arms = () if view.status is None else view.status.robots
+    stems = tuple(
+        f"{arm.arm_id}_joint" for arm in arms if f"{arm.arm_id}_robot" in claimed
+    )
+    return claimed | {name for name in view.positions if name.startswith(stems)}
 
 
 def resources_of(controller: ControllerState) -> frozenset[str]:

@@ -7,6 +7,7 @@ import viser
 from numpy.typing import NDArray
 from trimesh.scene.transforms import SceneGraph
 
+from station.ui.camera_fit import corners_of, fitting_distance
 from station.ui.joint_frames import is_drawn_moving
 from station.ui.moving_frames import MovingFrame, MovingFrames
 from station.ui.robot_model import LIBRARY_FAILURES, RobotModel, RobotModelError
@@ -16,8 +17,12 @@ _STAND = "_stand"
 _FIELD_OF_VIEW = 0.7  # [rad], vertical
 # Direction from the robot to the camera: to the right, in front and above.
 _FROM = np.array([0.76, -0.58, 0.293])
-# Distance of the camera over the distance at which a sphere around the robot fits.
-_ROOM_AROUND = 1.1
+_FROM /= np.linalg.norm(_FROM)
+# Distance of the camera over the least one from which all robots can be seen; an arm
+# that moves shall stay in the picture.
+_ROOM_AROUND = 1.35
+_ASPECT = 1.35
+"""Width over height of a picture that is not known yet; few browsers show less."""
 _LEAST_STAND = 0.05  # [m]
 
 
@@ -84,10 +89,7 @@ class RobotScene:
         """Let the camera see the whole robot, and put a stand under its base."""
         if self._robot is None:
             return
-        drawing = self._robot.drawing
-        movable = drawing.actuated_joint_names
-        drawing.update_cfg({n: q for n, q in positions.items() if n in movable})
-        bounds = drawing.scene.bounds  # (2, 3); None for a robot without meshes
+        bounds = _box_around(self._robot, positions)
         if bounds is None:
             return
         if positions:
@@ -95,17 +97,26 @@ class RobotScene:
             _draw_stand(self._server, self._root, base, float(bounds[0, 2]))
         if not self._has_camera:
             return
-        for other in self._beside:
-            around = other.drawing.scene.bounds
-            if around is not None:
-                low = np.minimum(bounds[0], around[0])
-                bounds = np.stack([low, np.maximum(bounds[1], around[1])])
+        boxes = [bounds, *(_box_around(other, positions) for other in self._beside)]
+        corners = corners_of([box for box in boxes if box is not None])
         camera = self._server.initial_camera
-        centre = bounds.mean(axis=0)
-        distance = _ROOM_AROUND * float(np.linalg.norm(bounds[1] - bounds[0])) / 2.0
-        distance /= np.sin(_FIELD_OF_VIEW / 2.0)
+        centre = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
+        distance = _ROOM_AROUND * fitting_distance(
+            corners, centre, _FROM, field_of_view=_FIELD_OF_VIEW, aspect=_ASPECT
+        )
         camera.position = tuple((centre + distance * _FROM).tolist())
         camera.look_at = tuple(centre.tolist())
+
+
+def _box_around(
+    robot: RobotModel, positions: Mapping[str, float]
+) -> NDArray[np.float64] | None:
+    """Return the box around a robot's meshes, shape (2, 3); None without meshes."""
+    drawing = robot.drawing
+    movable = drawing.actuated_joint_names
+    drawing.update_cfg({n: q for n, q in positions.items() if n in movable})
+    bounds: NDArray[np.float64] | None = drawing.scene.bounds
+    return bounds
 
 
 def prepare_room(server: viser.ViserServer) -> None:

@@ -1,5 +1,6 @@
 """What the docks of the page show besides the streams, as plain data."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
@@ -14,6 +15,7 @@ _DEFAULT_KIND = "JointGroupPositionController"
 _DEFAULT_TYPE = f"effort_controllers/{_DEFAULT_KIND}"
 _MOST_NAMES = 3
 """So many claimed resources are named in a row; of more there is the number."""
+_JOINT_NUMBER = re.compile(r"_joint(\d+)$")
 _STARTABLE = frozenset({"initialized", "stopped"})
 
 
@@ -133,7 +135,10 @@ def _short_claims(controller: ControllerState, arms: Sequence[str]) -> list[str]
             parts.append(f"{kind}, {len(claim.resources)} joints")
         elif claim.resources:
             prefixes = [f"{arm}_" for arm in arms if len(arms) == 1]
-            names = (_without(name, prefixes) for name in claim.resources)
+            names = (
+                _JOINT_NUMBER.sub(r" \1", _without(name, prefixes))
+                for name in claim.resources
+            )
             parts.append(f"{kind} {', '.join(names)}")
     return parts or ["nothing"]
 

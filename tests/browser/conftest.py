@@ -84,9 +84,8 @@ def _announced(process):
     )
 
 
-@pytest.fixture
 def free_ports():
-    """Two ports at which nobody listens."""
+    """Return two ports at which nobody listens."""
     with socket.socket() as first, socket.socket() as second:
         first.bind(("127.0.0.1", 0))
         second.bind(("127.0.0.1", 0))
@@ -104,10 +103,11 @@ def client(running_station):
 def page(browser, running_station):
     """The dashboard, logged in; a script error on the page fails the last test.
 
-    Half the pixels in each direction: they are drawn in software.
+    Half the pixels in each direction, and few of them: they are drawn in software, and
+    each click waits for a picture.
     """
     context = browser.new_context(
-        viewport={"width": 1280, "height": 800}, device_scale_factor=0.5
+        viewport={"width": 1280, "height": 560}, device_scale_factor=0.5
     )
     page = context.new_page()
     failures = []

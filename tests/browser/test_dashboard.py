@@ -35,12 +35,10 @@ def _state(client, name):
 
 @pytest.fixture
 def scene(page):
-    """What Viser draws, with the robot in it; small, so that it is drawn soon."""
-    page.set_viewport_size({"width": 1280, "height": 600})
+    """What Viser draws, with the robot in it."""
     view = ViserPage(page)
     view.wait_for_scene()
-    yield view.frame
-    page.set_viewport_size({"width": 1280, "height": 800})
+    return view.frame
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.wire import Fault
 from tests.browser.workspace_page import (
     CONTROLLER,
     WorkspacePage,
@@ -19,7 +20,7 @@ def test_a_path_is_kept_by_the_station_and_played_in_a_loop(workspace, enabled):
         here = position(enabled, "panda_joint1")
         workspace.button("joints", "rad").click()
         workspace.type_into("joints", "Command of joint1", f"{here + 0.15:.3f}")
-        wait_until(lambda h=here: position(enabled, "panda_joint1") > h + 0.1)
+        assert wait_until(lambda h=here: position(enabled, "panda_joint1") > h + 0.1)
     with page.expect_response("**/ui/ghost") as ghost:
         workspace.button("move", "Preview").click()
     assert ghost.value.json() == {"shown": True}
@@ -103,6 +104,35 @@ def test_every_number_of_a_stream_can_be_plotted_and_is_kept(workspace):
     box.get_by_label("Search channels").fill("loop total p99")
     choice.click()
     box.locator(".picker > summary").click()
+
+
+def test_the_strip_stays_one_line_when_an_arm_has_stopped_itself(workspace, client):
+    page, panda = workspace.page, client.robot("panda")
+    bar = page.locator("#bar")
+    height = bar.bounding_box()["height"]
+    panda.inject(Fault(kind="collision", cycles=30))
+    page.locator("#mode").get_by_text("reflex").wait_for()
+    page.locator("#alarms").wait_for()
+    assert bar.bounding_box()["height"] == height
+    page.get_by_role("button", name="Recover panda").click()
+    assert wait_until(lambda: panda.errors().robot_mode == "idle")
+
+
+@pytest.mark.parametrize(("width", "rows"), [(1280, 2), (1920, 1)])
+def test_the_choices_of_the_timeline_stand_in_even_rows(workspace, width, rows):
+    page = workspace.page
+    workspace.dock("simulation")
+    page.set_viewport_size({"width": width, "height": 900})
+    page.wait_for_function("(width) => innerWidth === width", arg=width)
+    tops = (
+        workspace
+        .dock("timeline")
+        .locator(".tabs button:visible")
+        .evaluate_all("(all) => all.map((one) => one.getBoundingClientRect().top)")
+    )
+    page.set_viewport_size({"width": 1280, "height": 800})
+    assert len(tops) == 4
+    assert [tops.count(top) for top in sorted(set(tops))] == [4 // rows] * rows
 
 
 def _answers_ghost(method):

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from station.client import StationClient
+from tests.browser.conftest import free_ports
 from tests.browser.workspace_page import (
     CONTROLLER,
     WorkspacePage,
@@ -29,6 +30,7 @@ class _Place:
     """A station whose ports and runtime directory stay when it is started anew."""
 
     def __init__(self, home, ports):
+        self.station = None
         self.home = home
         self.ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
         self.processes = []
@@ -53,6 +55,20 @@ class _Place:
         known = json.loads(Path(told["runtime_file"]).read_text())
         self.api, self.ui, self.token = told["api_url"], told["ui_url"], known["token"]
 
+    def restore(self):
+        """Let the station be as one that has just started, started anew if it ended."""
+        if self.station is None or self.station.poll() is not None:
+            self.start()
+        with self.client() as client:
+            running = [c.name for c in client.controllers() if c.state == "running"]
+            moving = [name for name in running if name != "joint_state_controller"]
+            if moving:
+                client.switch_controllers(stop=moving)
+            if client.status().stop_state != "armed":
+                client.release_stop()
+                client.release_stop(arm=True)
+            client.simulation.reset()
+
     def client(self):
         return StationClient(self.api, self.token)
 
@@ -68,12 +84,18 @@ class _Place:
             process.stdout.close()
 
 
-@pytest.fixture
-def place(tmp_path, free_ports):
-    place = _Place(tmp_path, free_ports)
-    place.start()
+@pytest.fixture(scope="module")
+def only_place(tmp_path_factory):
+    place = _Place(tmp_path_factory.mktemp("station"), free_ports())
     yield place
     place.end()
+
+
+@pytest.fixture
+def place(only_place):
+    """The station of all these tests, idle and with the arm in its first pose."""
+    only_place.restore()
+    return only_place
 
 
 @pytest.fixture
@@ -136,23 +158,6 @@ def test_logging_out_in_one_tab_stops_the_jog_of_another(place, log_in):
         workspace.page.wait_for_url("**/login*")
 
 
-def test_a_killed_dashboard_ends_the_jog_and_comes_back_with_its_session(place, log_in):
-    with place.client() as client:
-        workspace = log_in()
-        page = workspace.page
-        _hold_joint7(workspace, client)
-        os.kill(place.dashboard_pid(), signal.SIGKILL)
-        assert wait_until(lambda: _stands_still(client))
-        page.wait_for_selector(_NOT_LIVE)
-        port = place.ports[3]
-        again = place.run("ui", "--connect", place.api, "--port", port)
-        assert json.loads(again.stdout.readline())["ui_url"] == place.ui
-        page.wait_for_selector(_LIVE, timeout=20_000)
-        assert page.url == f"{place.ui}/"
-        # What was held before is not held any more.
-        assert wait_until(lambda: _stands_still(client))
-
-
 def test_a_page_comes_back_by_itself_when_its_station_does(place, log_in):
     page = log_in().page
     place.station.kill()
@@ -212,3 +217,20 @@ def test_two_people_type_into_forms_of_their_own(log_in):
     for workspace, text in ((ada, "from ada"), (grace, "from grace")):
         field = workspace.dock("controllers").get_by_label("Search controller types")
         assert field.input_value() == text
+
+
+def test_a_killed_dashboard_ends_the_jog_and_comes_back_with_its_session(place, log_in):
+    with place.client() as client:
+        workspace = log_in()
+        page = workspace.page
+        _hold_joint7(workspace, client)
+        os.kill(place.dashboard_pid(), signal.SIGKILL)
+        assert wait_until(lambda: _stands_still(client))
+        page.wait_for_selector(_NOT_LIVE)
+        port = place.ports[3]
+        again = place.run("ui", "--connect", place.api, "--port", port)
+        assert json.loads(again.stdout.readline())["ui_url"] == place.ui
+        page.wait_for_selector(_LIVE, timeout=20_000)
+        assert page.url == f"{place.ui}/"
+        # What was held before is not held any more.
+        assert wait_until(lambda: _stands_still(client))

@@ -181,6 +181,8 @@ def test_the_cube_is_grasped_and_lifted(person, client):
     assert wait_until(lambda: distance() < 0.01, 25)
     person.click("Grasp")
     assert wait_until(lambda: hand.gripper.state().is_grasped)
+    gripper = person.page.locator("st-gripper")
+    gripper.get_by_text(re.compile(r"holds an object with \d+ N")).wait_for()
     assert person.clicks == counted("grasp the cube") <= 6
     person.page.get_by_label("Hand z [m]").focus()
     person.write("0.2")

@@ -6,6 +6,63 @@ SETTLE_MS = 150
 """Viser's page sends at most one event per 50 ms; a second one replaces the first."""
 
 
+class SceneWords:
+    """The words in the 3D view: they are drawn, so the page has no text to look for.
+
+    Args:
+        frame: The part of the page that Viser draws; it ran `NOTE` before all else.
+    """
+
+    # Viser's page has its socket in a worker, which posts the messages to the page.
+    NOTE = """
+(() => {
+  const Real = window.Worker;
+  window.sceneWords = {};
+  window.sceneHidden = {};
+  const hear = (message) => {
+    const words = window.sceneWords;
+    if (message.type === "SetSceneNodeVisibilityMessage")
+      window.sceneHidden[message.name] = !message.visible;
+    if (message.type === "LabelMessage")
+      words[message.name] = {text: message.props.text, visible: true};
+    else if (!(message.name in words)) return;
+    else if (message.type === "RemoveSceneNodeMessage") delete words[message.name];
+    else if (message.type === "SetSceneNodeVisibilityMessage")
+      words[message.name].visible = message.visible;
+    else if (message.type === "SceneNodeUpdateMessage" && "text" in message.updates)
+      words[message.name].text = message.updates.text;
+  };
+  window.Worker = class extends Real {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", ({data}) => {
+        if (data?.type === "message_batch") data.messages.forEach(hear);
+      });
+    }
+  };
+})();
+"""
+
+    def __init__(self, frame):
+        self._frame = frame
+
+    def shown(self):
+        """Return all words that are shown now."""
+        return self._frame.evaluate(
+            "() => Object.values(window.sceneWords)"
+            ".filter((one) => one.visible && one.text).map((one) => one.text)"
+        )
+
+    def wait_for(self, pattern):
+        """Wait until words match a pattern; return them."""
+        shown = self._frame.wait_for_function(
+            "(pattern) => Object.values(window.sceneWords).find((one) =>"
+            " one.visible && new RegExp(`^(?:${pattern})$`).test(one.text))?.text",
+            arg=pattern,
+        )
+        return shown.json_value()
+
+
 class ViserPage:
     """The part of a dashboard's page that Viser draws, an iframe.
 

@@ -47,6 +47,14 @@ def test_the_first_ones_are_recorded_and_the_others_counted(log, repeats, time):
     assert log.since()[-1].details == {"repeated": 90, "first_event": 1}
 
 
+@pytest.mark.parametrize(("times", "words"), [(2, "once more"), (3, "2 more times")])
+def test_the_text_says_how_often_it_happened_again(log, repeats, times, words):
+    ask(repeats, times, free=1)
+    repeats.finish()
+
+    assert log.since()[-1].text.startswith(f"{words} within 10 s: ")
+
+
 def test_after_the_window_it_begins_anew(log, repeats, time):
     ask(repeats, 5, free=1)
     time.now += WINDOW

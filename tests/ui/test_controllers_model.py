@@ -1,5 +1,7 @@
 """What the Controllers panel offers."""
 
+from dataclasses import replace
+
 import pytest
 
 from station.ui.controllers_model import (
@@ -8,7 +10,7 @@ from station.ui.controllers_model import (
     offer_for,
     startable_first,
 )
-from tests.ui.views import controller, view
+from tests.ui.views import arm, controller, status, view
 
 
 def test_a_free_controller_can_be_started_and_unloaded():
@@ -26,6 +28,23 @@ def test_the_holder_of_its_joints_is_named():
     offer = offer_for(seen, "arm")
     assert (offer.start, offer.replaces) == (False, ("other",))
     assert "other" in offer.reason
+
+
+@pytest.mark.parametrize("starts", ["joints", "hand"])
+def test_a_motion_of_the_hand_and_one_of_its_joints_replace_each_other(starts):
+    """An arm whose joints are held by torques would ignore where its hand shall go."""
+    joints = [f"panda_joint{i}" for i in range(1, 8)]
+    claims = {"joints": joints, "hand": ["panda_robot"]}
+    running = next(name for name in claims if name != starts)
+    seen = view(
+        controller(starts, joints=claims[starts]),
+        controller(running, "running", claims[running]),
+        controller("fingers", "running", ["panda_finger_joint1"]),
+        controller("neighbour", "running", ["panda_2_joint1"]),
+        positions=dict.fromkeys([*joints, "panda_finger_joint1", "panda_2_joint1"], 0),
+    )
+    seen = replace(seen, status=status(robots=[arm("panda", "move")]))
+    assert offer_for(seen, starts).replaces == (running,)
 
 
 def test_other_joints_do_not_conflict():

@@ -71,7 +71,7 @@ def test_the_state_is_json_with_all_that_the_docks_need():
     ("resources", "words"),
     [
         (["panda_joint1", "panda_joint2"], "effort 1-2"),
-        (["panda_finger_joint1"], "effort finger_joint1"),
+        (["panda_finger_joint1"], "effort finger 1"),
         (["FL_HAA", "FR_HAA"], "effort FL_HAA, FR_HAA"),
         (["a1", "b1", "c1", "d1"], "effort, 4 joints"),
     ],

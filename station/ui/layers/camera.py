@@ -1,11 +1,12 @@
 """From where a browser looks at the robots."""
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 
+from station.ui.camera_fit import UP, corners_of, fitting_distance
 from station.ui.layers.scene_facts import PlacedRobot
 
 _DIRECTIONS: Mapping[str, tuple[float, float, float]] = {
@@ -17,7 +18,7 @@ _DIRECTIONS: Mapping[str, tuple[float, float, float]] = {
 }
 """Direction from what is looked at to the camera."""
 PRESETS = (*_DIRECTIONS, "hand")
-_ROOM_AROUND = 1.05
+_ROOM_AROUND = 1.1
 _HAND_DISTANCE = 0.75  # [m]
 
 
@@ -43,19 +44,22 @@ def look(
         robot = robots[0]
         target = np.array(robot.poses(positions)[robot.flange].xyz)
         distance = _HAND_DISTANCE
-        direction = np.array(_DIRECTIONS["fit"])
+        direction = _unit("fit")
     else:
-        corners = np.stack([robot.model.bounds(positions) for robot in robots])
-        low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
-        target = (low + high) / 2.0
-        radius = float(np.linalg.norm(high - low)) / 2.0
-        # The narrower of the two angles decides; the vertical one is the lens's.
-        half = camera.fov / 2.0
-        half = min(half, math.atan(math.tan(half) * camera.aspect))
-        distance = _ROOM_AROUND * radius / math.sin(half)
-        direction = np.array(_DIRECTIONS[preset])
-    direction /= np.linalg.norm(direction)
+        corners = corners_of([robot.model.bounds(positions) for robot in robots])
+        target = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
+        direction = _unit(preset)
+        distance = _ROOM_AROUND * fitting_distance(
+            corners, target, direction, field_of_view=camera.fov, aspect=camera.aspect
+        )
     with client.atomic():
-        camera.up_direction = (0.0, 0.0, 1.0)
+        camera.up_direction = UP
         camera.position = target + distance * direction
         camera.look_at = target
+
+
+def _unit(preset: str) -> NDArray[np.float64]:
+    """Return the direction of a preset, of length 1."""
+    direction = np.array(_DIRECTIONS[preset])
+    direction /= np.linalg.norm(direction)
+    return direction

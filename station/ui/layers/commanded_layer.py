@@ -10,6 +10,9 @@ from station.ui.layers.scene_facts import PlacedRobot, SceneFacts
 from station.ui.robot_figure import RobotFigure
 
 _COLOUR = (22, 140, 160)
+_LABEL = "commanded pose"
+_LABEL_HEIGHT = 0.15
+"""Height of the words over the highest frame of a link [m]."""
 _APART, _TOGETHER = 0.03, 0.015
 """Largest distance of a joint to its command from which the figure is shown, and below
 which it goes [rad] or [m]; a difference keeps it from flickering."""
@@ -28,6 +31,7 @@ class CommandedLayer(Layer):
     ) -> None:
         super().__init__(client, robots)
         self._figures: list[RobotFigure | None] = [None] * len(self.robots)
+        self._labels: dict[int, viser.LabelHandle] = {}
 
     @override
     def show(self, facts: SceneFacts) -> None:
@@ -42,15 +46,28 @@ class CommandedLayer(Layer):
                         self.client, robot.model, f"/commanded_{i}", _COLOUR
                     )
                     self._figures[i] = figure
-                figure.show({**facts.positions, **facts.commanded})
+                    path = f"/commanded_{i}_label"
+                    self._labels[i] = self.client.scene.add_label(path, _LABEL)
+                commanded = {**facts.positions, **facts.commanded}
+                figure.show(commanded)
+                highest = max(
+                    (pose.xyz for pose in robot.poses(commanded).values()),
+                    key=lambda xyz: xyz[2],
+                )
+                x, y, z = highest
+                self._labels[i].position = (x, y, z + _LABEL_HEIGHT)
+                self._labels[i].visible = True
             elif figure is not None:
                 figure.hide()
+                self._labels[i].visible = False
 
     @override
     def remove(self) -> None:
         for figure in self._figures:
             if figure is not None:
                 figure.remove()
+        for label in self._labels.values():
+            label.remove()
         super().remove()
 
 

@@ -1,7 +1,8 @@
 """The layer with the forces on the arms."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import viser
@@ -18,7 +19,7 @@ _LEAST = 2.0
 _LEAST_ESTIMATE = 8.0
 """Smaller wrenches are errors of the arm's estimate and not drawn [N]: an arm with the
 sensors of a real one reports some 4 N where nothing touches it."""
-_METRES_PER_NEWTON = 0.01
+_METRES_PER_NEWTON = 0.015
 _LONGEST = 0.6  # [m]
 _EXTERNAL = (200, 30, 30)
 _SAME = 0.5  # [N]
@@ -29,7 +30,9 @@ _POINT_SIZE = 0.012  # [m]
 class ForcesLayer(Layer):
     """The external force on each Franka arm, as the arm estimates it, at its K frame.
 
-    In simulation also the points at which bodies touch, with their forces.
+    In simulation also the points at which bodies touch, with their forces. All arrows
+    begin where the force acts: what pushes an arm lies behind such an arrow and would
+    hide one that ends there.
 
     Args:
         client: The browser.
@@ -41,7 +44,8 @@ class ForcesLayer(Layer):
     ) -> None:
         super().__init__(client, robots)
         self._arrows: dict[str, _Arrow] = {}
-        self._contacts = _Contacts(client)
+        links = {name for robot in self.robots for name in robot.model.urdf.links}
+        self._contacts = _Contacts(client, links)
 
     @override
     def show(self, facts: SceneFacts) -> None:
@@ -76,7 +80,7 @@ class ForcesLayer(Layer):
 
 
 class _Arrow:
-    """A force with its size written at its tail."""
+    """A force with its size written at its tip."""
 
     def __init__(
         self, client: viser.ClientHandle, path: str, colour: tuple[int, int, int]
@@ -87,7 +91,7 @@ class _Arrow:
         self._drawn: viser.ArrowsHandle | None = None
 
     def show(self, point: Vector, force: Vector) -> None:
-        """Draw a force [N] that acts at a point [m]; the arrow ends there."""
+        """Draw a force [N] that acts at a point [m]; the arrow begins there."""
         if self._shown is not None:
             before, was = self._shown
             if math.dist(point, before) < 1e-3 and math.dist(force, was) < _SAME:
@@ -95,20 +99,20 @@ class _Arrow:
         self._shown = (point, force)
         size = math.hypot(*force)
         length = min(size * _METRES_PER_NEWTON, _LONGEST)
-        tip = np.array(point)
-        tail = tip - length / size * np.array(force)
+        tail = np.array(point)
+        tip = tail + length / size * np.array(force)
         self._drawn = self._client.scene.add_arrows(
             self._path,
             np.array([[tail, tip]], dtype=np.float32),
             self._colour,
-            shaft_radius=0.006,
-            head_radius=0.016,
-            head_length=min(0.04, length),
+            shaft_radius=0.008,
+            head_radius=0.02,
+            head_length=min(0.05, length),
         )
         text = f"{size:.0f} N on the arm"
         if self._label.text != text:
             self._label.text = text
-        self._label.position = tuple(tail.tolist())
+        self._label.position = tuple(tip.tolist())
 
     def remove(self) -> None:
         """Take the arrow out of the scene."""
@@ -117,30 +121,50 @@ class _Arrow:
             self._drawn.remove()
 
 
-class _Contacts:
-    """Points at which bodies touch, and the force on the second body of each."""
+@dataclass(frozen=True, slots=True)
+class _Touch:
+    """A point at which two bodies touch.
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    Attributes:
+        text: Which bodies touch.
+        point: The point [m], shape (3,).
+        force: On a link of a robot if one of the two bodies is one [N], shape (3,).
+        is_of_robot: Whether one of the two bodies is a link of a robot.
+    """
+
+    text: str
+    point: NDArray[np.float64]
+    force: NDArray[np.float64]
+    is_of_robot: bool
+
+
+class _Contacts:
+    """Points at which bodies touch, each with the force on one of the two bodies."""
+
+    def __init__(self, client: viser.ClientHandle, links: Collection[str]) -> None:
         self._client = client
+        self._links = frozenset(links)
         self._shown: NDArray[np.float64] = np.zeros((0, 2, 3))
         self._drawn: list[viser.SceneNodeHandle] = []
+        self._label = client.scene.add_label("/contacts/label", "", visible=False)
 
     def show(self, contacts: Sequence[Contact]) -> None:
         """Draw the contacts of now; what has not changed is not sent again."""
-        known = [
-            (contact.position, contact.force)
+        touches = [
+            _touch(contact, self._links)
             for contact in contacts
             if None not in {*contact.position, *contact.force}
         ]
-        now = np.array(known, dtype=float).reshape(-1, 2, 3)
+        now = np.array([(one.point, one.force) for one in touches]).reshape(-1, 2, 3)
         if now.shape == self._shown.shape:
             change = np.abs(now - self._shown)
             if (change[:, 0] < 1e-3).all() and (change[:, 1] < _SAME).all():
                 return
         self._shown = now
-        self.remove()
+        self._clear()
         if len(now):
             self._draw(now[:, 0], now[:, 1])
+        self._name_strongest(touches)
 
     def _draw(self, points: NDArray[np.float64], forces: NDArray[np.float64]) -> None:
         scene = self._client.scene
@@ -165,14 +189,52 @@ class _Contacts:
                 "/contacts/forces",
                 arrows.astype(np.float32),
                 _CONTACT,
-                shaft_radius=0.004,
-                head_radius=0.011,
-                head_length=0.025,
+                shaft_radius=0.006,
+                head_radius=0.015,
+                head_length=0.03,
             )
         )
 
-    def remove(self) -> None:
-        """Take the contacts out of the scene."""
+    def _name_strongest(self, touches: Sequence[_Touch]) -> None:
+        """Say of the two bodies that press most what they are; others stay unnamed.
+
+        A hand that grasps touches in eight points, and as many texts hide them.
+        """
+        pairs: dict[str, list[_Touch]] = {}
+        for one in touches:
+            if one.is_of_robot:
+                pairs.setdefault(one.text, []).append(one)
+        sums = {text: sum(one.force for one in found) for text, found in pairs.items()}
+        sizes = {text: float(np.linalg.norm(force)) for text, force in sums.items()}
+        text = max(sizes, key=sizes.__getitem__, default="")
+        self._label.visible = bool(text) and sizes[text] > _LEAST
+        if self._label.visible:
+            self._label.text = f"{text}, {sizes[text]:.0f} N"
+            self._label.position = tuple(pairs[text][0].point.tolist())
+
+    def _clear(self) -> None:
         for node in self._drawn:
             node.remove()
         self._drawn.clear()
+
+    def remove(self) -> None:
+        """Take the contacts out of the scene."""
+        self._clear()
+        self._label.remove()
+
+
+def _touch(contact: Contact, links: Collection[str]) -> _Touch:
+    """Return a contact as it is drawn: with the force on the robot, if there is one."""
+    first, second = contact.bodies
+    force = np.array(contact.force, dtype=float)
+    if first in links and second not in links:
+        force = -force
+    else:
+        first, second = second, first
+    other = "the floor" if second == "world" else second
+    return _Touch(
+        text=f"{first} touches {other}",
+        point=np.array(contact.position, dtype=float),
+        force=force,
+        is_of_robot=first in links,
+    )

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from station.ui.camera_fit import corners_of
 from station.ui.layers.camera import PRESETS, look
+from station.ui.layers.scene_facts import PlacedRobot
+from station.ui.robot_model import load_robot
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -15,6 +18,29 @@ def test_every_place_sees_the_robot(client, panda, preset):
     assert (low - 0.01 <= target).all()
     assert (target <= high + 0.01).all()
     assert 0.5 < np.linalg.norm(client.camera.position - target) < 5.0
+
+
+def test_two_arms_far_apart_are_both_seen_and_fill_the_picture(client, panda):
+    base = (0.0, 2.0, 0.0, 0.0, 0.0, 0.0)
+    other = load_robot("example-robot-data:panda", arm_id="panda_2", base=base)
+    look(client, "fit", [panda, PlacedRobot(other, "/robot_2")], {})
+    camera = client.camera
+    corners = corners_of([panda.model.bounds({}), other.bounds({})])
+    seen = _in_picture(camera, corners)
+    assert 0.8 < np.abs(seen).max() < 1.0
+
+
+def _in_picture(camera, points):
+    """Return where points are in the picture; its edges are at -1 and 1."""
+    forward = camera.look_at - camera.position
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    away = points - camera.position
+    depth = away @ forward
+    tall = np.tan(camera.fov / 2.0) * depth
+    up = np.cross(right, forward)
+    return np.stack([away @ right / (tall * camera.aspect), away @ up / tall])
 
 
 def test_the_front_is_along_x_at_the_height_of_the_robot(client, panda):

@@ -15,8 +15,12 @@ def test_the_figure_is_there_while_the_arm_is_elsewhere(draw, node):
     assert node("/commanded_0") is None
     layer.show(_facts(0.3))
     assert node("/commanded_0").visible
+    label = node("/commanded_0_label")
+    assert (label.text, label.visible) == ("commanded pose", True)
+    assert label.position[2] > 0.9  # Over the arm, which is straight.
     layer.show(_facts(0.0))
     assert not node("/commanded_0").visible
+    assert not label.visible
 
 
 def test_the_figure_does_not_flicker_at_its_threshold(draw, node):

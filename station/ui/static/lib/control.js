@@ -16,6 +16,7 @@ class Control {
     this.state = { owner: null, mine: false };
     this.asking = false;
     this.drawn = "";
+    this.changes = 0; // how often this page asked for a change, or had its answer
   }
 
   start() {
@@ -26,8 +27,11 @@ class Control {
   }
 
   async look() {
+    const changes = this.changes;
     try {
-      this.heard(await send("GET", PATH));
+      const state = await send("GET", PATH);
+      // A look that overlaps a change of this page may show what was before it.
+      if (changes === this.changes) this.heard(state);
     } catch {
       show(element("control"), "–"); // The strip says that the station does not answer.
     }
@@ -63,8 +67,10 @@ class Control {
 
   /** Ask the station; a refusal goes into the log. Returns whether it was done. */
   async ask(method, body) {
+    this.changes += 1;
     try {
       const state = await send(method, PATH, body);
+      this.changes += 1;
       this.state = state;
       this.asking = false;
       this.drawn = "";

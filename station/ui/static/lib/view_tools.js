@@ -14,11 +14,23 @@ const CAMERAS = [
 ];
 const LAYERS = [
   ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green)"],
-  ["forces", "Forces", "Forces on the arm and contacts, as red arrows"],
+  ["forces", "Forces", "External force on each arm (red) and where bodies touch (violet)"],
   ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left"],
   ["trail", "Trail", "Where the hand was"],
   ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K"],
   ["collision", "Collision", "The geometry that collides"],
+];
+// What the colours over the robots mean: [layer, sign, words].
+const KEY = [
+  ["command", "figure", "commanded pose"],
+  ["forces", "force", "force on the arm"],
+  ["forces", "contact", "contact"],
+  ["limits", "limit", "joint near its limit"],
+  ["trail", "trail", "path of the flange"],
+  ["frames", "axis-x", "x"],
+  ["frames", "axis-y", "y"],
+  ["frames", "axis-z", "z axis"],
+  ["collision", "hull", "collision geometry"],
 ];
 const AT_FIRST = ["command", "forces", "limits"];
 
@@ -100,18 +112,26 @@ export function showViewTools(place) {
   const cameras = CAMERAS.map(([name, label, title]) =>
     button(label, title, () => send("POST", "/ui/camera", { preset: name }).catch((error) => console.warn(error.message))),
   );
+  const key = h("ul", { class: "key" });
+  key.setAttribute("aria-label", "What the colours mean");
+  const explain = () =>
+    key.replaceChildren(
+      ...KEY.filter(([layer]) => shown.includes(layer)).map(([, sign, words]) => h("li", {}, h("i", { class: sign, ariaHidden: "true" }), words)),
+    );
+  explain();
   const layers = LAYERS.map(([name, label, title]) => {
     const made = button(label, title, () => {
       shown = shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name];
       kept.set("layers", shown);
       made.setAttribute("aria-pressed", String(shown.includes(name)));
+      explain();
       tell();
     });
     made.setAttribute("aria-pressed", String(shown.includes(name)));
     return made;
   });
   const fold = h("summary", { class: "s" }, "View");
-  const folder = h("details", {}, fold, h("div", { class: "tools-body" }, group("Camera", ...cameras), group("Show", ...layers), group("Act", pushing.toggle), pushing.made));
+  const folder = h("details", {}, fold, h("div", { class: "tools-body" }, group("Camera", ...cameras), group("Show", ...layers), key, group("Act", pushing.toggle), pushing.made));
   folder.open = kept.get("view-tools", innerWidth > 700);
   folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
   place.append(folder);

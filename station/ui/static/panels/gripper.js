@@ -31,7 +31,7 @@ class Gripper extends Panel {
     const { state, buttons } = this.arms.get(arm);
     const last = told.command ?? told.last;
     const doing = told.command ? `${told.command.action} …` : last ? `${last.action} ${last.status}${last.message ? `: ${last.message}` : ""}` : told.activity;
-    const held = told.is_grasped ? `holds an object with ${number(told.force, 0)} N` : "holds nothing";
+    const held = told.is_grasped ? `holds an object with ${number(Math.abs(told.force), 0)} N` : "holds nothing";
     show(state, `${number(told.width * 1e3, 1)} mm of ${number(told.max_width * 1e3, 0)} mm · ${held} · ${doing}`);
     for (const button of buttons) button.disabled = !store.isOperator;
   }

@@ -72,7 +72,7 @@ class Move extends Panel {
     this.reach.disabled = Boolean(target.reason) || !target.controller;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
-    const text = jog.controller && !jog.reason ? `Hold a button: ${jog.controller} moves the hand in the axes of the base.` : target.controller && !target.reason ? `${target.controller} goes to a typed or dragged target.` : "Start one of the two: a jog while a button is held, or targets that the hand goes to.";
+    const text = jog.controller && !jog.reason ? `Hold a button: ${jog.controller} moves the hand in the axes of the base.` : target.controller && !target.reason ? `${target.controller} moves the hand to a place that you type here, or to where you drag the arrows at the hand in the 3D view.` : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
     show(this.handState, text);
   }
 

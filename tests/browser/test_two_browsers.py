@@ -1,0 +1,129 @@
+"""Two browsers at one station: one operates; the other watches, stops, takes over."""
+
+import pytest
+
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    OTHER,
+    WorkspacePage,
+    position,
+    wait_until,
+    without_scene,
+)
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def watching(browser, running_station):
+    """A second browser, with a login of its own."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    without_scene(context)
+    page = context.new_page()
+    failures = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(f"{running_station.ui}/login?token={running_station.token}")
+    yield WorkspacePage(page)
+    context.close()
+    assert failures == []
+
+
+@pytest.fixture
+def ada(workspace, enabled):
+    """The first browser; it holds control as ada, and a script takes it back after."""
+    page = workspace.page
+    page.locator("#control").click()
+    page.get_by_label("Your name").fill("ada")
+    page.get_by_role("button", name="Take control", exact=True).click()
+    page.locator("#control").get_by_text("you (ada)").wait_for()
+    yield workspace
+    taken = enabled.lease.take("the test", force=True)
+    enabled.lease.act_under(taken.lease)
+    enabled.lease.release()
+    page.locator("#control").get_by_text("any operator").wait_for()
+
+
+def _note(workspace):
+    """Return what the line over the 3D view says of who holds control."""
+    return workspace.page.locator("#watching")
+
+
+def test_the_other_browser_is_told_that_it_only_watches(ada, watching, enabled):
+    _note(watching).get_by_text(
+        "ada holds control: here you only watch. STOP works."
+    ).wait_for()
+    assert not _note(ada).is_visible()
+    assert not ada.page.locator("#refusal-line").is_visible()
+    note = _note(watching).bounding_box()
+    view = watching.page.locator("#scene").bounding_box()
+    assert view["x"] <= note["x"]
+    assert note["x"] + note["width"] <= view["x"] + view["width"]
+    assert enabled.lease.state().owner == "ada"
+
+
+def _is_a_switch(response):
+    """Return whether this answers a switch that was to be carried out."""
+    asked = response.request.post_data or ""
+    return response.url.endswith("/switch") and '"dry_run":true' not in asked
+
+
+def test_what_the_watching_browser_asks_for_is_refused_with_the_name(
+    ada, watching, enabled
+):
+    before = enabled.last_command(CONTROLLER).last
+    watching.button("joints", "rad").click()
+    watching.type_into("joints", "Command of joint1", "0.4")
+    line = watching.page.locator("#refusal-line")
+    line.get_by_text("ada holds control").wait_for()
+    with watching.page.expect_response(_is_a_switch) as answer:
+        watching.button("controllers", f"Start {OTHER}").click()
+    assert answer.value.json()["code"] == "control_held"
+    assert enabled.controller(OTHER).state != "running"
+    assert enabled.last_command(CONTROLLER).last == before
+    ada.button("joints", "rad").click()
+    ada.type_into("joints", "Command of joint1", "0.1")
+    assert wait_until(lambda: abs(position(enabled, "panda_joint1") - 0.1) < 0.02)
+
+
+def test_what_one_browser_moves_the_other_sees(ada, watching, enabled):
+    ada.button("joints", "rad").click()
+    watching.button("joints", "rad").click()
+    ada.type_into("joints", "Command of joint1", "-0.2")
+    assert wait_until(lambda: abs(position(enabled, "panda_joint1") + 0.2) < 0.02)
+    watching.page.wait_for_function(
+        "() => Math.abs(Number(document.querySelector('.joints tbody td:nth-child(3)')"
+        ".textContent) + 0.2) < 0.02"
+    )
+
+
+def test_taking_over_in_the_middle_of_a_jog_stops_the_jog(ada, watching, enabled):
+    page = ada.page
+    ada.button("joints", "Move joint7 up while held").hover()
+    page.mouse.down()
+    before = position(enabled, "panda_joint7")
+    assert wait_until(lambda: position(enabled, "panda_joint7") > before + 0.05)
+    other = watching.page
+    other.locator("#control").click()
+    panel = other.locator("#control-panel")
+    panel.get_by_role("button", name="Take it by force …").click()
+    panel.get_by_label("Your name").fill("grace")
+    panel.get_by_role("button", name="Yes, take it from ada").click()
+    assert wait_until(lambda: enabled.lease.state().owner == "grace")
+    rest = enabled.last_command(CONTROLLER).last
+    _note(ada).get_by_text("grace holds control: here you only watch").wait_for()
+    ada.page.locator("#refusal-line").get_by_text("grace").first.wait_for()
+    assert not _note(watching).is_visible()
+    cycle = enabled.status().cycle
+    assert wait_until(lambda: enabled.status().cycle > cycle + 500)
+    assert enabled.last_command(CONTROLLER).last == rest  # The button is still held.
+    page.mouse.up()
+
+
+def test_the_watching_browser_stops_the_robot(ada, watching, enabled):
+    watching.page.locator("#stop").click()
+    assert wait_until(lambda: enabled.status().stop_state == "stopped")
+    ada.page.locator("#motion").get_by_text("STOPPED").wait_for()
+    bar = ada.page.locator("#bar")
+    bar.get_by_role("button", name="Release stop").click()
+    bar.get_by_role("button", name="Allow motion").click()
+    assert wait_until(lambda: enabled.status().stop_state == "armed")

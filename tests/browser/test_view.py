@@ -1,0 +1,234 @@
+"""What the 3D view says: progress, forces, contacts, the commanded pose, a target.
+
+The view is a picture, so a test reads the words that were sent to it and counts what
+was drawn; the station tells whether that is true.
+"""
+
+import math
+import re
+
+import httpx
+import numpy as np
+import pytest
+
+from tests.browser.conftest import keep_screenshot, run_station
+from tests.browser.viser_page import SceneWords, ViserPage
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position, wait_until
+
+pytestmark = pytest.mark.slow
+
+WALL = """
+scene:
+  objects:
+    - {name: wall, type: box, size: [0.3, 0.1, 0.4], position: [0.3, 0.25, 0.5]}
+"""
+TARGETS = "cartesian_streaming_controller"
+# The progress line is noted from its first words on.
+NOTE_PROGRESS = """
+addEventListener("DOMContentLoaded", () => {
+  const line = document.getElementById("progress");
+  if (!line) return;
+  window.progressSaid = [];
+  const note = () => window.progressSaid.push(line.hidden ? "" : line.textContent);
+  note();
+  const everything = {attributes: true, childList: true, subtree: true};
+  new MutationObserver(note).observe(line, {...everything, characterData: true});
+});
+"""
+DRAWN = "() => window.__viserTestpoints.rendererInfo.render"
+
+
+@pytest.fixture(scope="module")
+def running_station(tmp_path_factory):
+    """A station with a wall at the left of the arm."""
+    home = tmp_path_factory.mktemp("station")
+    (home / "station.yaml").write_text(WALL)
+    with run_station(home, str(home / "station.yaml")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def page(browser, running_station):
+    """The page with its 3D view; half the pixels each way, drawn in software."""
+    context = browser.new_context(
+        viewport={"width": 1280, "height": 640}, device_scale_factor=0.5
+    )
+    context.add_init_script(NOTE_PROGRESS)
+    context.add_init_script(SceneWords.NOTE)
+    page = context.new_page()
+    page.set_default_timeout(60_000)
+    failures = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(f"{running_station.ui}/login?token={running_station.token}")
+    yield page
+    context.close()
+    assert failures == []
+
+
+@pytest.fixture
+def view(page):
+    """The 3D view with everything in it."""
+    page.wait_for_function("() => document.getElementById('progress').hidden")
+    skip = page.get_by_role("button", name="Skip the tour")
+    if skip.is_visible():
+        skip.click()
+    return ViserPage(page).frame
+
+
+@pytest.fixture
+def words(view):
+    """The words that are shown in the 3D view."""
+    return SceneWords(view)
+
+
+@pytest.fixture
+def workspace(page):
+    return WorkspacePage(page)
+
+
+@pytest.fixture
+def at_rest(client):
+    """The arm stands in its first pose with its first gains, before and after."""
+    before = client.gains(CONTROLLER).values
+    _reset(client)
+    yield client
+    _reset(client)
+    client.set_gains(CONTROLLER, before)
+
+
+def _reset(client):
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    moving = [name for name in running if name != "joint_state_controller"]
+    if moving:
+        client.switch_controllers(stop=moving)
+    client.simulation.reset()
+
+
+def test_a_line_says_what_loads_until_all_arms_are_drawn(page, view):
+    said = page.evaluate("() => window.progressSaid")
+    assert said[0] in {"Opening the 3D view …", "Loading the 3D view …"}
+    assert said[-1] == ""
+    wanted = page.evaluate(
+        "async () => (await (await fetch('/workspace/state')).json()).triangles"
+    )
+    steps = "\n".join(said)
+    assert f"3D view: loading the robots (0 of {wanted:,} triangles)" not in steps
+    assert re.search(rf"loading the robots \([\d,]+ of {wanted:,} triangles\)", steps)
+    assert view.evaluate(DRAWN)["triangles"] >= wanted > 100_000
+
+
+def _enable(page):
+    page.locator("#enable").click()
+    page.wait_for_function("() => !document.querySelector('.joints input').disabled")
+
+
+def _lean_on_the_wall(page, workspace, client):
+    """Press the hand to the wall, so softly that the arm does not stop itself."""
+    _enable(page)
+    client.set_gains(CONTROLLER, {"panda_joint1/p": 40.0})
+    speed = workspace.dock("joints").get_by_label("Top speed in degrees per second")
+    speed.evaluate(
+        "(e) => { e.value = 12; e.dispatchEvent(new Event('input', {bubbles: true})); }"
+    )
+    workspace.type_into("joints", "Command of joint1", "27")
+
+
+@pytest.fixture
+def touching(running_station):
+    """Ask the station for the bodies that touch the wall, one for each contact."""
+
+    def ask():
+        answer = httpx.get(
+            f"{running_station.api}/api/v1/scene",
+            headers={"Authorization": f"Bearer {running_station.token}"},
+        )
+        pairs = [set(one["bodies"]) for one in answer.json()["contacts"]]
+        return [(pair - {"wall"}).pop() for pair in pairs if "wall" in pair]
+
+    return ask
+
+
+def test_a_touched_wall_shows_contacts_the_force_and_the_commanded_pose(
+    page, view, words, workspace, at_rest, touching
+):
+    before = view.evaluate(DRAWN)
+    _lean_on_the_wall(page, workspace, at_rest)
+    assert wait_until(touching, 30)
+    found = words.wait_for(r"panda_\w+ touches wall, \d+ N")
+    assert found.split()[0] in touching()
+    assert words.wait_for("commanded pose")
+    assert position(at_rest, "panda_joint1") < math.radians(27) - 0.03
+    said = words.wait_for(r"\d+ N on the arm")
+    force = at_rest.robot("panda").state().O_F_ext_hat_K[:3]
+    assert int(said.split()[0]) == pytest.approx(math.hypot(*force), abs=6.0)
+    drawn = view.evaluate(DRAWN)
+    assert drawn["points"] == before["points"] + len(touching())
+    assert drawn["triangles"] > before["triangles"]
+    key = page.locator("#view-tools .key")
+    for meaning in ("commanded pose", "force on the arm", "contact"):
+        assert key.get_by_text(meaning, exact=True).is_visible()
+    keep_screenshot(page, "view_forces.png")
+
+
+def test_what_is_not_laid_over_the_robot_is_not_explained(page):
+    key = page.locator("#view-tools .key")
+    forces = page.locator("#view-tools").get_by_role("button", name="Forces")
+    forces.dispatch_event("click")
+    key.get_by_text("contact", exact=True).wait_for(state="detached")
+    forces.dispatch_event("click")
+    key.get_by_text("contact", exact=True).wait_for()
+
+
+def _flange_in_the_page(page, below):
+    """Return where in the page a point under the flange is, seen by the preset Hand.
+
+    Args:
+        page: The page.
+        below: How far under the flange the point is, along the world's z axis [m].
+    """
+    towards = np.array([0.76, -0.58, 0.293]) / np.linalg.norm([0.76, -0.58, 0.293])
+    lift = math.sqrt(1.0 - towards[2] ** 2)
+    depth = 0.75 + below * towards[2]
+    box = page.locator("#view").bounding_box()
+    down = below * lift / (depth * math.tan(0.7 / 2.0)) * box["height"] / 2.0
+    return box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0 + down
+
+
+def test_the_hand_follows_the_dragged_target_and_stays_where_it_was_let_go(
+    page, view, workspace, at_rest
+):
+    # Who used the sliders before shall not find an arm that ignores the target.
+    _enable(page)
+    dock = workspace.dock("move")
+    dock.get_by_text("Hand: jog and target").click()
+    before = view.evaluate(DRAWN)["triangles"]
+    page.get_by_role("button", name="Hand", exact=True).dispatch_event("click")
+    # Seen from near, most of the arm is not in the picture.
+    view.wait_for_function(f"n => ({DRAWN})().triangles < n", arg=before)
+    dock.get_by_role("button", name="Start hand targets").click()
+    assert wait_until(lambda: at_rest.controller(TARGETS).state == "running")
+    assert at_rest.controller(CONTROLLER).state != "running"
+    view.wait_for_function(
+        "() => window.sceneHidden['/robot/panda_link0/target'] === false"
+    )
+    hand = at_rest.robot("panda")
+
+    def height():
+        return hand.state().O_T_EE[14]
+
+    start = height()
+    x, y = _flange_in_the_page(page, 0.1034 + 0.05)
+    page.mouse.move(x, y)
+    page.wait_for_timeout(300)
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x, y + 5 * step)
+    assert wait_until(lambda: height() < start - 0.02)
+    keep_screenshot(page, "view_target.png")
+    page.mouse.up()
+    assert wait_until(lambda: max(map(abs, hand.state().dq)) < 0.02)
+    rest = height()
+    cycle = at_rest.status().cycle
+    assert wait_until(lambda: at_rest.status().cycle > cycle + 1000)
+    assert height() == pytest.approx(rest, abs=2e-3)
+    assert hand.state().O_T_EE[12:14] == pytest.approx([0.307, 0.0], abs=0.02)
