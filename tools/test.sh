@@ -43,10 +43,9 @@ quick)
     fi
     ;;
 slow)
-    # A file is run by one worker: its stations and pages are started once. They wait for
-    # each other more than they compute, so that there is work for one worker more than
-    # there are processors.
-    patiently slow $(($(getconf _NPROCESSORS_ONLN) + 1)) --dist loadfile --no-loadscope-reorder "$@"
+    # A file is run by one worker: its stations and pages are started once. One worker
+    # more than processors takes longer: browsers draw in software.
+    patiently slow auto --dist loadfile --no-loadscope-reorder "$@"
     ;;
 *) say "quick or slow, not $which" && exit 2 ;;
 esac
