@@ -15,6 +15,10 @@ cpdef double limited(
     double period,
 ) noexcept
 
+cpdef void limit_steps(
+    double[::1] values, double[::1] last, double largest
+) noexcept
+
 cdef class CommandRates:
     cdef JointMemory memory
     cdef readonly Py_ssize_t size

@@ -68,6 +68,24 @@ def limited(
     return last_velocity + wanted * period
 
 
+def limit_steps(values: Doubles, last: Doubles, largest: float) -> None:
+    """Replace values by the nearest ones that are at most a step from the last ones.
+
+    Args:
+        values: The values, shape (n,); NaN stays.
+        last: Those of the last cycle, shape (n,).
+        largest: Largest step, > 0.
+    """
+    for i in range(len(values)):
+        before = last[i]
+        step = values[i] - before
+        if step > largest:
+            step = largest
+        elif step < -largest:
+            step = -largest
+        values[i] = before + step
+
+
 class CommandRates:
     """Filters and limits the commands of n joints, one kind per cycle.
 

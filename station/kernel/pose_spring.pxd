@@ -1,5 +1,6 @@
 from station.kernel.arm_chain cimport torques_of, twist_of
 from station.kernel.functions cimport arctangent, sine, square_root
+from station.kernel.command_rates cimport limit_steps
 from station.kernel.rigid_motion cimport quaternion_of
 from station.kernel.wrench_equation cimport WrenchEquation
 

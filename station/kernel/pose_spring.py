@@ -17,6 +17,7 @@ dual_arm_cartesian_impedance_example_controller.cpp, the part that both share.
 """
 
 from station.kernel.arm_chain import torques_of, twist_of
+from station.kernel.command_rates import limit_steps
 from station.kernel.doubles import Doubles, zeros
 from station.kernel.functions import arctangent, sine, square_root
 from station.kernel.rigid_motion import quaternion_of
@@ -142,7 +143,7 @@ class PoseSpring:
             self.stray,
         )
         translational, rotational = self.stiffness[0], self.stiffness[1]
-        nullspace, largest = self.stiffness[2], self.largest_step
+        nullspace = self.stiffness[2]
         slowing = -2.0 * square_root(nullspace)
         for joint in range(self.size):
             away = self.rest[joint] - self.q[joint]
@@ -161,13 +162,8 @@ class PoseSpring:
         torques = self.torques
         torques_of(jacobian, wrench, torques)
         for joint in range(self.size):
-            last = self.last_torques[joint]
-            step = torques[joint] + stray[joint] + self.coriolis[joint] - last
-            if step > largest:
-                step = largest
-            elif step < -largest:
-                step = -largest
-            torques[joint] = last + step
+            torques[joint] += stray[joint] + self.coriolis[joint]
+        limit_steps(torques, self.last_torques, self.largest_step)
 
     def approach(self) -> None:
         """Move stiffnesses and equilibrium on towards their targets."""

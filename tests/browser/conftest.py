@@ -106,13 +106,29 @@ def page(browser, running_station):
     Half the pixels in each direction, and few of them: they are drawn in software, and
     each click waits for a picture.
     """
+    with logged_in(browser, running_station, height=560, scale=0.5) as page:
+        yield page
+
+
+@contextmanager
+def logged_in(browser, running, *, height=800, scale=1.0, begin=lambda _: None):
+    """Open the dashboard in a browser of its own, and log in.
+
+    Args:
+        browser: Makes it.
+        running: The station.
+        height: Of the window [px].
+        scale: Pixels of a picture over those of the page, in each direction.
+        begin: Called with the context before the page is opened.
+    """
     context = browser.new_context(
-        viewport={"width": 1280, "height": 560}, device_scale_factor=0.5
+        viewport={"width": 1280, "height": height}, device_scale_factor=scale
     )
+    begin(context)
     page = context.new_page()
     failures = []
     page.on("pageerror", lambda error: failures.append(str(error)))
-    page.goto(f"{running_station.ui}/login?token={running_station.token}")
+    page.goto(f"{running.ui}/login?token={running.token}")
     yield page
     context.close()
     assert failures == []
@@ -138,15 +154,8 @@ def keep_screenshot(page, name):
 @pytest.fixture(scope="module")
 def workspace_tab(browser, running_station):
     """The workspace, logged in; a script error on the page fails the last test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    without_scene(context)
-    page = context.new_page()
-    failures = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
-    page.goto(f"{running_station.ui}/login?token={running_station.token}")
-    yield page
-    context.close()
-    assert failures == []
+    with logged_in(browser, running_station, begin=without_scene) as page:
+        yield page
 
 
 @pytest.fixture(scope="module")
@@ -166,3 +175,18 @@ def enabled(client, workspace):
         "() => !document.querySelector('.joints input').disabled"
     )
     return client
+
+
+@pytest.fixture
+def in_control(workspace, client):
+    """The page holds control as ada; a script gives it back after the test."""
+    page = workspace.page
+    page.locator("#control").click()
+    page.get_by_label("Your name").fill("ada")
+    page.get_by_role("button", name="Take control", exact=True).click()
+    page.locator("#control").get_by_text("you (ada)").wait_for()
+    yield client
+    taken = client.lease.take("the test", force=True)
+    client.lease.act_under(taken.lease)
+    client.lease.release()
+    page.locator("#control").get_by_text("any operator").wait_for()

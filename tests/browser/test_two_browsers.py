@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.browser.conftest import logged_in
 from tests.browser.workspace_page import (
     CONTROLLER,
     OTHER,
@@ -17,30 +18,15 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def watching(browser, running_station):
     """A second browser, with a login of its own."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    without_scene(context)
-    page = context.new_page()
-    failures = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
-    page.goto(f"{running_station.ui}/login?token={running_station.token}")
-    yield WorkspacePage(page)
-    context.close()
-    assert failures == []
+    with logged_in(browser, running_station, begin=without_scene) as page:
+        yield WorkspacePage(page)
 
 
 @pytest.fixture
-def ada(workspace, enabled):
-    """The first browser; it holds control as ada, and a script takes it back after."""
-    page = workspace.page
-    page.locator("#control").click()
-    page.get_by_label("Your name").fill("ada")
-    page.get_by_role("button", name="Take control", exact=True).click()
-    page.locator("#control").get_by_text("you (ada)").wait_for()
-    yield workspace
-    taken = enabled.lease.take("the test", force=True)
-    enabled.lease.act_under(taken.lease)
-    enabled.lease.release()
-    page.locator("#control").get_by_text("any operator").wait_for()
+def ada(workspace, enabled, in_control):
+    """The first browser; it holds control as ada, and its controller runs."""
+    assert in_control is enabled
+    return workspace
 
 
 def _note(workspace):

@@ -11,7 +11,7 @@ import httpx
 import numpy as np
 import pytest
 
-from tests.browser.conftest import keep_screenshot, run_station
+from tests.browser.conftest import keep_screenshot, logged_in, run_station
 from tests.browser.viser_page import SceneWords, ViserPage
 from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position, wait_until
 
@@ -50,19 +50,16 @@ def running_station(tmp_path_factory):
 @pytest.fixture(scope="module")
 def page(browser, running_station):
     """The page with its 3D view; half the pixels each way, drawn in software."""
-    context = browser.new_context(
-        viewport={"width": 1280, "height": 640}, device_scale_factor=0.5
-    )
-    context.add_init_script(NOTE_PROGRESS)
-    context.add_init_script(SceneWords.NOTE)
-    page = context.new_page()
-    page.set_default_timeout(60_000)
-    failures = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
-    page.goto(f"{running_station.ui}/login?token={running_station.token}")
-    yield page
-    context.close()
-    assert failures == []
+
+    def begin(context):
+        context.add_init_script(NOTE_PROGRESS)
+        context.add_init_script(SceneWords.NOTE)
+        context.set_default_timeout(60_000)
+
+    with logged_in(
+        browser, running_station, height=640, scale=0.5, begin=begin
+    ) as page:
+        yield page
 
 
 @pytest.fixture

@@ -8,21 +8,6 @@ from tests.browser.workspace_page import CONTROLLER, OTHER, position, wait_until
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def in_control(workspace, client):
-    """The page holds control as ada; a script gives it back after the test."""
-    page = workspace.page
-    page.locator("#control").click()
-    page.get_by_label("Your name").fill("ada")
-    page.get_by_role("button", name="Take control", exact=True).click()
-    page.locator("#control").get_by_text("you (ada)").wait_for()
-    yield client
-    taken = client.lease.take("the test", force=True)
-    client.lease.act_under(taken.lease)
-    client.lease.release()
-    page.locator("#control").get_by_text("any operator").wait_for()
-
-
 def test_who_holds_control_acts_and_others_are_refused(workspace, in_control):
     assert in_control.lease.state().owner == "ada"
     with pytest.raises(ApiError, match="ada holds control"):

@@ -78,6 +78,11 @@ class CartesianStreamingController(CartesianMotionController):
         super().starting(time)
 
     @override
+    def update(self, time: float, period: float) -> None:
+        super().update(time, period)
+        # While an obstacle is published, `update` has to end that.
+        self._usual.is_resting = self.generator.is_still and self.is_free
+
+    @override
     def keep_sample(self, time: float) -> None:
         self._sample_of_pose.keep(time)
-        self._usual.is_resting = self.generator.is_still and self.is_free

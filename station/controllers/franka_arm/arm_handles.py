@@ -22,6 +22,8 @@ from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.kernel.command_rates import limit_steps
+from station.kernel.doubles import doubles
 
 LARGEST_STEP = 1.0
 """Largest change of a torque per cycle [Nm]."""
@@ -122,7 +124,6 @@ def saturate_torque_rate(
         tau: Desired torques [Nm], shape (7,).
         last_tau: Torques commanded last, `tau_J_d` [Nm], shape (7,).
     """
-    last = np.asarray(last_tau)
-    step = np.clip(tau - last, -LARGEST_STEP, LARGEST_STEP)
-    result: list[float] = (last + step).tolist()
-    return result
+    result = doubles(tau)
+    limit_steps(result, doubles(last_tau), LARGEST_STEP)
+    return [*result]
