@@ -55,5 +55,8 @@ class DurationRing(Durations):
         values = np.array(self.values[: min(count, self.capacity)])
         if values.size == 0:
             return Percentiles(0.0, 0.0, 0.0, 0.0, 0)
-        p50, p99, p999 = np.percentile(values, (50.0, 99.0, 99.9))
-        return Percentiles(float(p50), float(p99), float(p999), self.largest, count)
+        # Not by np.percentile: its first call imports for 50 ms, beside the cycles.
+        values.sort()
+        places = np.multiply((0.5, 0.99, 0.999), values.size - 1)
+        p50, p99, p999 = np.interp(places, np.arange(values.size), values).tolist()
+        return Percentiles(p50, p99, p999, self.largest, count)
