@@ -2,16 +2,20 @@
 
 import asyncio
 import logging
+import selectors
 import socket
 import threading
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+import anyio.lowlevel
 import uvicorn
 from fastapi import FastAPI
+from typing_extensions import override
 
 from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
+from station.core.loop.right_of_way import RightOfWay
 from station.local.tls import TlsFiles
 from station.web.limited_server import LimitedServer
 
@@ -26,6 +30,26 @@ class ServerStartError(StationError, OSError):
     """The server cannot listen there."""
 
     code = "cannot_listen"
+
+
+class GivingWaySelector(selectors.DefaultSelector):
+    """Lets a cycle of the control loop begin before a turn of the event loop.
+
+    Args:
+        right_of_way: Tells when to wait for the control thread.
+    """
+
+    def __init__(self, right_of_way: RightOfWay) -> None:
+        super().__init__()
+        self._right_of_way = right_of_way
+
+    @override
+    def select(
+        self, timeout: float | None = None
+    ) -> list[tuple[selectors.SelectorKey, int]]:
+        ready = super().select(timeout)
+        self._right_of_way.give()
+        return ready
 
 
 class ApiServer:
@@ -57,6 +81,7 @@ class ApiServer:
         context = None if tls is None else tls.context()
         self._scheme = "http" if context is None else "https"
         self._broadcaster: Broadcaster = app.state.broadcaster
+        self._right_of_way: RightOfWay = app.state.station.loop.right_of_way
         self._server = LimitedServer(
             uvicorn.Config(
                 app,
@@ -151,10 +176,17 @@ class ApiServer:
         return listener
 
     def _run(self, listener: socket.socket) -> None:
-        asyncio.run(self._serve(listener))
+        with asyncio.Runner(
+            loop_factory=lambda: asyncio.SelectorEventLoop(
+                GivingWaySelector(self._right_of_way)
+            )
+        ) as runner:
+            runner.run(self._serve(listener))
 
     async def _serve(self, listener: socket.socket) -> None:
         self._loop = asyncio.get_running_loop()
+        # Its first use imports its backend: for the first request, 30 ms beside cycles.
+        await anyio.lowlevel.checkpoint()
         self._running.set()  # the listener queues connections from now on
         try:
             await self._server.serve(sockets=[listener])

@@ -107,13 +107,12 @@ class Journal:
             app.state.experiments.tell = self._follow_experiments()
         control: Control = app.state.control
         alarms: Alarms = app.state.alarms
-
-        def look_also() -> None:
-            recorder.repeats.flush()
-            control.look()
-            alarms.look()
-
-        watcher = StateWatcher(self._station, self.log, look_also)
+        also = {
+            "repeated requests": recorder.repeats.flush,
+            "control": control.look,
+            "alarms": alarms.look,
+        }
+        watcher = StateWatcher(self._station, self.log, also)
         watcher.start()
         self._stack.callback(watcher.stop)
 

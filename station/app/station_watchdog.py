@@ -93,7 +93,10 @@ class StationWatchdog:
         """Publish what the station does, and start a watchdog that has ended again."""
         if self._process is None:
             return
-        self._process.tell(_status(station))
+        station.loop.right_of_way.give()
+        status = _status(station)
+        station.loop.right_of_way.give()
+        self._process.tell(status)
         self._tell_tokens(self._process)
         now = station.loop.clock.now()
         if now < self._may_start_at:

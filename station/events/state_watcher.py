@@ -2,7 +2,8 @@
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 from station.core.control.controller_status import ControllerCondition
 from station.core.facade.station import Station
@@ -32,14 +33,14 @@ class StateWatcher:
     Args:
         station: The station.
         log: Takes the events.
-        also: Called at every look, for what else has to be looked after.
+        also: What else has to be looked after at every look, by what it is.
     """
 
     def __init__(
         self,
         station: Station,
         log: EventLog,
-        also: Callable[[], None] = lambda: None,
+        also: Mapping[str, Callable[[], None]] = MappingProxyType({}),
     ) -> None:
         self._station = station
         self._log = log
@@ -55,7 +56,7 @@ class StateWatcher:
             "the robot's mode": self._look_at_mode,
             "the controllers": self._look_at_controllers,
             "missed deadlines": self._look_at_deadlines,
-            "control and repeated requests": also,
+            **also,
         }
         self._failing: set[str] = set()
         self._end = threading.Event()
@@ -85,6 +86,7 @@ class StateWatcher:
         again; the other parts are looked at all the same.
         """
         for what, look in self._parts.items():
+            self._station.loop.right_of_way.give()
             try:
                 look()
             except Exception as error:  # noqa: BLE001 - told; the watching goes on

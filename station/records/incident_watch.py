@@ -3,7 +3,7 @@
 from collections import deque
 
 from station.core.facade.station import Station
-from station.records.cycle_row import Row
+from station.records.cycle_row import Row, RowForm
 
 REFLEX_MODES = frozenset({"reflex", "user_stopped"})
 BURST = 5
@@ -26,6 +26,7 @@ class IncidentWatch:
         self._station = station
         self._period = station.loop.period
         self._stop_cycle = station.loop.stop_latch.cycle
+        self._form: RowForm | None = None
         self._mode: str | None = None
         self._running: frozenset[str] = frozenset()
         self._skips: deque[float] = deque(maxlen=BURST)
@@ -34,17 +35,22 @@ class IncidentWatch:
     def look(self, row: Row) -> list[str]:
         """Return what went wrong in a cycle, one sentence each."""
         causes = []
-        form = row.form
+        if row.form is not self._form:
+            self._form = row.form
+            causes += self._look_at_form(row.form)
+        if row.period > 1.5 * self._period:
+            causes += self._skipped(row)
+        return causes
+
+    def _look_at_form(self, form: RowForm) -> list[str]:
+        causes = []
         if form.mode != self._mode:
             if form.mode in REFLEX_MODES and self._mode is not None:
                 causes.append(f"The robot went from {self._mode} to {form.mode}.")
             self._mode = form.mode
         running = frozenset(one.name for one in form.samples)
-        if running != self._running:
-            causes += self._faults(self._running - running)
-            self._running = running
-        if row.period > 1.5 * self._period:
-            causes += self._skipped(row)
+        causes += self._faults(self._running - running)
+        self._running = running
         return causes
 
     def look_at_stop(self) -> list[str]:

@@ -244,13 +244,14 @@ class Recorder:
             self._recording = None
 
     def _drain(self) -> None:
-        records, lost = self._station.snapshots.records_since(self._cycle)
+        rows = self._station.snapshots.rows_since(self._cycle)
         self._inputs.take(self._cycle)
         recording = self._recording
-        if lost:
+        if rows.lost:
             self._inputs.lose("what was asked while cycles were lost", self._cycle)
-        for record in records:
-            packed = self._packer.pack(record)
+        for index in range(len(rows)):
+            self._station.loop.right_of_way.give()
+            packed = self._packer.pack(rows.record(index))
             self._rows.append(packed)
             row = self._packer.unpack(packed)
             if recording is not None and row.cycle >= self._first:
@@ -258,13 +259,12 @@ class Recorder:
             periods = round(row.period / self._station.loop.period)
             self._inputs.note_periods(row.cycle, periods)
             self._note_causes(self._watch.look(row), row.time)
-        if records:
-            self._cycle = records[-1][0]
+        if len(rows):
+            self._cycle = rows.newest
             stop = self._station.loop.stop_latch.cycle
-            stopped_at = next((r[2] for r in records if r[0] >= stop), records[-1][2])
-            self._note_causes(self._watch.look_at_stop(), stopped_at)
+            self._note_causes(self._watch.look_at_stop(), rows.time_of(stop))
         if recording is not None:
-            recording.add_lost(lost)
+            recording.add_lost(rows.lost)
             recording.add_samples()
             self._add_texts(recording)
             self._write_out(recording)

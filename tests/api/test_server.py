@@ -1,5 +1,6 @@
 """The server in its thread: start, stop, ports, and what only a real net shows."""
 
+import asyncio
 import socket
 import threading
 import time
@@ -9,7 +10,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from station.api.server import ApiServer, ServerStartError
+from station.api.server import ApiServer, GivingWaySelector, ServerStartError
 from station.local.tls import TlsFiles, TlsFilesError, trust
 from tests.api.conftest import OPERATOR
 from tests.api.test_errors import problem_of
@@ -190,3 +191,26 @@ def test_a_certificate_that_cannot_be_used_is_told_at_once(app, tmp_path):
 
     with pytest.raises(TlsFilesError, match=r"missing\.crt cannot be read"):
         ApiServer(app, port=0, tls=tls)
+
+
+def test_a_turn_of_the_event_loop_lets_a_cycle_begin_before():
+    class Cycle:
+        given = 0
+
+        def give(self) -> None:
+            self.given += 1
+
+    cycle = Cycle()
+    seen = []
+
+    async def turn():
+        seen.append(cycle.given)
+        await asyncio.sleep(0)
+        seen.append(cycle.given)
+
+    loop = asyncio.SelectorEventLoop(GivingWaySelector(cycle))
+    try:
+        loop.run_until_complete(turn())
+    finally:
+        loop.close()
+    assert seen == [1, 2]

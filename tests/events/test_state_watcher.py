@@ -100,7 +100,7 @@ def test_a_look_that_fails_is_told_once_and_the_others_go_on(
     station, log, monkeypatch, caplog
 ):
     looks = []
-    watcher = StateWatcher(station, log, lambda: looks.append(1))
+    watcher = StateWatcher(station, log, {"looks": lambda: looks.append(1)})
 
     def fail():
         raise RuntimeError("a list that changed its size")

@@ -112,7 +112,9 @@ class Broadcaster:
     ) -> None:
         channel = self._channels.get(request)
         if channel is None:
-            channel = self._channels[request] = open_channel(request, topic)
+            right_of_way = self._station.loop.right_of_way
+            channel = open_channel(request, topic, right_of_way)
+            self._channels[request] = channel
         port: StreamPort = websocket.scope["state"][PORT]
         client = StreamClient(port, channel, self._slow_after)
         channel.join(client)

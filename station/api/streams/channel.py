@@ -13,6 +13,7 @@ from typing_extensions import override
 from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
 from station.api.streams.topics import EventsTopic, Topic
+from station.core.loop.right_of_way import RightOfWay
 from station.events import Event
 
 BATCH_PERIOD = 0.02
@@ -36,11 +37,15 @@ class Channel(ABC):
 
     Args:
         request: What its clients ask for.
+        right_of_way: Tells when to wait for the control thread.
         period: Time between two ticks [s].
     """
 
-    def __init__(self, request: StreamRequest, period: float) -> None:
+    def __init__(
+        self, request: StreamRequest, right_of_way: RightOfWay, period: float
+    ) -> None:
         self.request = request
+        self._right_of_way = right_of_way
         self._period = period
         self._clients: dict[ChannelClient, None] = {}
         self._task: asyncio.Task[None] | None = None
@@ -105,6 +110,7 @@ class Channel(ABC):
             while True:
                 await self.tick()
                 for client in tuple(self._clients):
+                    self._right_of_way.give()
                     client.ticked()
                 deadline = max(deadline + self._period, loop.time())
                 await asyncio.sleep(deadline - loop.time())
@@ -119,12 +125,19 @@ class StateChannel(Channel):
 
     Args:
         request: What its clients ask for.
+        right_of_way: Tells when to wait for the control thread.
         topic: Where the state comes from.
         rate: Frames per second [Hz].
     """
 
-    def __init__(self, request: StreamRequest, topic: Topic, rate: float) -> None:
-        super().__init__(request, 1.0 / rate)
+    def __init__(
+        self,
+        request: StreamRequest,
+        right_of_way: RightOfWay,
+        topic: Topic,
+        rate: float,
+    ) -> None:
+        super().__init__(request, right_of_way, 1.0 / rate)
         self._topic = topic
         self._frame = Frame(0, b"", b"")
         self._cycle = 0
@@ -154,6 +167,7 @@ class StateChannel(Channel):
             return
         self._cycle = payload.cycle
         self._made_at = now
+        self._right_of_way.give(pieces=2)
         self._frame = encode(
             self._topic.name,
             payload,
@@ -168,11 +182,14 @@ class FullChannel(Channel):
 
     Args:
         request: What its clients ask for.
+        right_of_way: Tells when to wait for the control thread.
         topic: Where the samples come from.
     """
 
-    def __init__(self, request: StreamRequest, topic: Topic) -> None:
-        super().__init__(request, BATCH_PERIOD)
+    def __init__(
+        self, request: StreamRequest, right_of_way: RightOfWay, topic: Topic
+    ) -> None:
+        super().__init__(request, right_of_way, BATCH_PERIOD)
         self._topic = topic
         self._samples = topic.every_cycle()
         self._newest = self._samples.newest_cycle()
@@ -233,12 +250,19 @@ class EventChannel(Channel):
 
     Args:
         request: What its clients ask for.
+        right_of_way: Tells when to wait for the control thread.
         topic: Where the events come from.
         rate: How often it looks for events [Hz].
     """
 
-    def __init__(self, request: StreamRequest, topic: EventsTopic, rate: float) -> None:
-        super().__init__(request, 1.0 / rate)
+    def __init__(
+        self,
+        request: StreamRequest,
+        right_of_way: RightOfWay,
+        topic: EventsTopic,
+        rate: float,
+    ) -> None:
+        super().__init__(request, right_of_way, 1.0 / rate)
         self._topic = topic
         self._newest = topic.log.newest_id
         self._frames: dict[int, Frame] = {}
@@ -292,10 +316,13 @@ class EventChannel(Channel):
         return frame
 
 
-def open_channel(request: StreamRequest, topic: Topic) -> Channel:
+def open_channel(
+    request: StreamRequest, topic: Topic, right_of_way: RightOfWay
+) -> Channel:
     """Return a channel for what a client asks for."""
     if isinstance(topic, EventsTopic):
-        return EventChannel(request, topic, request.rate or topic.default_rate)
+        rate = request.rate or topic.default_rate
+        return EventChannel(request, right_of_way, topic, rate)
     if request.rate is not None:
-        return StateChannel(request, topic, request.rate)
-    return FullChannel(request, topic)
+        return StateChannel(request, right_of_way, topic, request.rate)
+    return FullChannel(request, right_of_way, topic)

@@ -34,8 +34,14 @@ from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
+from station.core.loop.right_of_way import RightOfWay
 from station.core.loop.robot_pace import RobotPace
-from station.core.loop.scheduling import request_realtime_priority
+from station.core.loop.scheduling import (
+    keep_interpreter,
+    let_others_in,
+    request_realtime_priority,
+    switch_interval_kept,
+)
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
 from station.kernel.control_cycle import ControlCycle
@@ -72,6 +78,7 @@ class ControlLoop(ControlCycle):
         pace: Whether time passes in the thread, and how fast.
         heartbeat: Where the thread leaves the time of every wake-up, and where a
             watchdog asks for a stop.
+        right_of_way: Tells other threads when to wait for the control thread.
 
     Raises:
         ParameterError: The real-time factor is out of range.
@@ -97,6 +104,7 @@ class ControlLoop(ControlCycle):
         self.snapshots = snapshots or SnapshotRing()
         self.stop_latch = StopLatch()
         self.heartbeat = heartbeat or Heartbeat()
+        self.right_of_way = RightOfWay(clock, self.heartbeat, period, self.pace)
         interface = hw.get(JointStateInterface)
         world = hw.simulated_world()
         self._robot_clock = hw.robot_clock()
@@ -321,7 +329,8 @@ class ControlLoop(ControlCycle):
     def _run(self) -> None:
         self._scheduler = request_realtime_priority()
         try:
-            self._run_until_stopped()
+            with switch_interval_kept():
+                self._run_until_stopped()
         except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
             self._failure = trace_of_fault()
             self._state = LoopState.FAILED
@@ -354,6 +363,7 @@ class ControlLoop(ControlCycle):
         while not self._stopping:
             factor = pace.real_time_factor
             wall_period = self.period / factor
+            let_others_in()
             late = 0 if pace.paused else self._take_late_cycles()
             wake = deadline + late * wall_period
             if (1 + late) * wall_period > SLICE:
@@ -364,6 +374,7 @@ class ControlLoop(ControlCycle):
                     continue
             else:
                 self.clock.sleep_until(wake)
+            keep_interpreter()
             now = self.clock.now()
             beats[0] = now
             lateness = now - deadline
@@ -380,7 +391,9 @@ class ControlLoop(ControlCycle):
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
         pace = RobotPace(robot, self.clock.now, self.period)
         while not self._stopping:
+            let_others_in()
             elapsed = pace.wait(self._meter, self.heartbeat.beats)
+            keep_interpreter()
             if elapsed:
                 self.run_one(elapsed * self.period)
             else:

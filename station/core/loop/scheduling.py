@@ -13,7 +13,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 SWITCH_INTERVAL = 1e-4
-"""Longest wait for the interpreter lock behind a busy thread [s]."""
+"""Longest wait of the control thread for the interpreter lock behind a busy one [s]."""
+CYCLE_SWITCH_INTERVAL = 5e-3
+"""How long a cycle may keep the interpreter while others wait for it [s]: the usual
+interval of Python, longer than any cycle but one that hangs."""
 FIFO_PRIORITY = 50
 """Priority asked for, as real-time audio and robot drivers do (1 to 99)."""
 ROUND_ROBIN_PRIORITY = 1
@@ -35,18 +38,40 @@ def realtime_interpreter() -> Iterator[None]:
     collector's sight. Threads started inside are favoured by the scheduler where that
     is permitted.
     """
-    interval, thresholds = sys.getswitchinterval(), gc.get_threshold()
+    thresholds = gc.get_threshold()
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
-    sys.setswitchinterval(SWITCH_INTERVAL)
     try:
-        with _policy("SCHED_RR", ROUND_ROBIN_PRIORITY, NICENESS):
+        with (
+            switch_interval_kept(),
+            _policy("SCHED_RR", ROUND_ROBIN_PRIORITY, NICENESS),
+        ):
+            let_others_in()
             yield
     finally:
-        sys.setswitchinterval(interval)
         gc.set_threshold(*thresholds)
         gc.unfreeze()
+
+
+def let_others_in() -> None:
+    """Hand the interpreter over soon; the control thread before it sleeps."""
+    sys.setswitchinterval(SWITCH_INTERVAL)
+
+
+def keep_interpreter() -> None:
+    """Keep the interpreter through a cycle; the control thread when it has woken."""
+    sys.setswitchinterval(CYCLE_SWITCH_INTERVAL)
+
+
+@contextmanager
+def switch_interval_kept() -> Iterator[None]:
+    """Leave the interpreter's switch interval as it was."""
+    interval = sys.getswitchinterval()
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(interval)
 
 
 @contextmanager

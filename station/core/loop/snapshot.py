@@ -66,6 +66,24 @@ class Rows:
     objects: list[dict[str, object] | None]
     lost: int
 
+    def __len__(self) -> int:
+        return len(self.modes)
+
+    @property
+    def newest(self) -> int:
+        """Number of the last cycle; there must be one."""
+        return int(self.numbers[-1, 0])
+
+    def time_of(self, cycle: int) -> float:
+        """Return the station time of `cycle` [s].
+
+        Args:
+            cycle: Its number; the first cycle after it stands for a cycle that is
+                missing, the last one for a cycle to come.
+        """
+        index = int(np.searchsorted(self.numbers[:, 0], cycle))
+        return float(self.numbers[min(index, len(self) - 1), 2])
+
     def states_of_joints(self) -> NDArray[np.float64]:
         """Return positions, velocities and efforts, shape (k, 3, n)."""
         states = self.numbers[:, HEAD : HEAD + self.states]
@@ -164,7 +182,7 @@ class SnapshotRing(Records):
             cycle: Number of the last cycle the reader has seen; 0 for none.
         """
         rows = self.rows_since(cycle)
-        return [rows.record(k) for k in range(len(rows.modes))], rows.lost
+        return [rows.record(k) for k in range(len(rows))], rows.lost
 
     def rows_since(self, cycle: int) -> Rows:
         """Return the cycles after `cycle` as they are; see `read_since`.

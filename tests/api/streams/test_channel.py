@@ -19,7 +19,8 @@ def station():
 
 
 def channel_of(station, topic="joint_states", **query):
-    return open_channel(*parse_request(station, topic, query))
+    request = parse_request(station, topic, query)
+    return open_channel(*request, station.loop.right_of_way)
 
 
 def test_the_kind_of_channel_follows_the_rate(station):
@@ -171,3 +172,34 @@ def test_full_batches_are_shared_by_clients_that_keep_up(station):
     assert one is other
     assert one.seq == behind.seq == 6
     assert len(json.loads(behind.message)["data"]["samples"]) == 3
+
+
+def test_a_channel_looks_for_the_control_loop_before_each_client(station, monkeypatch):
+    looks = []
+    monkeypatch.setattr(
+        station.loop.right_of_way, "give", lambda pieces=1: looks.append(pieces)
+    )
+
+    class Client:
+        def __init__(self) -> None:
+            self.ticks = asyncio.Event()
+
+        def ticked(self) -> None:
+            looks.append(self)
+            self.ticks.set()
+
+        def failed(self, error: BaseException) -> None:
+            raise AssertionError(error)
+
+    async def run():
+        channel = channel_of(station)
+        one, other = Client(), Client()
+        channel.join(one)
+        channel.join(other)
+        await other.ticks.wait()
+        channel.leave(one)
+        channel.leave(other)
+        return one, other
+
+    one, other = asyncio.run(run())
+    assert looks[:5] == [2, 1, one, 1, other]

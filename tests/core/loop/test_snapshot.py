@@ -96,3 +96,13 @@ def test_samples_are_read_from_the_row_or_as_the_objects_they_are():
     assert mine[0].tolist() == [[1.0], [2.0], [3.0], [4.0]]
     assert mine[1].tobytes() == array("d", [float("nan")] * 4).tobytes()
     assert np.isnan(ring.rows_since(0).columns_of("arm", 3)).all()
+
+
+def test_rows_tell_their_newest_cycle_and_the_time_of_each():
+    rows = _ring(4, 10).rows_since(2)
+
+    assert len(rows) == 4
+    assert rows.newest == 10
+    assert rows.time_of(8) == 0.008
+    assert rows.time_of(3) == 0.007  # lost: the first that is there
+    assert rows.time_of(12) == 0.010  # to come: the last

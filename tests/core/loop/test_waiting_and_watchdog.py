@@ -1,5 +1,6 @@
 """What the control thread does while it waits, and for a watchdog."""
 
+import sys
 import threading
 
 import pytest
@@ -9,6 +10,7 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.loop.control_loop import SLICE, ControlLoop
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopState
+from station.core.loop.scheduling import CYCLE_SWITCH_INTERVAL, SWITCH_INTERVAL
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
@@ -156,3 +158,26 @@ def test_a_stop_of_the_watchdog_reaches_a_paused_loop():
 
     assert loop.stop_latch.state is StopState.STOPPED
     assert loop.stop_latch.reason == "asked for while paused"
+
+
+def test_the_interpreter_is_kept_through_a_cycle_and_given_soon_between_them():
+    asleep, awake = [], []
+
+    class Watched(ManualClock):
+        def sleep_until(self, deadline: float) -> None:
+            asleep.append(sys.getswitchinterval())
+            super().sleep_until(deadline)
+
+    class Read(OneJoint):
+        def read(self, time: float, period: float) -> None:
+            awake.append(sys.getswitchinterval())
+            super().read(time, period)
+
+    before = sys.getswitchinterval()
+    hw = Read()
+    loop = make_loop(hw, Watched())
+    run_thread(hw, loop, 3)
+
+    assert asleep == pytest.approx([SWITCH_INTERVAL] * len(asleep))
+    assert awake == pytest.approx([CYCLE_SWITCH_INTERVAL] * len(awake))
+    assert sys.getswitchinterval() == before

@@ -1,0 +1,53 @@
+"""The control thread has the right of way: others look before they compute.
+
+A thread that computes keeps the interpreter lock until somebody has waited for it for a
+switch interval, 0.1 ms and more. Work that comes often and takes less than that would
+make one cycle in ten late. So it is done in short pieces, and each piece waits when the
+next cycle would begin meanwhile (benchmarks/bench_jitter.py).
+"""
+
+from station.core.clock import Clock
+from station.core.loop.heartbeat import Heartbeat
+from station.core.loop.pace import Pace
+
+PIECE = 1.8e-4
+"""How long a piece of work may take [s], handing the interpreter over included; what is
+longer looks again in between."""
+HEAD_START = 1.5e-4
+"""How long after the beginning of a cycle the others come back [s]."""
+OVERDUE = 5e-4
+"""A cycle that is late by more than this is waited for no longer [s]."""
+
+
+class RightOfWay:
+    """Tells other threads when to wait for the control thread. Any thread but that one.
+
+    Args:
+        clock: The loop's clock.
+        heartbeat: Where the control thread leaves the time of every wake-up.
+        period: The loop's nominal period [s].
+        pace: How fast its time passes.
+    """
+
+    def __init__(
+        self, clock: Clock, heartbeat: Heartbeat, period: float, pace: Pace
+    ) -> None:
+        self._clock = clock
+        self._beats = heartbeat.beats
+        self._period = period
+        self._pace = pace
+
+    def give(self, pieces: int = 1) -> None:
+        """Wait until a cycle that is about to begin has begun; else return at once.
+
+        Never longer than about 0.3 ms, and not for a loop that hangs or has ended, nor
+        for one whose cycles follow each other too closely to compute in between.
+
+        Args:
+            pieces: How many times `PIECE` the work to come may take.
+        """
+        wall_period = self._period / self._pace.real_time_factor
+        begins = self._beats[0] + wall_period
+        now = self._clock.now()
+        if -OVERDUE < begins - now < pieces * PIECE < 0.5 * wall_period:
+            self._clock.sleep_until(max(begins, now) + HEAD_START)
